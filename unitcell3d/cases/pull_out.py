@@ -86,8 +86,10 @@ def pull_out(
     UnstableError : the platens reach none of the pressures
     """
     given = _transverse(displacements, pressures)
-    share = PULL_PRESSED if len(pressures) else PULL
-    pull = share * fabric.weave.w[pulled] if pull is None else float(pull)
+    if pull is None:
+        share = PULL_PRESSED if len(pressures) else PULL
+        pull = share * fabric.weave.w[pulled]
+    pull = float(pull)
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
     numerics = numerics or Numerics()

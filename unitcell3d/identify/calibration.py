@@ -213,7 +213,8 @@ def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
     at = np.linspace(0.0, closure[-1], PLY_SAMPLES + 1)
     left_out = len(history["path"]) - 1 - len(pressure)
     source = f"3D crossover of {fabric.name} between platens, {size} mesh"
-    source += f", {left_out} steps of falling force left out" if left_out else ""
+    if left_out:
+        source += f", {left_out} steps of falling force left out"
     return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
 
 
@@ -254,7 +255,8 @@ def evaluate(
             f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}"
         )
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
-    provenance += f", friction {friction:g}" if friction else ""
+    if friction:
+        provenance += f", friction {friction:g}"
     law = CompressionLaw.fit(F, d, provenance=provenance, fabric=fabric.name)
     yarn_laws, ratio_law, ratio_residuals = _finer(histories, fabric.name)
     return Calibration(

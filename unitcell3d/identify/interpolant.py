@@ -98,8 +98,7 @@ def errors(surface: ResponseSurface) -> dict[str, Error]:
 def _left_out(d1, d2, values):
     lines = []
     misses = []
-    for axis, transposed in ((d1, values), (d2, values.T)):
-        other = d2 if axis is d1 else d1
+    for axis, other, transposed in ((d1, d2, values), (d2, d1, values.T)):
         worst = np.full(axis.size, np.nan)
         for i in range(1, axis.size - 1):
             rest = np.delete(np.arange(axis.size), i)

@@ -158,23 +158,21 @@ def _add_lines(run, axes, new):
     if axes[0].size == 0:  # the first: a stem along d2 and rows
         x1, x2 = new
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
-        stuck = stem.stick_state if len(stem.stick_state) else [None] * x2.size
-        starts = zip(x2, stem.states, stuck)
-        run(
-            [
-                Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0])
-                for d, q, stick_state in starts
-            ],
-            1 + x2.size,
-        )
+        stuck = [None] * x2.size
+        if len(stem.stick_state):
+            stuck = stem.stick_state
+        cases = []
+        for d, q, stick_state in zip(x2, stem.states, stuck):
+            start = (x1[0], d)
+            cases.append(Case(0, d, x1, start, q, stick_state, keep=d == x2[0]))
+        run(cases, 1 + x2.size)
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
     stem = run.kept(Case(1, x1[0], x2))
     row = run.kept(Case(0, x2[0], x1))
-    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]] + [
-        Case(1, d, rows, *_below(row, d)) for d in new[0]
-    ]
+    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]]
+    cases += [Case(1, d, rows, *_below(row, d)) for d in new[0]]
     run(cases, len(run.done.lines) + len(cases))
     return [np.union1d(x1, new[0]), rows]
 
@@ -193,10 +191,11 @@ def _missing(surface, tolerance):
     found = errors(surface)
     new = []
     for number, axis in enumerate((surface.d1, surface.d2)):
-        worst = np.max(
-            [found[name].lines[number] / np.abs(getattr(surface, name)).max() for name in FORCES],
-            axis=0,
-        )
+        missed = []
+        for name in FORCES:
+            largest = np.abs(getattr(surface, name)).max()
+            missed.append(found[name].lines[number] / largest)
+        worst = np.max(missed, axis=0)
         wanted = np.zeros(axis.size - 1, bool)
         for i in np.flatnonzero(worst > tolerance):
             wanted[i - 1 : i + 1] = True
@@ -212,8 +211,10 @@ def _assemble(done, axes, fabric, size, friction, provenance):
         values |= {case.at(place): row for place, row in zip(line.along, line.values)}
     table = np.array([[values[float(a), float(b)] for b in axes[1]] for a in axes[0]])
     made = f"3D crossover of {fabric.name}, {size} mesh"
-    made += f", friction {friction:g}, weft stretched first" if friction else ""
-    made += f"; {provenance}" if provenance else ""
+    if friction:
+        made += f", friction {friction:g}, weft stretched first"
+    if provenance:
+        made += f"; {provenance}"
     columns = {name: np.ascontiguousarray(table[:, :, i]) for i, name in enumerate(QUANTITIES)}
     return ResponseSurface(*axes, **columns, fabric=fabric.name, provenance=made)
 

@@ -64,7 +64,9 @@ def fit(gamma: ArrayLike, tau: ArrayLike) -> ShearFit:
         method="Nelder-Mead",
         options={"xatol": 1e-5, "fatol": 0},
     )
-    pair = found.x if found.fun <= _misfit(best, gamma, tau) else np.array(best)
+    pair = np.array(best)
+    if found.fun <= _misfit(best, gamma, tau):
+        pair = found.x
     (G1, rise), rms = _moduli(pair, gamma, tau)
     if not (G1 > 0 and rise > _ROUNDING * G1):
         raise InputError("the curve of shear stress does not stiffen: it has no gamma1 and gamma2")

@@ -85,7 +85,9 @@ class PullOutModel(YarnsModel):
         self.pulled = pulled
         held = pull_constraints(crossover.grids, len(points), pulled)
         warp, weft = crossover.grids
-        plates = Plates(points, [warp[:, :, -1]], [weft[:, :, 0]]) if platens else None
+        plates = None
+        if platens:
+            plates = Plates(points, [warp[:, :, -1]], [weft[:, :, 0]])
         super().__init__(
             crossover,
             fabric,

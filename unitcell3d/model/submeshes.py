@@ -71,7 +71,9 @@ def _spread(across, through, lines):
 def _evenly(n, count):
     """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter
     yarn."""
-    return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
+    if count < 2:
+        return range(count)
+    return np.round(np.linspace(0, n - 1, count)).astype(int)
 
 
 def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:

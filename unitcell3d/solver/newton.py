@@ -192,7 +192,9 @@ class Newton:
             self._evaluate(q, at).residual for at in (before, before.towards(load, part))
         )
         step = self._solver.solve((rest - moved) / part)
-        return None if step is None else q + step
+        if step is None:
+            return None
+        return q + step
 
     def linear_changes(
         self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]
