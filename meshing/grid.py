@@ -30,7 +30,8 @@ def bricks(nodes: IntArray, right: bool) -> IntArray:
     -------
     hexes : (m, 8) int
     """
-    lowest = np.indices(np.array(nodes.shape) - 1).reshape(3, -1).T
+    cells = tuple(n - 1 for n in nodes.shape)
+    lowest = np.indices(cells).reshape(3, -1).T
     i, j, k = np.moveaxis(lowest[:, None] + CORNERS, -1, 0)
     hexes = nodes[i, j, k]
     if right:

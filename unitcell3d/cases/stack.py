@@ -48,6 +48,8 @@ class StackModel(YarnsModel):
     InputError : another domain
     """
 
+    plates: Plates
+
     def __init__(
         self, crossover: Crossover, fabric: Fabric, plies: int, numerics: Numerics | None = None
     ) -> None:

@@ -144,11 +144,11 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]
         thick = mesh.sections[family].thickness
         yarns = _yarns(mesh, family)
         for yarn, next_yarn in zip(yarns, [*yarns[1:], yarns[0]]):
-            step = [0, 0]
-            if yarn == yarns[-1]:
-                step[1 - family] = 1
+            # the last one's neighbour is the image of the first, one cell further across
+            step = int(yarn == yarns[-1])
+            m, n = (0, step) if family == 0 else (step, 0)
             first = images.extended(yarn, 0, 0, reach)
-            second = images.extended(next_yarn, *step, reach)
+            second = images.extended(next_yarn, m, n, reach)
             # they pass each other at each end of a crossing; of the two ends of the cell, one
             for end in range(cells, len(mesh.grids[yarn]), cells):
                 # the grid begins `reach` columns early

@@ -247,8 +247,9 @@ class YarnsModel:
     def worst_element(self, x: FloatArray) -> tuple[int, float]:
         """Number of the hexahedron with the least corner volume ratio to the undeformed, and that
         ratio."""
-        volumes = (np.linalg.det(corner_edges(points, self.hexes)) for points in (x, self.points))
-        ratio = np.divide(*volumes)
+        with np.errstate(invalid="ignore"):  # positions of a state that has gone wrong
+            volumes = np.linalg.det(corner_edges(x, self.hexes))
+        ratio = volumes / np.linalg.det(corner_edges(self.points, self.hexes))
         cell = int(np.argmin(ratio.min(axis=1)))
         return cell, float(ratio[cell].min())
 
