@@ -78,7 +78,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
             axes.semilogy(closed, MPA * law.pressure, color=ORANGE, ls="--", label=label)
     axes.set_ylim(bottom=1e-3)
     axes.set(xlabel="closure of the plates per ply [µm]", ylabel="mean pressure [MPa]")
-    plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
+    plural = "one ply" if plies == 1 else f"{plies} plies"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure
