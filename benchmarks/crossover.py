@@ -48,9 +48,9 @@ def paths(fabric, size):
                 "ratio": ratio,
                 "wall_s": time.perf_counter() - wall,
                 "cpu_s": time.process_time() - cpu,
-                "steps": len(history.path),
+                "steps": len(history["path"]),
                 "tangents": len(taken),
-                "T_N": [history.T1[-1], history.T2[-1]],
+                "T_N": [history["T1"][-1], history["T2"][-1]],
                 "failed": history.failed,
             }
         )

@@ -45,7 +45,7 @@ numpydoc_validation_checks = {
 }  # a docstring, its summary, each parameter and no other
 # methods say their parameters in words; a class with the parameters of its base documents its own
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
-numpydoc_validation_exclude |= {r"^unitcell3d\.History$", r"^weavecell\.ShotResult$"}
+numpydoc_validation_exclude |= {r"^weavecell\.ShotResult$"}
 
 # the notebooks are kept without outputs; a changed one is run again
 nb_execution_mode = "auto"

@@ -1,1 +1,1 @@
-"""The yarn crossover of a plain weave in hexahedra: sections that close, mesh, quality, files and pictures."""
+"""The yarn crossover of a plain weave in hexahedra: sections that close, mesh, quality, files."""

@@ -1,25 +1,29 @@
-"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the yarns touch everywhere.
+"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the
+yarns touch everywhere.
 
-With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the gap between
-warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)] (`meshing.section_fit`). It is zero
-at every point if, and only if,
+With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the
+gap between warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)]
+(`meshing.section_fit`). It is zero at every point if, and only if,
 
     q_1(y) = h_2 cos(pi y / 2 w_2) + kappa,    q_2(x) = h_1 cos(pi x / 2 w_1) - kappa,
 
-with one free length kappa. A lens of prescribed shape (sine, ellipse) fits a balanced weave only: where h_1 is several
-times h_2 it rides on the crest of the flat yarn, and has to be squeezed to fit at all. Here kappa gives area from one
-yarn to the other, so that both keep the ratio of their fibre volume fractions,
+with one free length kappa. A lens of prescribed shape (sine, ellipse) fits a balanced weave only:
+where h_1 is several times h_2 it rides on the crest of the flat yarn, and has to be squeezed to fit
+at all. Here kappa gives area from one yarn to the other, so that both keep the ratio of their fibre
+volume fractions,
 
     A_1(kappa) / A_2(kappa) = A_s1 (1 + crimp_1) Vf0_2 / (A_s2 (1 + crimp_2) Vf0_1),
 
-and both are multiplied by what is left over: the room that the crimp leaves is filled. Of the yarn with kappa > 0 the
-edges are blunt, as wide as the cell allows; the other one is narrower than its spacing. kappa > 0 is that of the warp.
+and both are multiplied by what is left over: the room that the crimp leaves is filled. Of the yarn
+with kappa > 0 the edges are blunt, as wide as the cell allows; the other one is narrower than its
+spacing. kappa > 0 is that of the warp.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +32,7 @@ from scipy.optimize import brentq
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.weave import Weave
+from meshing.section import Section
 
 KIND = "conforming"
 
@@ -59,7 +64,8 @@ class ConformingSection:
 
     @property
     def half_width(self) -> float:
-        """[m] from the middle to the cut: half of the width requested, or to where the tip is cut."""
+        """[m] from the middle to the cut: half of the width requested, or to where the tip is
+        cut."""
         cosine = (self.tip_thickness_ratio * self.thickness / 2 - self.offset) / self.arch
         tip = self.span / np.pi * np.arccos(np.clip(cosine, -1, 1))
         return float(min(tip, self.width / 2))
@@ -77,6 +83,11 @@ class ConformingSection:
     def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut, in equal steps."""
         return np.linspace(0, self.half_width, n + 1)
+
+
+# what the mesher works with: a shape, its size, its thickness over the width, and the places of its
+# mesh lines
+YarnSection: TypeAlias = Section | ConformingSection
 
 
 def conform(
@@ -116,7 +127,8 @@ def conform(
         return np.log(warp.area / weft.area) - np.log(areas[0] / areas[1])
 
     edge = 1e-3  # of a height: thinner than that is no yarn
-    low, high = -(1 - edge) * h2, (1 - edge) * h1
+    low = -(1 - edge) * h2
+    high = (1 - edge) * h1
     if excess(low) > 0 or excess(high) < 0:
         raise InputError(
             "no conforming sections have the fibre fractions of this fabric: give other widths"

@@ -1,11 +1,14 @@
-"""One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing at the origin.
+"""One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing
+at the origin.
 
-Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.section_fit`):
+Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections
+(`meshing.section_fit`):
 
     warp   z =   h_1 cos(pi x / 2 w_1) + shift/2
     weft   z = -(h_2 cos(pi y / 2 w_2) + shift/2)
 
-"quarter" is x >= 0, y >= 0: half the length and half the width of each yarn, so half of its bars' area.
+"quarter" is x >= 0, y >= 0: half the length and half the width of each yarn, so half of its bars'
+area.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing import inputs
 from meshing.inputs import YARNS, MeshOptions, Size
-from meshing.mesh import Strand, YarnMesh, assemble, place
+from meshing.mesh import Strand, YarnMesh, assemble, outer_faces, place
 from meshing.mesh_plan import Plan, mirrored
 
 
@@ -52,53 +55,46 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     domain : "quarter" or "whole"
-    size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through a quarter of each
-        yarn, or an edge length [m] (`meshing.inputs.size`)
+    size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through
+        a quarter of each yarn, or an edge length [m] (`meshing.inputs.size`)
     **options : of `meshing.inputs.MeshOptions`
 
     Raises
     ------
-    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be
+        solved
     """
     inputs.one_of("domain", domain, ("quarter", "whole"))
     plan = Plan.of(fabric, size=size, shift=True, **options)
     whole = domain == "whole"
     mesh, sides = assemble([_strand(plan, family, whole) for family in (0, 1)])
-    return Crossover(domain=domain, faces=_faces(sides, whole), **mesh, **plan.fields())
+    faces = outer_faces(sides) if whole else _faces_of_a_quarter(sides)
+    return Crossover(domain=domain, faces=faces, **mesh, **plan.fields())
 
 
 def _strand(plan, family, whole):
-    s = mirrored(plan.along(family)) if whole else plan.along(family)
+    s = plan.along(family)
+    if whole:
+        s = mirrored(s)
     y, heights, areas = plan.across(family, whole)
-    w, h = plan.weave.w[family], plan.weave.h0[family]
+    w = plan.weave.w[family]
+    h = plan.weave.h0[family]
     sign = 1 if family == 0 else -1
     centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.section_fit.shift / 2)
-    return Strand(
-        YARNS[family],
-        family,
-        place(family, s, centre, y, heights),
-        areas,
-        np.full(len(s) - 1, family == 0),
-    )
+    points = place(family, s, centre, y, heights)
+    over = np.full(len(s) - 1, family == 0)
+    return Strand(YARNS[family], family, points, areas, over)
 
 
-def _faces(sides, whole):
+def _faces_of_a_quarter(sides):
     """Names of the outer faces of both yarns, as `YarnMesh.groups` lists them."""
     named = {}
-    for yarn, of in sides.items():
-        named |= {
-            f"{yarn}_contact": of["contact"],
-            f"{yarn}_plate": of["plate"],
-            f"{yarn}_end": of["i1"],
-        }
-        if whole:
-            named |= {
-                f"{yarn}_start": of["i0"],
-                f"{yarn}_tip": np.concatenate([of["j0"], of["j1"]]),
-            }
-        else:
-            planes = ("symx", "symy") if yarn == YARNS[0] else ("symy", "symx")
-            named |= {f"{yarn}_tip": of["j1"]} | {
-                f"{yarn}_{plane}": of[k] for plane, k in zip(planes, ("i0", "j0"))
-            }
+    for yarn, planes in zip(YARNS, (("symx", "symy"), ("symy", "symx"))):
+        of = sides[yarn]
+        named[f"{yarn}_contact"] = of["contact"]
+        named[f"{yarn}_plate"] = of["plate"]
+        named[f"{yarn}_end"] = of["i1"]
+        named[f"{yarn}_tip"] = of["j1"]
+        named[f"{yarn}_{planes[0]}"] = of["i0"]
+        named[f"{yarn}_{planes[1]}"] = of["j0"]
     return named

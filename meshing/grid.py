@@ -1,7 +1,9 @@
-"""Numbering on the structured grid of a yarn: faces, bricks and fibre bars from node numbers nodes[i, j, k].
+"""Numbering on the structured grid of a yarn: faces, bricks and fibre bars from node numbers
+nodes[i, j, k].
 
-i runs along the yarn, j across it, k through its thickness from bottom to top. (i, j, k) is a right-handed system in
-the warp and a left-handed one in the weft; every function takes `right` and keeps volumes positive, normals outward.
+i runs along the yarn, j across it, k through its thickness from bottom to top. (i, j, k) is a
+right-handed system in the warp and a left-handed one in the weft; every function takes `right` and
+keeps volumes positive, normals outward.
 """
 
 from __future__ import annotations
@@ -10,28 +12,36 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 
+# (i, j, k) of the corners of a brick in VTK order, whose local axes run along i, j and k
+CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
 
-def bricks(nodes: IntArray, corners: IntArray, right: bool) -> IntArray:
+
+def bricks(nodes: IntArray, right: bool) -> IntArray:
     """Bricks in VTK order, edges 0-1, 3-2, 4-5 and 7-6 along the fibre towards growing i.
 
     Parameters
     ----------
     nodes : (nx+1, ny+1, nz+1) int
-    corners : (m, 8, 3) int, grid places in the VTK order of local axes i, j, k
     right : bool, the grid is right-handed
 
     Returns
     -------
     hexes : (m, 8) int
     """
-    hexes = nodes[tuple(np.moveaxis(corners, -1, 0))]
+    cells = tuple(n - 1 for n in nodes.shape)
+    lowest = np.indices(cells).reshape(3, -1).T
+    i, j, k = np.moveaxis(lowest[:, None] + CORNERS, -1, 0)
+    hexes = nodes[i, j, k]
     if right:
         return hexes
     return hexes[:, [0, 1, 5, 4, 3, 2, 6, 7]]  # local axes i, k, j
 
 
 def quads(sheet: IntArray, flip: bool) -> IntArray:
-    """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with `flip`."""
+    """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with
+    `flip`."""
     cells = np.stack(
         [sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1
     ).reshape(-1, 4)
@@ -39,7 +49,8 @@ def quads(sheet: IntArray, flip: bool) -> IntArray:
 
 
 def faces(nodes: IntArray, right: bool) -> dict[str, IntArray]:
-    """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1", "k0", "k1"."""
+    """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1",
+    "k0", "k1"."""
     left = not right
     return {
         "i0": quads(nodes[0], right),
@@ -57,7 +68,8 @@ def bars(nodes: IntArray) -> IntArray:
 
 
 def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
-    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a corner to that node.
+    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a
+    corner to that node.
 
     Parameters
     ----------

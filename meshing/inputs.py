@@ -7,14 +7,17 @@ from math import ceil, isfinite
 from numbers import Real
 from typing import Any, TypeAlias, TypedDict
 
+import numpy as np
+
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from meshing.section import YarnSection
+from meshing.conforming import YarnSection
 
 YARNS = ("warp", "weft")
 TIP_THICKNESS_RATIO = 0.075
 Size: TypeAlias = str | float | Sequence[int]
-AUTO_LAYERS, AUTO_ASPECT = 2, 1.5
+AUTO_LAYERS = 2
+AUTO_ASPECT = 1.5
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
 
 
@@ -23,7 +26,8 @@ class MeshOptions(TypedDict, total=False):
 
     section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
     gap : [m] between parallel yarns; the widths are the spacings less the gap
-    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
+    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap
+        (conforming: not exceeded)
     tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
     overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
     crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
@@ -50,14 +54,16 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
 
     Parameters
     ----------
-    value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two layers, and edges along
-        and across of 1.5 times the height of an element in the middle of the thinner section
+    value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two
+        layers, and edges along and across of 1.5 times the height of an element in the middle of
+        the thinner section
     w : (warp, weft) [m] half cell lengths
     sections : (Section, Section)
 
     Raises
     ------
-    InputError : another name, numbers below 2, 2 and 1, or a length that is not above 0 and at most half a cell
+    InputError : another name, numbers below 2, 2 and 1, or a length that is not above 0 and at most
+        half a cell
     """
     if isinstance(value, str):
         one_of("size", value, (*SIZES, "auto"))
@@ -66,35 +72,34 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
         height = min(section.thickness for section in sections) / AUTO_LAYERS
         return (*_parts(AUTO_ASPECT * height, w, sections), AUTO_LAYERS)
     if _number(value) and 0 < value <= min(w):
-        return (
-            *_parts(value, w, sections),
-            max(1, _ceil(max(section.thickness for section in sections) / value)),
-        )
-    try:
-        numbers = tuple(int(n) for n in value)
-        good = (
-            numbers == tuple(value)
-            and len(numbers) == 3
-            and all(n >= low for n, low in zip(numbers, (2, 2, 1)))
-        )
-    except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
+        layers = max(section.thickness for section in sections) / value
+        return (*_parts(value, w, sections), max(1, _ceil(layers)))
+    numbers = _whole_numbers(value, (2, 2, 1))
+    if numbers is None:
         wanted = (
-            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or three whole numbers, "
-            "at least 2 along, 2 across and 1 through"
+            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or "
+            "three whole numbers, at least 2 along, 2 across and 1 through"
         )
         raise InputError(key="size", value=value, allowed=wanted)
     nx, ny, nz = numbers
     return nx, ny, nz
 
 
+def _whole_numbers(value, least):
+    """As many whole numbers as there are in `least`, none of them below it; None where they are not."""
+    try:
+        numbers = tuple(int(n) for n in value)
+        if numbers != tuple(value) or len(numbers) != len(least):
+            return None
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return numbers if np.all(np.asarray(numbers) >= least) else None
+
+
 def _parts(length, w, sections):
     """Elements along and across whose edges are at most `length` in both yarns, at least 2."""
-    return [
-        max(2, _ceil(max(lengths) / length))
-        for lengths in (w, [section.half_width for section in sections])
-    ]
+    half_width = max(section.half_width for section in sections)
+    return [max(2, _ceil(edge / length)) for edge in (max(w), half_width)]
 
 
 def _ceil(ratio):
@@ -108,23 +113,20 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
     ------
     InputError : they are not
     """
-    try:
-        numbers = tuple(int(n) for n in value)
-        good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1
-    except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
-        raise InputError(
-            key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns"
-        )
+    numbers = _whole_numbers(value, (1, 1))
+    if numbers is None:
+        allowed = "two whole numbers from 1, of warp and of weft yarns"
+        raise InputError(key="count", value=value, allowed=allowed)
     warp, weft = numbers
     return warp, weft
 
 
 def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
-    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and A-2), or given.
+    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and
+    A-2), or given.
 
-    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
+    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table
+    A-3 (erratum E-27).
 
     Parameters
     ----------
@@ -132,7 +134,8 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
 
     Raises
     ------
-    InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0 to below 1
+    InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0
+        to below 1
     """
     if not isinstance(crimp, str):
         return fabric.with_yarns(crimp=_two("crimp", crimp, "two fractions, of warp and weft"))
@@ -162,7 +165,8 @@ def thickness(key: str, value: float | None) -> None:
 
 
 def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[float]:
-    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the other.
+    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the
+    other.
 
     Without gap and width they are those of the fabric's yarns where known, else the spacings.
 
@@ -183,8 +187,10 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
             raise InputError(
                 key="gap", value=gap, allowed=f"from 0 to below half a spacing, {high:.4g} m"
             )
-        known = fabric.yarn_width if gap == 0 else (None, None)
-        return [s - gap if known is None else min(s, known) for s, known in zip(spacing, known)]
+        if gap:
+            return [s - gap for s in spacing]
+        known = [np.inf if width is None else width for width in fabric.yarn_width]
+        return [min(s, width) for s, width in zip(spacing, known)]
     if gap:
         raise InputError(key="gap", value=gap, allowed="0 where the widths are given")
     warp, weft = _two("width", width, "two lengths, of warp and weft")
@@ -199,7 +205,8 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
 
 
 def fractions(fabric: Fabric) -> list[float]:
-    """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its yarns have no area.
+    """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its
+    yarns have no area.
 
     Raises
     ------

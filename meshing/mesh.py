@@ -5,11 +5,12 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     warp   (s, p, q) -> (s, p, z(s) + q)
     weft   (s, p, q) -> (p, s, z(s) + q)
 
-so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis, and with the
-vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh meshes a box (`meshing.box`); the
-nodes are placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of
-its node in the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre,
-so a straightened yarn has the stiffness E A_s exactly.
+so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis,
+and with the vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. The
+nodes of a box (`meshing.grid`) are placed by this map. Mesh lines along the box are fibre lines.
+Each carries a bar whose area is the share of its node in the section, scaled so that all bars of a
+section together are the fibre area: the bars lie along the fibre, so a straightened yarn has the
+stiffness E A_s exactly.
 """
 
 from __future__ import annotations
@@ -22,12 +23,10 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from meshing import grid
-from meshing.box import transfinite_box
+from meshing.conforming import YarnSection
 from meshing.inputs import YARNS
-from meshing.linear_material import RestMaterial
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.section import YarnSection
 from meshing.section_fit import SectionFit
 
 SURFACES = (
@@ -69,15 +68,14 @@ class YarnMesh:
     yarn : (m,) int, number of the yarn in `names`
     names : of the yarns
     families : per yarn 0 or 1
-    grids : per yarn (nx+1, ny+1, nz+1) int, nodes by place: i along the yarn (towards +x or +y; from the symmetry
-        plane in a quarter), j across it, k through it from bottom to top
+    grids : per yarn (nx+1, ny+1, nz+1) int, nodes by place: i along the yarn (towards +x or +y;
+        from the symmetry plane in a quarter), j across it, k through it from bottom to top
     bars : per yarn (b, 2) int, node pairs along the fibre
     bar_area : per yarn (b,) [m2]
     faces : name -> (q, 4) int, outward quadrilaterals (see `groups`)
     w, h0, S0 : (warp, weft) [m] half cell lengths, heights and lengths of the centrelines
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
     section_fit : SectionFit, the sections, the overlap they had, and how it was removed
-    materials : (RestMaterial, RestMaterial) of warp and weft
     end_shells : [m] thickness of shells on the yarn ends, or None
     """
 
@@ -96,7 +94,6 @@ class YarnMesh:
     S0: tuple[float, float]
     fibre_area: tuple[float, float]
     section_fit: SectionFit
-    materials: tuple[RestMaterial, RestMaterial]
     end_shells: float | None
 
     @property
@@ -111,26 +108,31 @@ class YarnMesh:
 
     @property
     def Vf0(self) -> tuple[float, float]:
-        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap requested it."""
+        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the
+        overlap requested it."""
         return self.section_fit.Vf0
 
     @property
     def collected(self) -> dict:
-        """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of the family."""
-        found: dict[str, list[str]] = {}
+        """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of
+        the family."""
+        family = dict(zip(self.names, self.families))
+        found: dict[str, tuple[str, ...]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)
-            found.setdefault(f"{YARNS[self.families[self.names.index(yarn)]]}_{part}", []).append(
-                name
-            )
-        return {name: tuple(members) for name, members in found.items()}
+            group = f"{YARNS[family[yarn]]}_{part}"
+            found[group] = (*found.get(group, ()), name)
+        return found
 
     @property
     def groups(self) -> dict:
-        """Named parts of each yarn, such as "warp_3_end" (a crossover's are "warp" and "weft"), and of each family.
+        """Named parts of each yarn, such as "warp_3_end" (a crossover's are "warp" and "weft"), and
+        of each family.
 
-        contact, plate, tip : (q, 4) int, outward quadrilaterals: facing the other yarns, away from them, the cut tips
-        end : (k,) int, nodes of the end towards +x or +y; start : of the other end (not in a quarter)
+        contact, plate, tip : (q, 4) int, outward quadrilaterals: facing the other yarns, away from
+            them, the cut tips
+        end : (k,) int, nodes of the end towards +x or +y; start : of the other end (not in a
+            quarter)
         symx, symy : (k,) int, nodes on the planes x = 0 and y = 0 (quarter)
         """
         quads = {
@@ -138,14 +140,15 @@ class YarnMesh:
             for name, members in self.collected.items()
         }
         quads.update(self.faces)
-        return {
-            name: q if name.rsplit("_", 1)[1] in SURFACES else np.unique(q)
-            for name, q in quads.items()
-        }
+        for name in quads:
+            if name.rsplit("_", 1)[1] not in SURFACES:
+                quads[name] = np.unique(quads[name])
+        return quads
 
     @property
     def shells(self) -> dict:
-        """name -> (q, 4) int, quadrilaterals of the shells on the yarn ends; empty without `end_shells`."""
+        """name -> (q, 4) int, quadrilaterals of the shells on the yarn ends; empty without
+        `end_shells`."""
         if self.end_shells is None:
             return {}
         return {
@@ -171,7 +174,8 @@ class YarnMesh:
 
     @cached_property
     def least_gap(self) -> float:
-        """[m] between the meshed surfaces of crossing yarns; negative where their facets overlap."""
+        """[m] between the meshed surfaces of crossing yarns; negative where their facets
+        overlap."""
         return least_gap(self)
 
 
@@ -196,25 +200,34 @@ def place(
     -------
     points : (nx+1, ny+1, nz+1, 3) [m]
     """
-    along, side, z = np.broadcast_arrays(
-        s[:, None, None], across + y[None, :, None], centre[:, None, None] + heights[None]
-    )
-    return np.stack([along, side, z] if family == 0 else [side, along, z], axis=-1)
+    z = centre[:, None, None] + heights[None]
+    points = np.empty((*z.shape, 3))
+    points[..., family] = s[:, None, None]
+    points[..., 1 - family] = across + y[None, :, None]
+    points[..., 2] = z
+    return points
 
 
 def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntArray]]]:
-    """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields of a `YarnMesh`.
+    """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields
+    of a `YarnMesh`.
 
     Faces are named with the yarn and i0, i1, j0, j1 or contact and plate.
     """
-    grids, hexes, pairs, areas, faces, first = [], [], [], [], {}, 0
+    grids = []
+    hexes = []
+    pairs = []
+    areas = []
+    faces = {}
+    first = 0
     for strand in strands:
-        shape, right = strand.points.shape[:3], strand.family == 0
+        shape = strand.points.shape[:3]
+        right = strand.family == 0
         nodes = np.arange(np.prod(shape)).reshape(shape) + first
         first += nodes.size
         bars = grid.bars(nodes)
         grids.append(nodes)
-        hexes.append(grid.bricks(nodes, transfinite_box(*(n - 1 for n in shape)), right))
+        hexes.append(grid.bricks(nodes, right))
         pairs.append(bars.reshape(-1, 2))
         areas.append(np.broadcast_to(strand.bar_area, bars.shape[:-1]).reshape(-1).copy())
         faces[strand.name] = _sides(grid.faces(nodes, right), strand.over, shape[1] - 1)
@@ -230,10 +243,24 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
     }, faces
 
 
+def outer_faces(sides: dict[str, dict[str, IntArray]]) -> dict[str, IntArray]:
+    """Names of the outer faces of whole yarns, as `YarnMesh.groups` lists them."""
+    named = {}
+    for yarn, of in sides.items():
+        named[f"{yarn}_contact"] = of["contact"]
+        named[f"{yarn}_plate"] = of["plate"]
+        named[f"{yarn}_end"] = of["i1"]
+        named[f"{yarn}_start"] = of["i0"]
+        named[f"{yarn}_tip"] = np.concatenate([of["j0"], of["j1"]])
+    return named
+
+
 def _sides(sides, over, ny):
-    """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over) and plate."""
+    """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over)
+    and plate."""
     below = np.repeat(over, ny)[:, None]
-    lower, upper = sides.pop("k0"), sides.pop("k1")
+    lower = sides.pop("k0")
+    upper = sides.pop("k1")
     return sides | {
         "contact": np.where(below, lower, upper),
         "plate": np.where(below, upper, lower),

@@ -1,4 +1,5 @@
-"""The mesh that is made for a request: crimp, closed sections, element numbers; the same for crossover and patch."""
+"""The mesh that is made for a request: crimp, closed sections, element numbers; the same for
+crossover and patch."""
 
 from __future__ import annotations
 
@@ -15,8 +16,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
 from meshing.inputs import TIP_THICKNESS_RATIO, Size
-from meshing.linear_material import linearise
-from meshing.section_fit import SectionFit, fit_sections
+from meshing.section_fit import SectionFit, fit_sections, least_that_fits
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,6 @@ class Plan:
     weave : Weave, with the crimp requested
     section_fit : SectionFit
     size : (nx, ny, nz) hexahedra along, across and through a quarter of each yarn
-    materials : (RestMaterial, RestMaterial)
     end_shells : [m] or None
     """
 
@@ -37,7 +36,6 @@ class Plan:
     weave: Weave
     section_fit: SectionFit
     size: tuple[int, int, int]
-    materials: tuple
     end_shells: float | None
 
     @classmethod
@@ -64,7 +62,8 @@ class Plan:
 
         Raises
         ------
-        InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+        InputError : a value is not allowed, or the sections overlap and this is refused or cannot
+            be solved
         """
         inputs.one_of("overlap", overlap, ("solve", "refuse"))
         inputs.thickness("end_shells", end_shells)
@@ -80,31 +79,25 @@ class Plan:
             overlap=overlap,
             shift=shift,
         )
-        assert fabric.solid_laws is not None  # else `inputs.fractions` has refused it
         elements = inputs.size(size, weave.w, section_fit.sections)
-        materials = tuple(
-            linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0)
-        )
-        return cls(fabric.name, weave, section_fit, elements, materials, end_shells)
+        return cls(fabric.name, weave, section_fit, elements, end_shells)
 
     def along(self, family: int) -> FloatArray:
         """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
         return np.linspace(0, self.weave.w[family], self.size[0] + 1)
 
     def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
-        y = self.section_fit.sections[family].stations(self.size[1])
+        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a
+        section."""
+        section = self.section_fit.sections[family]
+        _, ny, nz = self.size
+        y = section.stations(ny)
         if whole:
             y = mirrored(y)
-        heights = self.section_fit.sections[family].half_thickness(y)[:, None] * np.linspace(
-            -1, 1, self.size[2] + 1
-        )
+        heights = section.half_thickness(y)[:, None] * np.linspace(-1, 1, nz + 1)
         weight = grid.tributary_areas(y, heights)
-        return (
-            y,
-            heights,
-            weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s,
-        )
+        share = 1.0 if whole else 0.5
+        return y, heights, weight / weight.sum() * share * self.weave.yarns[family].A_s
 
     def fields(self) -> dict:
         """Those fields of a `YarnMesh` that do not depend on its extent."""
@@ -116,13 +109,13 @@ class Plan:
             "S0": weave.S0,
             "fibre_area": tuple(yarn.A_s for yarn in weave.yarns),
             "section_fit": self.section_fit,
-            "materials": self.materials,
             "end_shells": self.end_shells,
         }
 
 
 def with_room(fabric: Fabric) -> Fabric:
-    """The fabric, thicker within the range of its thickness where the crimp computed from that leaves too little room.
+    """The fabric, thicker within the range of its thickness where the crimp computed from that
+    leaves too little room.
 
     As it is where its sections fit, its crimp is given, or no thickness of the range suffices.
     """
@@ -134,13 +127,12 @@ def with_room(fabric: Fabric) -> Fabric:
             return False
         return True
 
-    low, high = 1.0, entries()["thickness"].high
+    low = 1.0
+    high = entries()["thickness"].high
     if "crimp" not in fabric.assumed or fits(low) or not fits(high):
         return fabric
-    while high - low > 1e-3:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    found, thickness = assumed.of_thickness(fabric, high), fabric.thickness or 0.0
+    found = assumed.of_thickness(fabric, least_that_fits(fits, low, high))
+    thickness = fabric.thickness or 0.0
     crimp = " / ".join(f"{100 * yarn.crimp:.2f}" for yarn in found.weave.yarns)
     note = (
         f"note: the thickness {1e3 * thickness:g} mm leaves too little room for the yarns; the 3D crossover has the "

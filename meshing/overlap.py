@@ -1,10 +1,10 @@
-"""What the meshed surfaces of crossing yarns leave between them: the least gap of their facets, negative where they
-overlap.
+"""What the meshed surfaces of crossing yarns leave between them: the least gap of their facets,
+negative where they overlap.
 
-`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of
-order two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of
-all these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid
-point.
+`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on
+them, whose sag is of order two in the element size. Seen from above, the nodes of both surfaces
+stand on lines along x and y: on the grid of all these lines both surfaces are bilinear between the
+same lines, so their least distance in z is found at a grid point.
 """
 
 from __future__ import annotations
@@ -16,37 +16,37 @@ from scipy.interpolate import RegularGridInterpolator
 
 
 def least_gap(mesh: Any) -> float:
-    """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a `YarnMesh`."""
-    families = np.array(mesh.families)
-    yarns = [
-        [mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)]
-        for family in (0, 1)
-    ]
-    return min(
-        _crossing_gap(warp, np.swapaxes(weft, 0, 1)) for warp in yarns[0] for weft in yarns[1]
-    )
+    """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a
+    `YarnMesh`."""
+    yarns: tuple[list, list] = ([], [])
+    for grid, family in zip(mesh.grids, mesh.families):
+        yarns[family].append(mesh.points[grid])
+    warps, wefts = yarns
+    return min(_crossing_gap(warp, np.swapaxes(weft, 0, 1)) for warp in warps for weft in wefts)
 
 
-def _crossing_gap(*yarns):
-    """Least gap of two yarns (nx, ny, nz, 3) [m], the first axis along x, the second along y, in both."""
-    lines = [(points[:, 0, 0, 0], points[0, :, 0, 1]) for points in yarns]
-    common = [_common(*axes) for axes in zip(*lines)]
-    if min(len(axis) for axis in common) == 0:
+def _crossing_gap(warp, weft):
+    """Least gap of two yarns (nx, ny, nz, 3) [m], the first axis along x, the second along y, in
+    both."""
+    x = _common(warp[:, 0, 0, 0], weft[:, 0, 0, 0])
+    y = _common(warp[0, :, 0, 1], weft[0, :, 0, 1])
+    if min(len(x), len(y)) == 0:
         return np.inf
-    at = np.meshgrid(*common, indexing="ij")
-    bottom, top = (
-        [
-            RegularGridInterpolator(axes, points[:, :, k, 2])(np.stack(at, axis=-1))
-            for axes, points in zip(lines, yarns)
-        ]
-        for k in (0, -1)
-    )
-    warp_is_over = np.mean(bottom[0] + top[0]) > np.mean(bottom[1] + top[1])
-    return float(np.min(bottom[0] - top[1] if warp_is_over else bottom[1] - top[0]))
+    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    warp_bottom, warp_top = (_heights(warp, k, places) for k in (0, -1))
+    weft_bottom, weft_top = (_heights(weft, k, places) for k in (0, -1))
+    if np.mean(warp_bottom + warp_top) > np.mean(weft_bottom + weft_top):
+        return float(np.min(warp_bottom - weft_top))
+    return float(np.min(weft_bottom - warp_top))
+
+
+def _heights(points, k, places):
+    """Heights [m] of the layer k of nodes at places (..., 2) [m]."""
+    lines = (points[:, 0, 0, 0], points[0, :, 0, 1])
+    return RegularGridInterpolator(lines, points[:, :, k, 2])(places)
 
 
 def _common(a, b):
     """The places of both lines, within the part that they share."""
-    low, high = max(a[0], b[0]), min(a[-1], b[-1])
     places = np.union1d(a, b)
-    return places[(places >= low) & (places <= high)]
+    return places[(places >= max(a[0], b[0])) & (places <= min(a[-1], b[-1]))]

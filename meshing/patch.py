@@ -1,16 +1,17 @@
-"""A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain weave's chequerboard.
+"""A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain
+weave's chequerboard.
 
-Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over the weft where i + j
-is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
+Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over
+the weft where i + j is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
 
     warp i   z =  (-1)^(i+1) h_1 cos(pi (x - x_1) / 2 w_1)
     weft j   z = -(-1)^(j+1) h_2 cos(pi (y - y_1) / 2 w_2)
 
-The patch ends between crossings, on the plane z = 0 where the centrelines turn. With n and m even opposite ends fit
-each other: 2 x 2 is the unit cell of four crossovers.
+The patch ends between crossings, on the plane z = 0 where the centrelines turn. With n and m even
+opposite ends fit each other: 2 x 2 is the unit cell of four crossovers.
 
-A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body, so an overlap is
-removed from the sections alone, and a gap is left open (`meshing.section_fit`).
+A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body,
+so an overlap is removed from the sections alone, and a gap is left open (`meshing.section_fit`).
 """
 
 from __future__ import annotations
@@ -24,13 +25,14 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing import inputs
 from meshing.inputs import YARNS, MeshOptions, Size
-from meshing.mesh import Strand, YarnMesh, assemble, place
+from meshing.mesh import Strand, YarnMesh, assemble, outer_faces, place
 from meshing.mesh_plan import Plan, mirrored
 
 
 @dataclass(frozen=True, eq=False)
 class Patch(YarnMesh):
-    """The mesh of a woven patch: a `YarnMesh` of the yarns "warp_1" .. "warp_n", "weft_1" .. "weft_m".
+    """The mesh of a woven patch: a `YarnMesh` of the yarns "warp_1" .. "warp_n", "weft_1" ..
+    "weft_m".
 
     Parameters
     ----------
@@ -58,24 +60,26 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so a crossing has
-        8 nx ny nz hexahedra
-    **options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any overlap
+    size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so
+        a crossing has 8 nx ny nz hexahedra
+    **options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any
+        overlap
 
     Raises
     ------
-    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be
+        solved
     """
     count = inputs.counts(count)
     plan = Plan.of(fabric, size=size, shift=False, **options)
-    strands = [strand for family in (0, 1) for strand in _family(plan, family, count)]
-    mesh, sides = assemble(strands)
-    return Patch(count=count, faces=_faces(sides), **mesh, **plan.fields())
+    mesh, sides = assemble([*_family(plan, 0, count), *_family(plan, 1, count)])
+    return Patch(count=count, faces=outer_faces(sides), **mesh, **plan.fields())
 
 
 def _family(plan, family, count):
     """The strands of all yarns of one family."""
-    w, spacing = plan.weave.w[family], 2 * plan.weave.w[1 - family]
+    w = plan.weave.w[family]
+    spacing = 2 * plan.weave.w[1 - family]
     crossings = _centred(count[1 - family], 2 * w)
     cell = mirrored(plan.along(family))
     phase = np.where(np.arange(len(crossings)) % 2 == 0, 1.0, -1.0)
@@ -83,7 +87,7 @@ def _family(plan, family, count):
     s, z = (_joined(part) for part in (crossings[:, None] + cell, arch))
     y, heights, areas = plan.across(family, whole=True)
     for number, across in enumerate(_centred(count[family], spacing)):
-        sign = (1 if family == 0 else -1) * (1 if number % 2 == 0 else -1)
+        sign = (-1) ** (family + number)
         over = np.repeat(sign * phase > 0, len(cell) - 1)
         points = place(family, s, sign * z, y, heights, across)
         yield Strand(f"{YARNS[family]}_{number + 1}", family, points, areas, over)
@@ -95,15 +99,6 @@ def _centred(n, spacing):
 
 
 def _joined(cells):
-    """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken once."""
+    """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken
+    once."""
     return np.concatenate([cells[0], cells[1:, 1:].ravel()])
-
-
-def _faces(sides):
-    """Names of the outer faces of all yarns, as `YarnMesh.groups` lists them."""
-    named = {}
-    for yarn, of in sides.items():
-        named |= {f"{yarn}_contact": of["contact"], f"{yarn}_plate": of["plate"]}
-        named |= {f"{yarn}_end": of["i1"], f"{yarn}_start": of["i0"]}
-        named[f"{yarn}_tip"] = np.concatenate([of["j0"], of["j1"]])
-    return named

@@ -1,7 +1,8 @@
-"""Scaled Jacobian of hexahedra: at each corner the triple product of the three unit edges that leave it.
+"""Scaled Jacobian of hexahedra: at each corner the triple product of the three unit edges that
+leave it.
 
-1 in a brick, 0 where two edges fall together, negative where the element is turned inside out; of an element the
-worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
+1 in a brick, 0 where two edges fall together, negative where the element is turned inside out; of
+an element the worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
 """
 
 from __future__ import annotations
@@ -17,6 +18,12 @@ NEIGHBOURS = np.array(
 )
 
 
+def corner_edges(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
+    """(m, 8, 3, 3) edges that leave each corner of hexahedra (m, 8) in VTK order, one a row."""
+    corners = np.asarray(points, float)[np.asarray(hexes)]
+    return corners[:, NEIGHBOURS] - corners[:, :, None]
+
+
 def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     """Worst corner of each element.
 
@@ -29,8 +36,7 @@ def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     -------
     quality : (m,) [-] from -1 to 1; 0 where an edge has no length
     """
-    corners = np.asarray(points, float)[np.asarray(hexes)]
-    edges = corners[:, NEIGHBOURS] - corners[:, :, None]
+    edges = corner_edges(points, hexes)
     length = np.linalg.norm(edges, axis=-1, keepdims=True)
     unit = np.divide(edges, length, out=np.zeros_like(edges), where=length > 0)
     return np.linalg.det(unit).min(axis=1)

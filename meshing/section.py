@@ -3,8 +3,9 @@
     half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (thesis Figure A-7, left)
                      q(y) = (t/2) sqrt(1 - (2y/W)^2)     "ellipse"  (Figure A-7, right)
 
-over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the outermost element
-has a height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
+over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the
+outermost element has a height; W is the width of the lens before the cut, t its thickness. The area
+between the cuts is
 
     A = t W a(c),   a = (2/pi) sin(pi c/2)   or   (c sqrt(1 - c^2) + arcsin c) / 2.
 """
@@ -12,7 +13,6 @@ has a height; W is the width of the lens before the cut, t its thickness. The ar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,40 +22,6 @@ from fabrics.errors import InputError
 
 KINDS = ("sine", "ellipse")
 TIP_THICKNESS_RATIO = (0.01, 0.5)
-
-
-class YarnSection(Protocol):
-    """The interface of a section for the mesher: `Section`, `meshing.conforming.ConformingSection`."""
-
-    @property
-    def kind(self) -> str:
-        """Name of its shape."""
-
-    @property
-    def width(self) -> float:
-        """[m] of the lens before its tips are cut."""
-
-    @property
-    def thickness(self) -> float:
-        """[m] in the middle."""
-
-    @property
-    def tip_thickness_ratio(self) -> float:
-        """[-] thickness at the cut over that of the middle."""
-
-    @property
-    def half_width(self) -> float:
-        """[m] from the middle to the cut."""
-
-    @property
-    def area(self) -> float:
-        """[m2] between the cuts."""
-
-    def half_thickness(self, y: ArrayLike) -> FloatArray:
-        """q(y) [m] at the distances `y` [m] from the middle."""
-
-    def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +37,8 @@ class Section:
 
     Raises
     ------
-    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01 .. 0.5
+    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01
+        .. 0.5
     """
 
     kind: str
@@ -124,9 +91,11 @@ class Section:
         return self.thickness / 2 * shape
 
     def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the angle of the ellipse.
+        """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the
+        angle of the ellipse.
 
-        Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is then of order 2.
+        Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is
+        then of order 2.
         """
         if self.kind == "sine":
             return np.linspace(0, self.half_width, n + 1)

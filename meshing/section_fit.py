@@ -1,32 +1,33 @@
-"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and reported.
+"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and
+reported.
 
-Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2 cos(pi y / 2 w_2) the
-gap between the lower face of the warp and the upper face of the weft is
+Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2
+cos(pi y / 2 w_2) the gap between the lower face of the warp and the upper face of the weft is
 
     g(x, y) = [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)],
 
-a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is the sum of two
-one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that sum. It is removed by the first of
-these that suffices:
+a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is
+the sum of two one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that
+sum. It is removed by the first of these that suffices:
 
 1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
 2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
 3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
-              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
-              packing of round fibres.
+              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to
+              the closest packing of round fibres.
 
-After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
-the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open. "conforming" sections
-(`meshing.conforming`) have no gap and no overlap anywhere; their areas are what the crimp leaves room for, more or less
-than requested.
+After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is
+then negative. Where the yarns cannot be shifted (a woven patch) the first step is left out, and a
+gap stays open. "conforming" sections (`meshing.conforming`) have no gap and no overlap anywhere;
+their areas are what the crimp leaves room for, more or less than requested.
 
-These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
-in the mesh size.
+These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by
+their sag, of order two in the mesh size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, pi
 
@@ -39,18 +40,23 @@ from fabrics.fabric import SECTIONS
 from fabrics.weave import Weave, arc_length
 from fabrics.yarn import CLOSEST_PACKING
 from meshing.conforming import KIND as CONFORMING
-from meshing.conforming import conform
-from meshing.section import Section, YarnSection
+from meshing.conforming import YarnSection, conform
+from meshing.section import Section
 
-SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
-NARROWEST = 0.4  # of the width requested: the search for the best width ends here
-HIGHEST = 8.0  # times the heights of the yarns: the search for the least crimp ends here
+# of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
+SHIFT_LIMIT = 0.02
+# of the width requested: the search for the best width ends here
+NARROWEST = 0.4
+# times the heights of the yarns: the search for the least crimp ends here
+HIGHEST = 8.0
+FACTOR = 1e-3  # to which a factor on crimp or thickness is found
 SAMPLES = 4000
 YARNS = ("warp", "weft")
 
 
 def clearance(section: YarnSection, w: float, h: float) -> float:
-    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
+    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn
+    that crosses it.
 
     Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
 
@@ -71,7 +77,8 @@ class SectionFit:
     ----------
     sections : (Section, Section) of warp and weft
     overlap : [m] of the sections as requested; negative where they had a gap everywhere
-    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
+    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0
+        if not allowed
     Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
     requested : (Section, Section) before anything was narrowed or densified
     """
@@ -96,19 +103,14 @@ class SectionFit:
         what = "overlap" if self.overlap >= 0 else "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
-            width = " / ".join(
-                f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested)
-            )
-            area = " / ".join(
-                f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested)
-            )
+            pairs = list(zip(self.sections, self.requested))
+            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in pairs)
+            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in pairs)
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return (
-            f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
-            if self.shift
-            else f"{text}, left open"
-        )
+        if self.shift:
+            return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
+        return f"{text}, left open"
 
 
 class _TooDense(InputError):
@@ -143,60 +145,97 @@ def fit_sections(
     ------
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
+    kinds = (kind,) if kind else SECTIONS
     if overlap == "refuse" and kind is None:
-        kind = SECTIONS[0]
+        kinds = SECTIONS[:1]
+    refused = overlap == "refuse"
+    request = _Request(widths, fractions, tip_thickness_ratio, prescribed, refused, shift)
 
     def fit(weave):
-        for each in (kind,) if kind else SECTIONS:
-            try:
-                return _fit(
-                    each, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift
-                )
-            except InputError as problem:
-                if kind is not None:
-                    raise
-                if prescribed and each == SECTIONS[-1]:
-                    raise _TooDense(f"{problem}: try other widths") from None
-        raise _TooDense(
-            f"neither {', '.join(SECTIONS[:-1])} nor {SECTIONS[-1]} sections of warp and weft fit, even at the closest "
-            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
-        )
+        return request.first_that_fits(kinds, weave)
 
     try:
         return fit(weave)
     except _TooDense as problem:
-        raise InputError(
-            str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
-        ) from None
+        line = str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
+        raise InputError(line) from None
 
 
-def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift):
-    """The SectionFit of one kind of section."""
-    if kind == CONFORMING:
-        return _conforming(widths, fractions, weave, tip_thickness_ratio)
-    crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
-    requested = _sections(kind, widths, _areas(weave, fractions), tip_thickness_ratio)
-    first = _overlap(requested, crossing)
-    free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
-    sections, Vf0 = requested, (float(fractions[0]), float(fractions[1]))
-    if first > free:
-        if overlap == "refuse":
-            limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""
-            raise InputError(
-                f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um{limit}: narrow them, or let the "
-                "overlap be solved"
+@dataclass(frozen=True)
+class _Request:
+    """What is asked of the sections of any kind, as of `fit_sections`; refused: an overlap is."""
+
+    widths: Sequence[float]
+    fractions: Sequence[float]
+    tip_thickness_ratio: float
+    prescribed: bool
+    refused: bool
+    shift: bool
+
+    def first_that_fits(self, kinds, weave):
+        """The SectionFit of the first kind of section that fits."""
+        if len(kinds) == 1:
+            return self.fit(kinds[0], weave)
+        for kind in kinds:
+            try:
+                return self.fit(kind, weave)
+            except InputError as problem:
+                if self.prescribed and kind == kinds[-1]:
+                    raise _TooDense(f"{problem}: try other widths") from None
+        raise _TooDense(
+            f"neither {', '.join(kinds[:-1])} nor {kinds[-1]} sections of warp and weft fit, "
+            f"even at the closest packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
+        )
+
+    def fit(self, kind, weave):
+        """The SectionFit of one kind of section."""
+        areas = _areas(weave, self.fractions)
+        if kind == CONFORMING:
+            return self._conforming(areas, weave)
+        # of each yarn, the arch over it
+        crossing = list(zip(weave.w, weave.h0))[::-1]
+        requested = _sections(kind, self.widths, areas, self.tip_thickness_ratio)
+        first = _overlap(requested, crossing)
+        free = sum(weave.h0) * SHIFT_LIMIT if self.shift else 0.0
+        sections = requested
+        warp, weft = map(float, self.fractions)
+        Vf0 = (warp, weft)
+        if first > free:
+            if self.refused:
+                raise InputError(self._too_much(kind, first, free))
+            sections = None if self.prescribed else _narrow(requested, crossing)
+            if sections is None:
+                sections, factor = _densify(requested, crossing, self.fractions, self.prescribed)
+                Vf0 = _denser(self.fractions, factor)
+        shift = _overlap(sections, crossing) if self.shift else 0.0
+        return SectionFit(sections, first, shift, Vf0, requested)
+
+    def _too_much(self, kind, overlap, free):
+        limit = ""
+        if self.shift:
+            limit = f", more than the {free * 1e6:.1f} um that a shift may remove"
+        return (
+            f"the {kind} sections of warp and weft overlap by {overlap * 1e6:.1f} um{limit}: "
+            "narrow them, or let the overlap be solved"
+        )
+
+    def _conforming(self, areas, weave):
+        sections = conform(self.widths, areas, weave, self.tip_thickness_ratio)
+        Vf0 = tuple(
+            float(old * area / section.area)
+            for old, area, section in zip(self.fractions, areas, sections)
+        )
+        if max(Vf0) > CLOSEST_PACKING:
+            raise _TooDense(
+                f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and "
+                f"{Vf0[1]:.3f}, denser than the closest packing ({CLOSEST_PACKING:.3f})"
             )
-        sections = None if prescribed else _narrow(requested, crossing)
-        if sections is None:
-            sections, factor = _densify(requested, crossing, fractions, prescribed)
-            Vf0 = _denser(fractions, factor)
-    return SectionFit(
-        sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested
-    )
+        return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
 
 def _advice(fit, weave):
-    """What to change where no section fits: the least crimp of the same ratio of heights, and the least thickness."""
+    """What to change where no section fits: the least crimp of the same ratio of heights, and the
+    least thickness."""
 
     def scaled(factor):
         return [float(arc_length(w, factor * h)) / (2 * w) - 1 for w, h in zip(weave.w, weave.h0)]
@@ -218,7 +257,8 @@ def _advice(fit, weave):
 
 
 def _least(fit, weave, crimp_at):
-    """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there is none."""
+    """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there
+    is none."""
 
     def at(factor):
         warp, weft = (
@@ -233,33 +273,31 @@ def _least(fit, weave, crimp_at):
             return False
         return True
 
-    low, high = 0.5, 1.0
+    low = 0.5
+    high = 1.0
     while not fits(high):
-        low, high = high, 1.25 * high
+        low = high
+        high *= 1.25
         if high > HIGHEST:
             return None
-    while high - low > 1e-3:
+    return at(least_that_fits(fits, low, high) + FACTOR)
+
+
+def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
+    """The least factor between `low`, which does not fit, and `high`, which does, to within
+    `FACTOR` above it."""
+    while high - low > FACTOR:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return at(high + 1e-3)
-
-
-def _conforming(widths, fractions, weave, tip_thickness_ratio):
-    areas = _areas(weave, fractions)
-    sections = conform(widths, areas, weave, tip_thickness_ratio)
-    Vf0 = tuple(
-        float(old * area / section.area) for old, area, section in zip(fractions, areas, sections)
-    )
-    if max(Vf0) > CLOSEST_PACKING:
-        raise _TooDense(
-            f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
-            f"closest packing ({CLOSEST_PACKING:.3f})"
-        )
-    return SectionFit(sections, 0.0, 0.0, Vf0, sections)
+        if fits(middle):
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _areas(weave, fractions):
-    """Areas of the vertical sections, A_s (1 + crimp) / Vf0, with which the yarn volume is A_s S0 / Vf0."""
+    """Areas of the vertical sections, A_s (1 + crimp) / Vf0, with which the yarn volume is A_s S0 /
+    Vf0."""
     return [yarn.A_s * (1 + yarn.crimp) / Vf0 for yarn, Vf0 in zip(weave.yarns, fractions)]
 
 
@@ -283,7 +321,8 @@ def _resized(section, width, area=None):
 def _best(section, arch):
     """The section of the same area, not wider, whose clearance under the arch (w, h) is largest.
 
-    The centre loses clearance as a section gets narrower and thicker, its shoulders gain it: one maximum.
+    The centre loses clearance as a section gets narrower and thicker, its shoulders gain it: one
+    maximum.
     """
     found = minimize_scalar(
         lambda width: -clearance(_resized(section, width), *arch),
@@ -296,7 +335,8 @@ def _best(section, arch):
 
 
 def _narrow(requested, crossing):
-    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the best still overlap."""
+    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the
+    best still overlap."""
     best = [_best(section, arch) for section, arch in zip(requested, crossing)]
 
     def at(part):

@@ -1,7 +1,8 @@
 """gmsh, silent and closed again: one session at a time, no signal handler left behind.
 
-gmsh is one global state in one process. A lock makes threads take turns. Older versions set the interrupt handler
-on import and again on finalize, newer ones on initialize; a library must leave the handler to the program.
+gmsh is one global state in one process. A lock makes threads take turns. Older versions set the
+interrupt handler on import and again on finalize, newer ones on initialize; a library must leave
+the handler to the program.
 """
 
 from __future__ import annotations

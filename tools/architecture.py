@@ -18,8 +18,8 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from fabrics import kernel_cache  # noqa: E402
-from meshing.pictures_style import FAINT, INK  # noqa: E402
 from weavecell.report.pictures_figure import plots  # noqa: E402
+from weavecell.report.pictures_style import FAINT, INK  # noqa: E402
 
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"][
     "contracts"

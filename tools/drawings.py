@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.patches import Ellipse, Polygon, Rectangle
 
-from meshing.pictures_style import FAINT, INK, STEEL, WARP, WEFT
 from weavecell.report.pictures_figure import plots
+from weavecell.report.pictures_style import FAINT, INK, STEEL, WARP, WEFT
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 

@@ -68,18 +68,10 @@ def surface_file() -> list[list[str]]:
 
 def case_file() -> list[list[str]]:
     """Columns of case.h5, of every case of `weavecell crossover`."""
-    from unitcell3d.cases import load_path, periodic_cell, single_yarn, stack
+    from unitcell3d.solver.recorded import MEANINGS
 
-    rows = [["case", "column", "unit and meaning"]]
-    cases = {
-        "biaxial, path, platens": load_path,
-        "shear, and any with `--domain periodic`": periodic_cell,
-        "stack": stack,
-        "yarn": single_yarn,
-    }
-    for name, module in cases.items():
-        rows += [[name, f"`columns/{column}`", words] for column, words in module.MEANINGS.items()]
-    return rows
+    rows = [["column", "unit and meaning"]]
+    return rows + [[f"`columns/{name}`", words] for name, words in MEANINGS.items()]
 
 
 def outputs() -> list[list[str]]:

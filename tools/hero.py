@@ -10,11 +10,11 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.files import write_whole
-from meshing.pictures_style import FAINT, GREEN, INK, RED, tension_map
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots
 from weavecell.report import pictures, pictures3d
 from weavecell.report.pictures_figure import plots
+from weavecell.report.pictures_style import FAINT, GREEN, INK, RED, tension_map
 from weavecell.results import vtk
 from weavecell.results.impact_shapes import Shape
 

@@ -8,7 +8,7 @@ from textwrap import fill
 import numpy as np
 from matplotlib.figure import Figure
 
-from meshing.pictures_style import BLUE, FAINT, INK, ORANGE
+from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE
 
 COLUMNS = 4
 

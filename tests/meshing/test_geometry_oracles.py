@@ -5,7 +5,7 @@ import pytest
 
 from fabrics import catalogue
 from meshing import crossover
-from meshing.formats import export
+from meshing.files import write_vtu
 
 pyvista = pytest.importorskip("pyvista")
 CASES = [("S-720", "sine"), ("S-720", "ellipse"), ("S-731", "conforming")]
@@ -37,7 +37,7 @@ def cuts(path, yarn, axis, places):
 
 @pytest.mark.parametrize("yarn", [0, 1])
 def test_vtk_finds_volume_section_and_crimp(mesh, yarn, tmp_path):
-    export.write(mesh, tmp_path / "a.vtu")
+    write_vtu(mesh, tmp_path / "a.vtu")
     weave = catalogue.load(mesh.fabric).weave
     w, S0 = mesh.w[yarn], mesh.S0[yarn]
     places = np.linspace(-w, w, 62)[1:-1]

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from unitcell3d.assembly.compat import Assembler, HexSpace
-from unitcell3d.contact.surfaces import FacingSurfaces
+from unitcell3d.contact.surfaces import SurfacePairs, facing
 from unitcell3d.model.crossover import Numerics
 
 SOFTENINGS = (1e-3, 1e-2, 0.1, 1.0)
@@ -59,7 +59,7 @@ class Blocks:
             (self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n)
         )
         self.numerics = Numerics(penalty=1e14, toe=1e-12) if numerics is None else numerics
-        self.surfaces = FacingSurfaces(self.points, self.grids, quarter)
+        self.surfaces = SurfacePairs([facing(self.points, *self.grids, quarter)])
         fixed = np.zeros((len(self.points), 3), bool)
         self.top = first[:, :, -1].ravel()
         for nodes in (self.top, second[:, :, 0].ravel()):

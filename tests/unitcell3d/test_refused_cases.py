@@ -9,6 +9,7 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
+from fabrics.record import Record
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens, periodic_cell, pull_out, single_yarn, stack
@@ -18,7 +19,6 @@ from unitcell3d.identify.response_surface import sample
 from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.model.crossover import CrossoverModel, Numerics
 from unitcell3d.model.pull_out import PullOutModel
-from unitcell3d.solver.history import History
 
 S720 = catalogue.load("S-720")
 TINY, WHOLE = (mesher.build(S720, size=(3, 2, 2), domain=domain) for domain in ("quarter", "whole"))
@@ -42,7 +42,7 @@ REFUSED = [
     (partial(biaxial, TINY, S720, "both"), "ratio"),
     (partial(biaxial, TINY, S720, (1, 1), max_displacement=-1.0), "max_displacement"),
     (partial(plates, TINY, S720, pressure=0.0), "pressure"),
-    (partial(History.read, "none.h5"), "none.h5"),
+    (partial(Record.read, "none.h5"), "none.h5"),
     (partial(single_yarn.pull, TINY, S720, family=2), "yarn = 2: must be 0"),
     (
         partial(single_yarn.pull, TINY, S720, bars=22),
@@ -60,10 +60,6 @@ REFUSED = [
     (
         partial(stack.stack_compression, TINY, S720, min_plate_gap=2.0),
         "min_plate_gap = 2.0: must be between 0 and 1",
-    ),
-    (
-        partial(stack.stack_compression, TINY, S720, shift=(0.5, 0.0)),
-        "shifted plies need a patch of 2 x 2",
     ),
     (
         partial(periodic_cell.shear, WHOLE, S720, 2.0),

@@ -1,7 +1,7 @@
 """The one file that knows dolfinx has versions: 0.5 (Debian 12) and 0.9 (Debian 13).
 
-It turns arrays of hexahedra into a vector Q1 space and compiled forms, and speaks outwards only in plain arrays that
-are numbered as the caller numbered its points and cells.
+It turns arrays of hexahedra into a vector Q1 space and compiled forms, and speaks outwards only in
+plain arrays that are numbered as the caller numbered its points and cells.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from fabrics.checks import FloatArray, IntArray
 
 # dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
 VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
-# the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets them be used
+# the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets
+# them be used
 COMPILE_ARGUMENTS = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-g0"]
 
 
@@ -52,7 +53,8 @@ class HexSpace:
         Parameters
         ----------
         points : (n, 3) [m]
-        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to corner 1
+        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to
+            corner 1
         """
         cells = np.ascontiguousarray(np.asarray(hexes, np.int64)[:, VTK_TO_DOLFINX])
         if _old():
@@ -61,7 +63,8 @@ class HexSpace:
             import basix.ufl
 
             domain = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
-        # one process owns a crossover: several crossovers run beside each other in processes of their own
+        # one process owns a crossover: several crossovers run beside each other in processes of
+        # their own
         mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, np.asarray(points, float), domain)
         space = _vector_space(mesh, "Lagrange", 1, 3)
         node = np.empty(len(points), np.int64)
@@ -79,7 +82,8 @@ class HexSpace:
         self.displacement.x.array[:] = u[self.node].ravel()
 
     def cell_constants(self, values: FloatArray) -> Any:
-        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's cells."""
+        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's
+        cells."""
         function = fem.Function(_vector_space(self.mesh, "DG", 0, values.shape[1]))
         self.set_cell_constants(function, values)
         return function
@@ -91,18 +95,23 @@ class HexSpace:
 
 
 class Assembler:
-    """Compiled residual and tangent of a form, assembled into plain arrays in the caller's numbering.
+    """Compiled residual and tangent of a form, assembled into plain arrays in the caller's
+    numbering.
 
-    rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent` returns
+    rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent`
+        returns
     """
 
     def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:
         self._space = space
-        self._residual, self._tangent = _form(residual), _form(tangent)
+        self._residual = _form(residual)
+        self._tangent = _form(tangent)
         dofmap = space.displacements.dofmap
         self._vector = la.vector(dofmap.index_map, dofmap.index_map_bs)
-        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks' tangents themselves
-        self._matrix, self._plain = petsc.create_matrix(self._tangent, "baij"), PETSc.Mat()
+        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks'
+        # tangents themselves
+        self._matrix = petsc.create_matrix(self._tangent, "baij")
+        self._plain = PETSc.Mat()
         self.rows, self.columns = self._pattern()
 
     def _pattern(self):

@@ -6,22 +6,25 @@ Each of the 3 n displacement components is +-one unknown, plus what the load dri
 
 with the parameters p of the load: the end displacements d of a crossover.
 
-A plain weave has a two-fold axis through the inflection point of each yarn, along its width: the next crossover is
-the same one turned upside down. On the end face, with k counted through the thickness from the middle, that is
+A plain weave has a two-fold axis through the inflection point of each yarn, along its width: the
+next crossover is the same one turned upside down. On the end face, with k counted through the
+thickness from the middle, that is
 
     u_axial(k) - d = -(u_axial(-k) - d),    u_z(k) = -u_z(-k),    u_width(k) = u_width(-k).
 
-Holding the middle of the face, or the whole of it, is not the weave's condition, and the first does not converge with
-the mesh.
+Holding the middle of the face, or the whole of it, is not the weave's condition, and the first does
+not converge with the mesh.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
 
 from fabrics.checks import FloatArray, IntArray
 
@@ -31,9 +34,11 @@ AXIAL, WIDTH = (0, 1), (1, 0)  # components of warp and weft
 
 @dataclass(frozen=True)
 class Constraints:
-    """unknown, sign : (3 n,); drive : (3 n, p) share of the load's parameters; size : number of unknowns.
+    """unknown, sign : (3 n,); drive : (3 n, p) share of the load's parameters; size : number of
+    unknowns.
 
-    ends : of warp and weft, the nodes of the end face at the positive end; none where there is no such yarn
+    ends : of warp and weft, the nodes of the end face at the positive end; none where there is no
+        such yarn
     """
 
     unknown: np.ndarray
@@ -42,23 +47,26 @@ class Constraints:
     size: int
     ends: tuple
 
+    @cached_property
+    def C(self) -> sparse.csr_matrix:
+        """(3 n, size) of u = C q + drive p: +-1 in the column of the unknown that a component
+        follows."""
+        free = np.flatnonzero(self.unknown >= 0)
+        places = (free, self.unknown[free])
+        return sparse.csr_matrix((self.sign[free], places), shape=(len(self.unknown), self.size))
+
     def displacement(self, q: FloatArray, parameters: ArrayLike) -> FloatArray:
-        """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d : (2,) [m]."""
-        u = self.drive @ np.asarray(parameters, float)
-        free = self.unknown >= 0
-        u[free] += self.sign[free] * q[self.unknown[free]]
-        return u.reshape(-1, 3)
+        """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d :
+        (2,) [m]."""
+        return (self.drive @ np.asarray(parameters, float) + self.C @ q).reshape(-1, 3)
 
     def reduce(self, forces: FloatArray) -> FloatArray:
         """Forces on the unknowns (size,) of the nodal forces (n, 3) [N]."""
-        free = self.unknown >= 0
-        return np.asarray(
-            np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size),
-            float,
-        )
+        return self.C.T @ forces.ravel()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
-        """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end displacement."""
+        """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end
+        displacement."""
         return float(forces[self.ends[yarn], AXIAL[yarn]].sum())
 
 
@@ -74,7 +82,8 @@ class Ties:
     def __init__(self, n: int, parameters: int) -> None:
         self.drive = np.zeros((3 * n, parameters))
         self._sign = np.ones(3 * n)
-        self._leader = np.arange(3 * n)  # the component that carries the unknown; -1: prescribed
+        # the component that carries the unknown; -1: prescribed
+        self._leader = np.arange(3 * n)
 
     def hold(self, nodes: ArrayLike, component: int) -> None:
         """Prescribe a component: it is what the load drives it by."""
@@ -83,20 +92,30 @@ class Ties:
     def follow(
         self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0
     ) -> None:
-        """Let a component of `nodes` be `parity` times that of `leaders` but for what the load drives them by.
+        """Let a component of `nodes` be `parity` times that of `leaders` but for what the load
+        drives them by.
 
         The leaders' own ties have to be made before.
         """
-        own, other = 3 * np.asarray(nodes) + component, 3 * np.asarray(leaders) + component
+        own = 3 * np.asarray(nodes) + component
+        other = 3 * np.asarray(leaders) + component
         self._leader[own] = self._leader[other]
         self._sign[own] = parity * self._sign[other]
 
+    def follow_image(self, nodes: ArrayLike, leaders: ArrayLike, parity: float) -> None:
+        """Let `nodes` be an image of `leaders`, as they are (parity 1) or upside down (-1)."""
+        for component in AXIAL:
+            self.follow(nodes, leaders, component)
+        self.follow(nodes, leaders, VERTICAL, parity)
+
     def turn(self, face: IntArray, opposite: IntArray, axial: int, width: int) -> None:
-        """The two-fold axis turns the end face `face` : (j, k) into itself or into another, `opposite`."""
+        """The two-fold axis turns the end face `face` : (j, k) into itself or into another,
+        `opposite`."""
         layers = face.shape[1]
         same = face is opposite
         for k in range(layers // 2 if same else layers):
-            low, high = face[:, k], opposite[:, layers - 1 - k]
+            low = face[:, k]
+            high = opposite[:, layers - 1 - k]
             for component, parity in ((axial, -1.0), (VERTICAL, -1.0), (width, 1.0)):
                 self.follow(high, low, component, parity)
         if same and layers % 2:
@@ -126,35 +145,34 @@ def build(
     ----------
     grids : per yarn, node numbers (i along, j across, k through)
     n : number of nodes
-    quarter : whether i = 0 and j = 0 are symmetry planes; otherwise both ends of a yarn are driven apart
+    quarter : whether i = 0 and j = 0 are symmetry planes; otherwise both ends of a yarn are driven
+        apart
     families : per yarn 0 (warp) or 1 (weft)
-    opposite : per yarn, the number of that which the two-fold axis turns it into; itself if not given
+    opposite : per yarn, the number of that which the two-fold axis turns it into; itself if not
+        given
     """
     ties = Ties(n, 2)
     opposite = range(len(grids)) if opposite is None else opposite
     for yarn, (grid, family) in enumerate(zip(grids, families)):
-        axial, width = AXIAL[family], WIDTH[family]
+        axial = AXIAL[family]
+        width = WIDTH[family]
         if quarter:
             ties.hold(grid[0], axial)
             ties.hold(grid[:, 0], width)
         else:
             middle = tuple(size // 2 for size in grid.shape)
             ties.hold(grid[middle], width)  # a lone yarn could drift sideways
-        for end, direction in ((-1, 1.0),) if quarter else ((-1, 1.0), (0, -1.0)):
+        # both ends are driven apart; a quarter has one of them
+        ends = {-1: 1.0} if quarter else {-1: 1.0, 0: -1.0}
+        for end, direction in ends.items():
             ties.drive[3 * grid[end] + axial, family] = direction
-            if opposite[yarn] >= yarn:
+            if opposite[yarn] == yarn:
                 face = grid[end]
-                ties.turn(
-                    face,
-                    face if opposite[yarn] == yarn else grids[opposite[yarn]][end],
-                    axial,
-                    width,
-                )
-    ends = tuple(
-        np.concatenate(
-            [np.empty(0, np.int64)]
-            + [g[-1].ravel() for g, f in zip(grids, families) if f == family]
-        )
-        for family in (0, 1)
-    )
-    return ties.done(ends)
+                ties.turn(face, face, axial, width)
+            elif opposite[yarn] > yarn:
+                ties.turn(grid[end], grids[opposite[yarn]][end], axial, width)
+    none = np.empty(0, np.int64)
+    faces = ([none], [none])
+    for grid, family in zip(grids, families):
+        faces[family].append(grid[-1].ravel())
+    return ties.done(tuple(map(np.concatenate, faces)))

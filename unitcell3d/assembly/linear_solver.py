@@ -1,9 +1,10 @@
-"""The tangent's linear systems: one PETSc matrix on our own CSR arrays, one KSP with MUMPS, kept for a whole run.
+"""The tangent's linear systems: one PETSc matrix on our own CSR arrays, one KSP with MUMPS, kept
+for a whole run.
 
-MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its scaling is left out,
-since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps a
-factorisation alive through each wrapper that `getPC` returns, so the solver is configured through the options database
-and its PC is never used.
+MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its
+scaling is left out, since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps
+a factorisation alive through each wrapper that `getPC` returns, so the solver is configured through
+the options database and its PC is never used.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ class DirectSolver:
 
     Parameters
     ----------
-    starts, columns, entries : CSR arrays, int32 and float; `entries` may be overwritten between calls of `factor`
+    starts, columns, entries : CSR arrays, int32 and float; `entries` may be overwritten between
+        calls of `factor`
     """
 
     def __init__(self, starts: IntArray, columns: IntArray, entries: FloatArray) -> None:

@@ -1,7 +1,8 @@
 """Images of yarns beyond the cell: nodes that follow those of the cell, for contact alone.
 
-The image of a yarn under the lattice vector a (m periods along x, n along y) stands at X + a, and upside down about the
-level of its ends where m + n is odd and the weave repeats by a glide: its node (i, j, k) is then that of (i, j, -k).
+The image of a yarn under the lattice vector a (m periods along x, n along y) stands at X + a, and
+upside down about the level of its ends where m + n is odd and the weave repeats by a glide: its
+node (i, j, k) is then that of (i, j, -k).
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ class Images:
     """
 
     def __init__(self, mesh: YarnMesh, period: int, parity: float) -> None:
-        self._mesh, self._parity = mesh, parity
+        self._mesh = mesh
+        self._parity = parity
         self._step = [2 * w * period for w in mesh.w]
         self._level = [float(mesh.points[grid[-1], 2].mean()) for grid in mesh.grids]
         self.points = np.asarray(mesh.points, float)
@@ -37,23 +39,19 @@ class Images:
         self._followers: list[tuple[IntArray, IntArray, bool]] = []
         self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
 
-    def extended(self, yarn: int, m: int = 0, n: int = 0, margin: int = 0) -> IntArray:
-        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at each end."""
-        family = self._mesh.families[yarn]
-        grid = self.image(yarn, m, n)
-        if not margin:
-            return grid
-        before, after = ((m - 1, n), (m + 1, n)) if family == 0 else ((m, n - 1), (m, n + 1))
-        return np.concatenate(
-            [
-                self.image(yarn, *before)[-1 - margin : -1],
-                grid,
-                self.image(yarn, *after)[1 : 1 + margin],
-            ]
-        )
+    def extended(self, yarn: int, m: int, n: int, margin: int) -> IntArray:
+        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at
+        each end."""
+        place = np.array([m, n])
+        step = np.eye(2, dtype=int)[self._mesh.families[yarn]]
+        grid = self.image(yarn, *place)
+        before = self.image(yarn, *(place - step))
+        after = self.image(yarn, *(place + step))
+        return np.concatenate([before[-1 - margin : -1], grid, after[1 : 1 + margin]])
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:
-        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first time."""
+        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first
+        time."""
         if (m, n) == (0, 0):
             return self._mesh.grids[yarn]
         if (yarn, m, n) not in self._found:
@@ -76,13 +74,15 @@ class Images:
         yield from self._followers
 
     def drive(self) -> FloatArray:
-        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F - I) c.
+        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F -
+        I) c.
 
         c is a point of the yarn's axis: each yarn turns about it, and it goes with the weave.
         """
         drive = np.zeros((len(self.points), 3, 12))
         for yarn, m, n in self._of:
-            family, nodes = self._mesh.families[yarn], self.image(yarn, m, n).ravel()
+            family = self._mesh.families[yarn]
+            nodes = self.image(yarn, m, n).ravel()
             points = self.points[nodes]
             centre = np.zeros_like(points[:, :2])
             centre[:, 1 - family] = points[:, 1 - family].mean()

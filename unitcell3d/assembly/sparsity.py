@@ -1,4 +1,10 @@
-"""The tangent's places: 3 x 3 blocks between nodes, and where each entry goes in the matrix of the unknowns."""
+"""The tangent K as 3 x 3 blocks between nodes, and its reduction C^T K C to the matrix of the
+unknowns.
+
+C is that of `constraints.Constraints`, u = C q + drive p. Its rows have one entry at most, so each
+entry of K goes to one entry of the reduced matrix: one sparse matrix of +-1 does it, whose pattern
+is worked out once a layout.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +16,11 @@ from scipy import sparse
 
 from fabrics.checks import FloatArray, IntArray
 from unitcell3d.assembly.constraints import Constraints
-from unitcell3d.assembly.sparsity_kernels import gather
 
 
 class Pattern:
-    """Block pattern of a set of stencils (nodes that all act on each other) and its reduction to the unknowns.
+    """Block pattern of a set of stencils (nodes that all act on each other) and its reduction to
+    the unknowns.
 
     Parameters
     ----------
@@ -30,49 +36,37 @@ class Pattern:
     """
 
     def __init__(self, n: int, stencils: Iterable[ArrayLike], constraints: Constraints) -> None:
-        keys = np.unique(np.concatenate([self._pairs(stencil, n) for stencil in stencils]))
-        self._n, self._keys = n, keys
-        self.values = np.zeros((len(keys), 3, 3))
-        rows, columns = keys // n, keys % n
+        self._n = n
+        self._keys = np.unique(np.concatenate([np.unique(self._pairs(each)) for each in stencils]))
+        self.values = np.zeros((len(self._keys), 3, 3))
+        first, second = np.divmod(self._keys, n)
         component = np.arange(9)
-        row = constraints.unknown[3 * rows[:, None] + component // 3].ravel()
-        column = constraints.unknown[3 * columns[:, None] + component % 3].ravel()
-        sign = (
-            constraints.sign[3 * rows[:, None] + component // 3]
-            * constraints.sign[3 * columns[:, None] + component % 3]
-        ).ravel()
+        i = (3 * first[:, None] + component // 3).ravel()
+        j = (3 * second[:, None] + component % 3).ravel()
+        row = constraints.unknown[i]
+        column = constraints.unknown[j]
         kept = np.flatnonzero((row >= 0) & (column >= 0))
-        row, column = row[kept], column[kept]
+        sign = constraints.sign[i[kept]] * constraints.sign[j[kept]]
         size = constraints.size
-        matrix = sparse.csr_matrix((np.ones(len(kept)), (row, column)), shape=(size, size))
-        matrix.sort_indices()
-        # place of each entry: its row's start plus the rank of its column in the sorted row
-        numbering = sparse.csr_matrix(
-            (np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape
-        )
-        self.starts, self.columns = matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32)
-        self.entries = np.zeros(matrix.nnz)
-        self.diagonal = np.flatnonzero(
-            np.repeat(np.arange(size), np.diff(matrix.indptr)) == matrix.indices
-        )
-        self._target = np.asarray(numbering[row, column]).ravel().astype(np.int64)
-        self._source, self._sign = kept, sign[kept]
+        keys, target = np.unique(row[kept] * size + column[kept], return_inverse=True)
+        self._sum = sparse.csr_matrix((sign, (target, kept)), shape=(len(keys), len(i)))
+        self.starts = np.searchsorted(keys, size * np.arange(size + 1)).astype(np.int32)
+        self.columns = (keys % size).astype(np.int32)
+        self.diagonal = np.searchsorted(keys, (size + 1) * np.arange(size))
+        self.entries = np.zeros(len(keys))
 
-    @staticmethod
-    def _pairs(stencil, n):
-        stencil = np.asarray(stencil, np.int64)
-        return np.unique((stencil[:, :, None] * n + stencil[:, None, :]).ravel())
+    def _pairs(self, stencils):
+        """(m, s, s) key of each pair of nodes of the stencils (m, s)."""
+        stencils = np.asarray(stencils, np.int64)
+        return stencils[:, :, None] * self._n + stencils[:, None, :]
 
     def holds(self, stencil: IntArray) -> bool:
         """Whether every pair of nodes of the stencils (m, s) has its block."""
-        keys = self._pairs(stencil, self._n)
-        found = np.searchsorted(self._keys, keys)
-        return bool(np.all(self._keys[np.minimum(found, len(self._keys) - 1)] == keys))
+        return bool(np.all(np.isin(self._pairs(stencil), self._keys)))
 
     def places(self, stencil: IntArray) -> IntArray:
         """Number of the block (m, s, s) of each pair of nodes of the stencils (m, s)."""
-        stencil = np.asarray(stencil, np.int64)
-        return np.searchsorted(self._keys, stencil[:, :, None] * self._n + stencil[:, None, :])
+        return np.searchsorted(self._keys, self._pairs(stencil))
 
     def scalar_places(self, rows: IntArray, columns: IntArray) -> IntArray:
         """Flat index into `values` of the entries between components (3 node + component)."""
@@ -81,5 +75,5 @@ class Pattern:
 
     def reduce(self) -> FloatArray:
         """Add the blocks up into the matrix of the unknowns: returns `entries`."""
-        gather(self.values.reshape(-1), self._source, self._sign, self._target, self.entries)
+        self.entries[:] = self._sum @ self.values.ravel()
         return self.entries

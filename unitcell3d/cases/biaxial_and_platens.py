@@ -1,23 +1,30 @@
-"""The two loadings of a crossover: biaxial extension to fibre failure, and compression between rigid plates.
+"""The two loadings of a crossover: biaxial extension to fibre failure, and compression between
+rigid plates.
 
-Two readings of "the fibres fail at 3 %" differ, because a yarn that is bent over the other strains its fibres unevenly:
-the worst bar, and the mean over the fibres of a yarn. A path ends at the mean; `failure` reports both.
+Two readings of "the fibres fail at 3 %" differ, because a yarn that is bent over the other strains
+its fibres unevenly: the worst bar, and the mean over the fibres of a yarn. A path ends at the mean;
+`failure` reports both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE
+from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.history import History
-from unitcell3d.solver.load_stepping import Hook, Steps, solve_load_path
+from unitcell3d.solver.load_stepping import Steps
+from unitcell3d.solver.newton import Equilibrium
+from unitcell3d.solver.path_following import Hook, follow
+from unitcell3d.solver.recorded import crossover_row, fibre_row
 
 MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 
@@ -32,52 +39,68 @@ def biaxial(
     numerics: Numerics | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
-) -> History:
-    """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its failure strain.
+) -> Record:
+    """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its
+    failure strain.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
-    max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
-    beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres that fail go on
-    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
+    max_displacement : [m] larger of the two end displacements at the end of the path, instead of
+        fibre failure
+    beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres
+        that fail go on
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`,
+        `path_following.follow`
 
     Returns
     -------
-    History
+    Record, with the columns of `row`
 
     Raises
     ------
     InputError : the ratio stretches no yarn, or `max_displacement` is not positive
     """
-    try:
-        shares = np.array([float(part) for part in ratio])
-    except (TypeError, ValueError):
-        shares = np.array([])
-    if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
-        raise InputError(
-            key="ratio", value=tuple(shares), allowed="two numbers, one of them at least above 0"
-        )
-    shares = shares / np.abs(shares).max()
+    shares = _proportions(ratio)
     if max_displacement is not None and not max_displacement > 0:
         raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
+    stop = None
     if max_displacement is None:
         # no path goes on longer than to a straight yarn
         straight = displacements_at_failure(fabric, beyond)
         max_displacement = min(d / part for d, part in zip(straight, shares) if part > 0)
         stop = _worst_yarn([beyond * yarn.failure_strain for yarn in fabric.weave.yarns])
-    else:
-        stop = None
     model = CrossoverModel(crossover, fabric, numerics)
     end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
-    case = f"biaxial {shares[0]:g} : {shares[1]:g}"
-    return solve_load_path(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
+    facts = {"case": f"biaxial {shares[0]:g} : {shares[1]:g}"}
+    return follow(
+        model, [Load(), end], row(model), steps=steps, stop=stop, facts=facts, hooks=hooks
+    )
+
+
+def row(model: CrossoverModel) -> Callable[[Equilibrium, Load], dict[str, Any]]:
+    """The function that records a state of a crossover: loads, forces, heights, and strains of the
+    fibres."""
+    return lambda state, load: crossover_row(model, state, load) | fibre_row(model, state, load)
+
+
+def _proportions(ratio):
+    """(2,) ratio of the end displacements, the larger of them 1."""
+    try:
+        shares = np.array([float(part) for part in ratio])
+    except (TypeError, ValueError):
+        shares = np.array([])
+    if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
+        allowed = "two numbers, one of them at least above 0"
+        raise InputError(key="ratio", value=tuple(shares), allowed=allowed)
+    return shares / np.abs(shares).max()
 
 
 def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float, ...]:
-    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times their failure strain."""
+    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times
+    their failure strain."""
     return tuple(
         w * ((1 + yarn.crimp) * (1 + beyond * yarn.failure_strain) - 1)
         for w, yarn in zip(fabric.weave.w, fabric.weave.yarns)
@@ -97,23 +120,26 @@ def plate_compression(
     numerics: Numerics | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
-) -> History:
-    """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
+) -> Record:
+    """Press a crossover between two rigid plates, the yarns' ends held in the plane at their
+    spacing.
 
-    The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave requires, so
-    that the higher yarn is touched first.
+    The plates stand at equal distances above and below the middle plane, as the two-fold axis of
+    the weave requires, so that the higher yarn is touched first.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
-    pressure : [Pa] mean on the area of the cell at the end of the path, by default the highest of the thesis
+    pressure : [Pa] mean on the area of the cell at the end of the path, by default the highest of
+        the thesis
     min_plate_gap : [-] share of the first distance of the plates at which the path ends too
-    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`,
+        `path_following.follow`
 
     Returns
     -------
-    History
+    Record, with the columns of `row`
 
     Raises
     ------
@@ -126,20 +152,21 @@ def plate_compression(
     model = CrossoverModel(crossover, fabric, numerics)
     rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
-    return solve_load_path(
+    return follow(
         model,
-        Load(plates=rest),
-        Load(plates=min_plate_gap * rest),
-        case="plates",
-        stop=lambda row: float(np.mean(row["F_plate"])) / force,
+        [Load(plates=rest), Load(plates=min_plate_gap * rest)],
+        row(model),
         steps=steps,
+        stop=lambda row: float(np.mean(row["F_plate"])) / force,
+        facts={"case": "plates"},
         hooks=hooks,
     )
 
 
 @dataclass(frozen=True)
 class Failure:
-    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and F_c [N]."""
+    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and
+    F_c [N]."""
 
     criterion: str
     yarn: int
@@ -148,26 +175,30 @@ class Failure:
     F_c: float
 
 
-def failure(history: History, fabric: Fabric) -> list[Failure]:
-    """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
+def failure(record: Record, fabric: Fabric) -> list[Failure]:
+    """Failure by the worst bar and by the mean of the bars, without those that the path did not
+    reach."""
+    limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
+    worst = record["fibre_strain_max"] / limits
+    mean = record["fibre_strain_mean"] / limits
+    # the path ends within a tolerance of the mean's limit
+    last = min(1.0, max(mean[-1].max(), 0.998))
     found = []
-    for criterion, strains in (
-        ("worst bar", history.fibre_strain_max),
-        ("mean of bars", history.fibre_strain_mean),
-    ):
-        limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
-        ratio = (strains / limits).max(axis=1)
-        # the path ends within a tolerance of the mean's limit
-        limit = 1.0 if criterion == "worst bar" else min(1.0, max(ratio[-1], 0.998))
-        there = [
-            history.at(c, ratio, limit)
-            for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)
-        ]
-        columns = [value for value in there if value is not None]
-        if columns:
-            row = int(np.argmax(ratio >= limit))
-            yarn = int(np.argmax(strains[row] / limits))
-            found.append(
-                Failure(criterion, yarn, tuple(columns[:2]), tuple(columns[2:4]), columns[4])
-            )
+    for criterion, ratios, limit in (("worst bar", worst, 1.0), ("mean of bars", mean, last)):
+        ratio = ratios.max(axis=1)
+        if ratio.max() < limit:
+            continue
+        yarn = int(np.argmax(ratios[np.argmax(ratio >= limit)]))
+        columns = ("d1", "d2", "T1", "T2", "F_c")
+        d1, d2, T1, T2, F_c = (first_reached(record[c], ratio, limit) for c in columns)
+        found.append(Failure(criterion, yarn, (d1, d2), (T1, T2), F_c))
     return found
+
+
+def first_reached(column: FloatArray, quantity: FloatArray, value: float) -> float:
+    """`column` (n,) interpolated where `quantity` (n,), which reaches `value`, first does so."""
+    i = int(np.argmax(quantity >= value))
+    if i == 0:
+        return float(column[0])
+    share = (value - quantity[i - 1]) / (quantity[i] - quantity[i - 1])
+    return float(column[i - 1] + share * (column[i] - column[i - 1]))

@@ -1,9 +1,10 @@
 """The weave in its own cell: stretched biaxially and sheared in its plane (thesis section 4.3.2).
 
-Shear turns the yarns against each other at constant distances along each, as a picture frame does: the end
-displacements d1, d2 are those of the beginning, so the yarns have the tension that the user's stretch gives them. Ends
-and sides go with the trellis, contact is frictionless: what resists is the compaction of the yarns alone, where each is
-squeezed under the other's arch, and where parallel neighbours meet edge to edge.
+Shear turns the yarns against each other at constant distances along each, as a picture frame does:
+the end displacements d1, d2 are those of the beginning, so the yarns have the tension that the
+user's stretch gives them. Ends and sides go with the trellis, contact is frictionless: what resists
+is the compaction of the yarns alone, where each is squeezed under the other's arch, and where
+parallel neighbours meet edge to edge.
 """
 
 from __future__ import annotations
@@ -14,34 +15,13 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
-from unitcell3d.solver import path_following
-from unitcell3d.solver.load_stepping import Hook
+from unitcell3d.solver.path_following import Hook, follow
 
-MEANINGS = {
-    "path": "[-] share of the path",
-    "d1": "[m] end displacement of the warp, per end of a crossing",
-    "d2": "[m] the same of the weft",
-    "gamma": "[rad] shear angle between the yarns",
-    "T1": "[N] tension of a warp",
-    "T2": "[N] tension of a weft",
-    "moment": "[N m] per crossing, conjugate to gamma",
-    "tau": "[Pa] moment over cell area and shell thickness",
-    "F_c": "[N] contact force of a crossing",
-    "F_side": "(n, 2) [N] contact force of a warp, of a weft, with its parallel neighbour",
-    "side_gap": "(n, 2) [m] between the edges of parallel warps, of wefts; infinite where they do not pass each other",
-    "thickness": "[m] from the lowest to the highest node",
-    "deepest": "[m] largest penetration",
-    "fibre_strain_mean": "(n, 2) [-] of the fibres of warp and weft",
-    "fibre_strain_max": "(n, 2) [-] of the worst whole fibre of warp and weft",
-    "broken": "[-] share of the fibre bars that has failed",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
 STEEPEST = 1.2  # rad: beyond it the trellis is all but closed
 ROWS_TO_STRETCH = 6
 
@@ -57,7 +37,8 @@ def shear(
     failure: bool = False,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m] per end.
+    """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m]
+    per end.
 
     Parameters
     ----------
@@ -68,7 +49,7 @@ def shear(
 
     Returns
     -------
-    Record, with the meanings `MEANINGS`
+    Record, with the columns of `recorded.MEANINGS` that belong to a cell
 
     Raises
     ------
@@ -78,7 +59,8 @@ def shear(
         raise InputError(key="gamma", value=gamma, allowed=f"above 0 and at most {STEEPEST} rad")
     model = CellModel(mesh, fabric, numerics, failure=failure)
     d = tuple(float(part) for part in stretch)
-    loads, counts = [CellLoad(model.w)], []
+    loads = [CellLoad(model.w)]
+    counts = []
     if any(d):
         loads.append(CellLoad(model.w, d))
         counts.append(ROWS_TO_STRETCH)
@@ -96,7 +78,8 @@ def biaxial(
     failure: bool = False,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of `shear`."""
+    """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of
+    `shear`."""
     model = CellModel(mesh, fabric, numerics, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]
     return _followed(model, loads, [rows], "cell biaxial", hooks)
@@ -104,16 +87,31 @@ def biaxial(
 
 def _followed(model, loads, counts, case, hooks):
     fabric = model.fabric
-    smeared = fabric.weave.cell_area * fabric.weave.thickness
+    facts = {
+        "case": case,
+        "crossings": model.crossings,
+        "cell_area": fabric.weave.cell_area,
+        "shell_thickness": fabric.weave.thickness,
+        "width": [2 * section.half_width for section in model.crossover.sections],
+        "spacing": [2 * w for w in model.w[::-1]],
+    }
+    return follow(model, loads, _row(model), rows=counts, facts=facts, hooks=hooks)
+
+
+def _row(model):
+    """The function that records a state of a cell."""
+    smeared = model.fabric.weave.cell_area * model.fabric.weave.thickness
     families = np.asarray(model.crossover.families)
+    pairs = model.surfaces
+    edges = [edge for (edge,) in pairs.pairs[model.crossings :]]
 
     def row(state, load):
         x = model.positions(state.q, load)
         strains, means = model.fibre_strains(x)
-        worst, pairs = model.fibres.worst(strains), model.surfaces
+        worst = model.fibres.worst(strains)
         moment = model.moment(state.forces, load)
-        side = pairs.forces[pairs.crossings :].reshape(2, -1)
         T1, T2 = model.tensions(state.forces, load)
+        gaps = np.array([edge.gaps[0] for edge in edges])
         return {
             "d1": load.d[0],
             "d2": load.d[1],
@@ -122,11 +120,9 @@ def _followed(model, loads, counts, case, hooks):
             "T2": T2,
             "moment": moment,
             "tau": moment / smeared,
-            "F_c": float(np.mean(np.abs(pairs.forces[: pairs.crossings]))),
-            "F_side": side.mean(axis=1),
-            "side_gap": np.array(
-                [min(float(pair.gaps[0][0]) for pair in of) for of in _by_family(pairs)]
-            ),
+            "F_c": float(np.mean(np.abs(pairs.forces[: model.crossings]))),
+            "F_side": pairs.forces[model.crossings :].reshape(2, -1).mean(axis=1),
+            "side_gap": gaps.reshape(2, -1).min(axis=1),
             "thickness": model.thickness(x),
             "deepest": pairs.deepest,
             "fibre_strain_mean": np.array([means[families == family].mean() for family in (0, 1)]),
@@ -134,22 +130,4 @@ def _followed(model, loads, counts, case, hooks):
             "broken": float(np.mean(model.fibres.damage > 0)),
         }
 
-    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
-    u = (found.x - model.points)[: len(model.crossover.points)]
-    facts = {
-        "fabric": fabric.name,
-        "case": case,
-        "crossings": model.crossings,
-        "cell_area": fabric.weave.cell_area,
-        "shell_thickness": fabric.weave.thickness,
-        "width": [2 * section.half_width for section in model.crossover.sections],
-        "spacing": [2 * w for w in model.w[::-1]],
-    }
-    return Record(columns(found.rows), MEANINGS, facts, {"u": u}, found.failed)
-
-
-def _by_family(pairs):
-    """The pairs of parallel neighbours: of warps, of wefts."""
-    edges = pairs.pairs[pairs.crossings :]
-    half = len(edges) // 2
-    return edges[:half], edges[half:]
+    return row

@@ -1,16 +1,19 @@
-"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which it slips.
+"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which
+it slips.
 
-The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends, which presses the
-yarns together; or two platens without friction, one on the warp and one under the weft, press them together, which
-compresses their cross-sections. Then one yarn is moved along its axis, from sticking into full sliding, while d or the
-distance of the platens is held (`model.pull_out`). P is the axial force that
-it takes from the crossing yarn. The threshold T_f is P where the share of Coulomb's limit that the contact has
-mobilised reaches `SLIDING`; F_c is the contact force at that state, not that before the pull: the crossing yarn is
-drawn sideways by P and its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
+The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends,
+which presses the yarns together; or two platens without friction, one on the warp and one under the
+weft, press them together, which compresses their cross-sections. Then one yarn is moved along its
+axis, from sticking into full sliding, while d or the distance of the platens is held
+(`model.pull_out`). P is the axial force that it takes from the crossing yarn. The threshold T_f is
+P where the share of Coulomb's limit that the contact has mobilised reaches `SLIDING`; F_c is the
+contact force at that state, not that before the pull: the crossing yarn is drawn sideways by P and
+its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
 (`fabrics.friction.pull_out`).
 
-P has two parts: the friction, and what the normal pressures take along the axis (P_geometric), which is all that there
-is without friction. A path without friction gives the same quantities at the same pull.
+P has two parts: the friction, and what the normal pressures take along the axis (P_geometric),
+which is all that there is without friction. A path without friction gives the same quantities at
+the same pull.
 """
 
 from __future__ import annotations
@@ -23,42 +26,23 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
-from unitcell3d.solver import load_stepping, path_following
-from unitcell3d.solver.load_stepping import Hook
+from unitcell3d.solver.path_following import Hook, follow
+from unitcell3d.solver.recorded import crossover_row
 
-MEANINGS = {
-    "path": "[-] share of the path",
-    "load": "[-] number of the transverse load",
-    "d1": "[m] end displacement of the warp, per end",
-    "d2": "[m] the same of the weft",
-    "plates": "[m] half the distance of the platens (infinite: none)",
-    "pull": "[m] displacement of the pulled yarn along its axis",
-    "T1": "[N] tension of the warp, of a pulled yarn at the end that is pulled",
-    "T2": "[N] tension of the weft, likewise",
-    "P": "[N] axial force that the pulled yarn takes from the crossing yarn",
-    "P_geometric": "[N] the part of it that normal pressures take",
-    "F_c": "[N] contact force",
-    "F_plate": "(n, 2) [N] force on the upper and the lower platen",
-    "h1": "[m] height of the warp's centreline",
-    "h2": "[m] the same of the weft",
-    "mobilised": "[-] share of Coulomb's limit that is mobilised, 1 in full sliding",
-    "d_c": "[m] compression of one yarn, half of the loss of h1 + h2",
-    "deepest": "[m] largest penetration",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
 SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
-LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
-PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
-PULL_PRESSED = (
-    0.24  # the same between platens, where the crossing yarn has no tension before the pull
-)
-ROWS_TO_LOAD, ROWS = 5, 16
+# of the largest end displacement of the crossing yarn
+LOADS = (0.25, 0.5, 0.75, 1.0)
+# of half the spacing: the crossing yarn gives way sideways before all points slide
+PULL = 0.16
+# of half the spacing between platens, where the crossing yarn has no tension before the pull
+PULL_PRESSED = 0.24
+ROWS_TO_LOAD = 5
+ROWS = 16
 ROWS_TO_PRESS = 40  # of the way of the platens to `MIN_PLATE_GAP`
 
 
@@ -81,53 +65,56 @@ def pull_out(
     crossover : meshing.crossover.Crossover, a whole one
     fabric : Fabric
     displacements : (n,) [m] of each end of the crossing yarn
-    pressures : (n,) [Pa] of platens on the area of the cell before the pull, in place of the displacements
+    pressures : (n,) [Pa] of platens on the area of the cell before the pull, in place of the
+        displacements
     pulled : 0 pulls the warp, 1 the weft
-    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn if not given,
-        `PULL_PRESSED` times it between platens
+    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn
+        if not given, `PULL_PRESSED` times it between platens
     numerics : Numerics with the friction
     rows : states along the pull
     hooks : called as hook(share of all paths, row) after each row
 
     Returns
     -------
-    Record of all paths one after the other, with the meanings `MEANINGS`; its `failed` is that of the first that ended
+    Record of all paths one after the other; its `failed` is that of the first that ended
     early, after which no other is begun
 
     Raises
     ------
-    InputError : neither displacements nor pressures, both, one that is not positive, or a pull that is not
+    InputError : neither displacements nor pressures, both, one that is not positive, or a pull that
+        is not
+    UnstableError : the platens reach none of the pressures
     """
     given = _transverse(displacements, pressures)
-    share = PULL_PRESSED if len(pressures) else PULL
-    pull = share * fabric.weave.w[pulled] if pull is None else float(pull)
+    if pull is None:
+        share = PULL_PRESSED if len(pressures) else PULL
+        pull = share * fabric.weave.w[pulled]
+    pull = float(pull)
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
-    numerics = Numerics() if numerics is None else numerics
-    points = np.asarray(crossover.points, float)
-    found, x, failed = [], points, ""
-    rest, loaded = (
-        PullLoad(),
-        [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given],
-    )
+    numerics = numerics or Numerics()
+    rest = PullLoad()
+    failed = ""
     if len(pressures):
         rest, loaded, failed = _pressed(crossover, fabric, numerics, pulled, given)
+    else:
+        loaded = [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given]
+    found = []
     for number, load in enumerate(loaded):
         model = PullOutModel(crossover, fabric, numerics, pulled, platens=len(pressures) > 0)
-        loads = [rest, load, replace(load, pull=pull)]
 
         def shift(share, row, number=number):
-            return [hook((number + share) / len(given), row) for hook in hooks]
+            for hook in hooks:
+                hook((number + share) / len(given), row)
 
-        one = path_following.follow(
-            model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift]
-        )
-        found += one.rows
-        x, failed = one.x, failed or one.failed
-        if one.failed:
+        loads = [rest, load, replace(load, pull=pull)]
+        row = _row(model, number)
+        found.append(follow(model, loads, row, rows=[ROWS_TO_LOAD, rows], hooks=[shift]))
+        if found[-1].failed:
             break
+    if not found:
+        raise UnstableError(failed)
     facts = {
-        "fabric": fabric.name,
         "case": "pull-out",
         "pulled": pulled,
         "friction": numerics.friction,
@@ -136,14 +123,25 @@ def pull_out(
     }
     if len(pressures):
         facts["pressures"] = given
-    return Record(columns(found), MEANINGS, facts, {"u": x - points}, failed)
+    return _joined(found, facts, failed)
+
+
+def _joined(records, facts, failed):
+    """One Record of several, one after the other, with the first reason why one ended early."""
+    last = records[-1]
+    names = last.columns
+    joined = {name: np.concatenate([record[name] for record in records]) for name in names}
+    failed = failed or last.failed
+    return replace(last, columns=joined, facts=last.facts | facts, failed=failed)
 
 
 def _transverse(displacements, pressures):
     """The transverse loads, numbers in m or Pa; InputError as `pull_out`."""
-    key, unit = ("pressures", "pressure") if len(pressures) else ("displacements", "length")
-    given = [float(value) for value in (pressures if len(pressures) else displacements)]
-    if not given or not all(np.isfinite(value) and value > 0 for value in given):
+    key, unit, values = "displacements", "length", displacements
+    if len(pressures):
+        key, unit, values = "pressures", "pressure", pressures
+    given = np.asarray(values, float).tolist()
+    if not given or not 0 < min(given) <= max(given) < np.inf:
         raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
     if len(pressures) and len(displacements):
         raise InputError(
@@ -153,38 +151,40 @@ def _transverse(displacements, pressures):
 
 
 def _pressed(crossover, fabric, numerics, pulled, pressures):
-    """(load at rest, loads at which platens press by `pressures` [Pa], why not all of them were reached or "").
+    """(load at rest, loads at which platens press by `pressures` [Pa], why not all of them were
+    reached or "").
 
-    One path without the pull goes up to the highest pressure; the distances at the others are interpolated on it.
+    One path without the pull goes up to the highest pressure; the distances at the others are
+    interpolated on it.
     """
     model = PullOutModel(crossover, fabric, numerics, pulled, platens=True)
     assert model.plates is not None
-    rest, area = PullLoad(plates=model.plates.at_rest), fabric.weave.cell_area
-    mean = lambda row: float(np.mean(row["F_plate"])) / area  # noqa: E731
-    followed = path_following.follow(
+    rest = PullLoad(plates=model.plates.at_rest)
+    area = fabric.weave.cell_area
+
+    def mean(row):
+        return float(np.mean(row["F_plate"])) / area
+
+    pressed = follow(
         model,
         [rest, replace(rest, plates=MIN_PLATE_GAP * rest.plates)],
         _row(model, 0),
         rows=ROWS_TO_PRESS,
         stop=lambda row: mean(row) / max(pressures),
     )
-    met, at = (
-        np.array([mean(row) for row in followed.rows]),
-        np.array([row["plates"] for row in followed.rows]),
-    )
+    met = pressed["F_plate"].mean(axis=1) / area
+    at = pressed["plates"]
     reached = [value for value in pressures if value <= met.max() * (1 + 1e-3)]
     loads = [replace(rest, plates=float(np.interp(value, met, at))) for value in reached]
-    short = (
-        ""
-        if len(reached) == len(pressures)
-        else f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
-    )
-    return rest, loads, followed.failed or short
+    short = ""
+    if len(reached) < len(pressures):
+        short = f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
+    return rest, loads, pressed.failed or short
 
 
 def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
-    """[m] end displacements of the crossing yarn, `LOADS` times those at which its crimp would be taken up if it were
-    not compressed and the pulled yarn had none."""
+    """[m] end displacements of the crossing yarn, `LOADS` times those at which its crimp would be
+    taken up if it were not compressed and the pulled yarn had none."""
     crossing = 1 - pulled
     largest = fabric.weave.w[crossing] * fabric.weave.yarns[crossing].crimp
     return tuple(share * largest for share in LOADS)
@@ -194,7 +194,7 @@ def _row(model, number):
     def row(state, load):
         x = model.positions(state.q, load)
         mobilised = model.surfaces.mobilised_friction(x, model.numerics)
-        return load_stepping.crossover_row(model, state, load) | {
+        return crossover_row(model, state, load) | {
             "load": number,
             "pull": load.pull,
             "P": model.axial_force(state.forces),
@@ -209,7 +209,8 @@ def _row(model, number):
 def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
     """(F_c, T_f), each (n,) [N], of the transverse loads at which the yarn came to slide.
 
-    Between the two rows about `SLIDING` forces are interpolated. Without friction, T_f is the largest P of each load.
+    Between the two rows about `SLIDING` forces are interpolated. Without friction, T_f is the
+    largest P of each load.
     """
     found = []
     for number in np.unique(record["load"]):
@@ -225,7 +226,9 @@ def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
             continue
         last = int(np.argmax(share >= SLIDING))
         first = max(last - 1, 0)
-        part = 1.0 if last == 0 else (SLIDING - share[first]) / (share[last] - share[first])
+        part = 1.0
+        if last > 0:
+            part = (SLIDING - share[first]) / (share[last] - share[first])
         found.append(
             tuple(column[first] + part * (column[last] - column[first]) for column in (F_c, P))
         )

@@ -4,8 +4,8 @@ The closed form is that of fibres without bending: none until the yarn is straig
 
     T = E A_s ((w + d) / (w (1 + crimp)) - 1)    for d > w crimp.
 
-The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
-of full integration of the solid, which leaves zero-energy modes.
+The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars,
+and one-point instead of full integration of the solid, which leaves zero-energy modes.
 """
 
 from __future__ import annotations
@@ -18,31 +18,15 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from fabrics.yarn import Yarn
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
-from unitcell3d.contact.pairs import SurfacePairs
+from unitcell3d.contact.surfaces import SurfacePairs
 from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
-from unitcell3d.solver import path_following
-from unitcell3d.solver.load_stepping import Hook
-
-MEANINGS = {
-    "path": "[-] share of the path",
-    "d": "[m] displacement of each end",
-    "strain": "[-] of the distance of the ends",
-    "T": "[N] tension of the whole yarn",
-    "T_taut": "[N] closed form: no bending",
-    "h": "[m] height of the centreline",
-    "fibre_strain_mean": "[-] of the fibres",
-    "fibre_strain_max": "[-] of the worst whole fibre, -1 where none is left",
-    "broken": "[-] share of the fibre bars that has failed",
-    "astray": "[m] amplitude of displacements that alternate from node to node along the yarn",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
+from unitcell3d.solver.path_following import Hook, follow
 
 
 class YarnModel(YarnsModel):
@@ -85,7 +69,9 @@ class YarnModel(YarnsModel):
                     key="bars", value=bars, allowed=f"{odd}, up to the mesh's {across * through}"
                 )
             mesh = submeshes.with_bars(mesh, int(bars))
-        self.family, self.share, self.w = family, crossover.share, crossover.w[family]
+        self.family = family
+        self.share = crossover.share
+        self.w = crossover.w[family]
         held = constraints.build(
             mesh.grids, len(mesh.points), quarter=crossover.domain == "quarter", families=(family,)
         )
@@ -107,8 +93,10 @@ class YarnModel(YarnsModel):
 
     def _columns(self):
         (grid,) = self.crossover.grids
-        across = 0 if self.share < 1 else grid.shape[1] // 2
-        return (-1, across), (0 if self.share < 1 else grid.shape[0] // 2, across)
+        if self.share < 1:  # a quarter begins at the crossing
+            return (-1, 0), (0, 0)
+        across = grid.shape[1] // 2
+        return (-1, across), (grid.shape[0] // 2, across)
 
 
 def pull(
@@ -124,14 +112,16 @@ def pull(
     rows: int = 25,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
+    """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure
+    of its fibres.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     family : 0 warp, 1 weft
-    strain : [-] at the end; by default, where the straight yarn is at its failure strain, with `failure` 10 % beyond
+    strain : [-] at the end; by default, where the straight yarn is at its failure strain, with
+        `failure` 10 % beyond
     bars : number of fibre lines with bars; all if not given
     integration : solid_law.FULL or solid_law.ONE_POINT
     failure : fibres fail
@@ -139,7 +129,7 @@ def pull(
 
     Returns
     -------
-    Record, with the meanings `MEANINGS`
+    Record, with the columns of `recorded.MEANINGS` that belong to a yarn
 
     Raises
     ------
@@ -165,17 +155,10 @@ def pull(
         d = share * strain * model.w
         return Load((d, 0.0) if family == 0 else (0.0, d))
 
-    # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
-    points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
-    found = path_following.follow(
-        model,
-        points,
-        lambda state, load: _row(model, yarn, crimp, state, load),
-        rows=rows,
-        hooks=hooks,
-    )
+    # most rows where the yarn becomes taut: steps of strain that grow with the distance from the
+    # crimp's end
+    shares = [0.0, crimp / strain, 1.0] if strain > crimp else [0.0, 1.0]
     facts = {
-        "fabric": fabric.name,
         "case": f"yarn {('warp', 'weft')[family]}",
         "yarn": family,
         "bars": len(model.fibres.pairs),
@@ -183,21 +166,35 @@ def pull(
         "crimp": crimp,
         "EA": yarn.EA,
     }
-    return Record(columns(found.rows), MEANINGS, facts, {"u": found.x - model.points}, found.failed)
+    return follow(
+        model,
+        [at(share) for share in shares],
+        lambda state, load: _row(model, yarn, crimp, state, load),
+        rows=rows,
+        facts=facts,
+        hooks=hooks,
+    )
 
 
 def _row(model, yarn, crimp, state, load):
-    x, d = model.positions(state.q, load), load.d[model.family]
-    strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
+    x = model.positions(state.q, load)
+    d = load.d[model.family]
+    mean = worst = np.nan
+    broken = 0.0
+    if len(model.fibres.pairs):
+        strains, means = model.fibre_strains(x)
+        mean = means[0]
+        worst = model.fibres.worst(strains)[0]
+        broken = float(np.mean(model.fibres.damage > 0))
     return {
         "d": d,
         "strain": d / model.w,
         "T": model.tensions(state.forces)[model.family],
         "T_taut": taut(yarn, model.w, crimp, d),
         "h": model.height(x),
-        "fibre_strain_mean": means[0],
-        "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
-        "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
+        "fibre_strain_mean": mean,
+        "fibre_strain_max": worst,
+        "broken": broken,
         "astray": _astray(model, x),
     }
 
@@ -208,7 +205,8 @@ def taut(yarn: Yarn, w: float, crimp: float, d: float) -> float:
 
 
 def _astray(model, x):
-    """[m] Largest quarter of a second difference of the displacement along the yarn: an hourglass' amplitude."""
+    """[m] Largest quarter of a second difference of the displacement along the yarn: an hourglass'
+    amplitude."""
     (grid,) = model.crossover.grids
     u = (x - model.points)[grid]
     return float(np.abs(u[2:] - 2 * u[1:-1] + u[:-2]).max()) / 4

@@ -1,15 +1,19 @@
-"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a point, not on a face.
+"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a
+point, not on a face.
 
-Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = E - C at their closest points:
+Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = E - C at their
+closest points:
 
     r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b| from the first to the second.
 
-The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is that of a potential.
-With the rows r_q (variation at fixed s, t), a_q, b_q, and
+The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is
+that of a potential. With the rows r_q (variation at fixed s, t), a_q, b_q, and
 
-    U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n . C'', n . E''),
+    U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n
+    . C'', n . E''),
 
-the gap varies by g_q = n . r_q, and, without the division by g that the distance itself would need, L = m + g N,
+the gap varies by g_q = n . r_q, and, without the division by g that the distance itself would need,
+L = m + g N,
 
     g_qq = U^T m^-1 N L^-1 U - U^T L^-1 V - V^T L^-1 U - g V^T L^-1 V.
 """
@@ -27,9 +31,11 @@ STEPS = 40
 
 @kernel()
 def spline_weights(xi, cells, weights):
-    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two derivatives.
+    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two
+    derivatives.
 
-    A phantom node continues the edge straight beyond each end and is folded back into weights of the real ones.
+    A phantom node continues the edge straight beyond each end and is folded back into weights of
+    the real ones.
 
     Parameters
     ----------
@@ -71,7 +77,8 @@ def spline_weights(xi, cells, weights):
 
 @kernel()
 def edge_stencil(s, edge, nodes, weights):
-    """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes `edge` : (n,)."""
+    """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes
+    `edge` : (n,)."""
     first = spline_weights(s, edge.size - 1, weights)
     for a in range(4):
         nodes[a] = edge[min(max(first + a, 0), edge.size - 1)]
@@ -89,7 +96,8 @@ def curve(x, nodes, weights, values):
 
 @kernel()
 def nearest_nodes(x, first, second, toward, st):
-    """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along `toward`."""
+    """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along
+    `toward`."""
     least = np.inf
     for i in range(first.size):
         for k in range(second.size):
@@ -97,12 +105,14 @@ def nearest_nodes(x, first, second, toward, st):
             away = dot(r, r) - dot(r, toward) ** 2
             if away < least:
                 least = away
-                st[0], st[1] = i, k
+                st[0] = i
+                st[1] = k
 
 
 @kernel()
 def closest(x, first, second, toward, st, nodes, weights, values):
-    """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False without any."""
+    """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False
+    without any."""
     nearest_nodes(x, first, second, toward, st)
     for _ in range(STEPS):
         edge_stencil(st[0], first, nodes[0], weights[0])
@@ -110,23 +120,26 @@ def closest(x, first, second, toward, st, nodes, weights, values):
         curve(x, nodes[0], weights[0], values[0])
         curve(x, nodes[1], weights[1], values[1])
         r = values[1, 0] - values[0, 0]
-        a, b = values[0, 1], values[1, 1]
-        f1, f2 = -dot(r, a), dot(r, b)
-        l11, l12, l22 = (
-            dot(a, a) - dot(r, values[0, 2]),
-            -dot(a, b),
-            dot(b, b) + dot(r, values[1, 2]),
-        )
+        a = values[0, 1]
+        b = values[1, 1]
+        f1 = -dot(r, a)
+        f2 = dot(r, b)
+        l11 = dot(a, a) - dot(r, values[0, 2])
+        l12 = -dot(a, b)
+        l22 = dot(b, b) + dot(r, values[1, 2])
         determinant = l11 * l22 - l12 * l12
         if not (l11 > 0.0 and determinant > 0.0):
-            l11, l22 = dot(a, a), dot(b, b)
+            l11 = dot(a, a)
+            l22 = dot(b, b)
             determinant = l11 * l22 - l12 * l12
         if not determinant > 1e-12 * l11 * l22:
             return False
-        d1, d2 = -(l22 * f1 - l12 * f2) / determinant, -(l11 * f2 - l12 * f1) / determinant
+        d1 = -(l22 * f1 - l12 * f2) / determinant
+        d2 = -(l11 * f2 - l12 * f1) / determinant
         largest = max(abs(d1), abs(d2))
         if largest > 0.5:
-            d1, d2 = 0.5 * d1 / largest, 0.5 * d2 / largest
+            d1 = 0.5 * d1 / largest
+            d2 = 0.5 * d2 / largest
         st[0] = min(max(st[0] + d1, 0.0), first.size - 1.0)
         st[1] = min(max(st[1] + d2, 0.0), second.size - 1.0)
         if largest < 1e-13:
@@ -157,12 +170,15 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     -------
     gap, force : [m] infinite where the edges have no closest points inside, [N]
     """
-    nodes, weights, found = np.empty((2, 4), np.int64), np.empty((2, 3, 4)), np.empty((2, 3, 3))
+    nodes = np.empty((2, 4), np.int64)
+    weights = np.empty((2, 3, 4))
+    found = np.empty((2, 3, 3))
     st = np.empty(2)
     stencil[0] = -1
     if not closest(x, first, second, toward, st, nodes, weights, found):
         return np.inf, 0.0
-    a, b = found[0, 1], found[1, 1]
+    a = found[0, 1]
+    b = found[1, 1]
     normal = np.cross(a, b)
     normal /= np.sqrt(dot(normal, normal))
     if dot(normal, toward) < 0.0:
@@ -174,9 +190,11 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     for m in range(8):
         stencil[m] = nodes[m // 4, m % 4]
     # each node's share in r, a and b is a number times the unit matrix
-    share, turn = np.empty(8), np.empty((2, 8))
+    share = np.empty(8)
+    turn = np.empty((2, 8))
     for m in range(8):
-        edge, k = m // 4, m % 4
+        edge = m // 4
+        k = m % 4
         share[m] = weights[edge, 0, k] * (1.0 if edge == 1 else -1.0)
         turn[0, m] = weights[0, 1, k] if edge == 0 else 0.0
         turn[1, m] = weights[1, 1, k] if edge == 1 else 0.0
@@ -200,27 +218,43 @@ def edge_tangent(found, normal, gap, p, slope, area, share, turn, places, values
     turn : (2, 8) [-] what each node has in a and in b
     places, values : as for `edge_pass`
     """
-    n1, n2 = -dot(normal, found[0, 2]), dot(normal, found[1, 2])
-    a, b = found[0, 1], found[1, 1]
-    m11, m12, m22 = dot(a, a), -dot(a, b), dot(b, b)
+    n1 = -dot(normal, found[0, 2])
+    n2 = dot(normal, found[1, 2])
+    a = found[0, 1]
+    b = found[1, 1]
+    m11 = dot(a, a)
+    m12 = -dot(a, b)
+    m22 = dot(b, b)
     m_det = m11 * m22 - m12 * m12
-    l11, l12, l22 = m11 + gap * n1, m12, m22 + gap * n2
+    l11 = m11 + gap * n1
+    l12 = m12
+    l22 = m22 + gap * n2
     l_det = l11 * l22 - l12 * l12
-    U, V = np.empty((2, 8, 3)), np.empty((2, 8, 3))
+    U = np.empty((2, 8, 3))
+    V = np.empty((2, 8, 3))
     for m in range(8):
         for c in range(3):
-            U[0, m, c], U[1, m, c] = -a[c] * share[m], b[c] * share[m]
-            V[0, m, c], V[1, m, c] = -normal[c] * turn[0, m], normal[c] * turn[1, m]
+            U[0, m, c] = -a[c] * share[m]
+            U[1, m, c] = b[c] * share[m]
+            V[0, m, c] = -normal[c] * turn[0, m]
+            V[1, m, c] = normal[c] * turn[1, m]
     for m in range(8):
         for n in range(8):
             place = places[m, n]
             for c in range(3):
                 for d in range(3):
-                    u1, u2, v1, v2 = U[0, n, d], U[1, n, d], V[0, n, d], V[1, n, d]
-                    lu1, lu2 = (l22 * u1 - l12 * u2) / l_det, (l11 * u2 - l12 * u1) / l_det
-                    lv1, lv2 = (l22 * v1 - l12 * v2) / l_det, (l11 * v2 - l12 * v1) / l_det
-                    w1, w2 = n1 * lu1, n2 * lu2
-                    mu1, mu2 = (m22 * w1 - m12 * w2) / m_det, (m11 * w2 - m12 * w1) / m_det
+                    u1 = U[0, n, d]
+                    u2 = U[1, n, d]
+                    v1 = V[0, n, d]
+                    v2 = V[1, n, d]
+                    lu1 = (l22 * u1 - l12 * u2) / l_det
+                    lu2 = (l11 * u2 - l12 * u1) / l_det
+                    lv1 = (l22 * v1 - l12 * v2) / l_det
+                    lv2 = (l11 * v2 - l12 * v1) / l_det
+                    w1 = n1 * lu1
+                    w2 = n2 * lu2
+                    mu1 = (m22 * w1 - m12 * w2) / m_det
+                    mu2 = (m11 * w2 - m12 * w1) / m_det
                     curve_ = (
                         U[0, m, c] * (mu1 - lv1)
                         + U[1, m, c] * (mu2 - lv2)

@@ -1,4 +1,5 @@
-"""Named tuples that the kernels of contact take: plain arrays under names (symbols as in `surface_contact_kernels`)."""
+"""Named tuples that the kernels of contact take: plain arrays under names (symbols as in
+`surface_contact_kernels`)."""
 
 from __future__ import annotations
 
@@ -72,7 +73,8 @@ class Blocks(NamedTuple):
     """Where a pass adds its tangent.
 
     row_of : row of `places` for each code
-    places : (m, 20, 20) block of `values` of each pair of the nodes of a code; (0, 20, 20) for forces alone
+    places : (m, 20, 20) block of `values` of each pair of the nodes of a code; (0, 20, 20) for
+        forces alone
     values : (k, 3, 3) [N/m] blocks
     """
 

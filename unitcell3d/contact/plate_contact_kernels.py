@@ -1,4 +1,5 @@
-"""Contact of nodes with a rigid plate z = const: penalty and Coulomb friction, as in `surface_contact_kernels`."""
+"""Contact of nodes with a rigid plate z = const: penalty and Coulomb friction, as in
+`surface_contact_kernels`."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from unitcell3d.contact.surface_contact_kernels import pressure
 
 @kernel()
 def plate_pass(x, face, height, law, forces, places, values):
-    """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where `places` is given.
+    """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where
+    `places` is given.
 
     Parameters
     ----------
@@ -26,9 +28,13 @@ def plate_pass(x, face, height, law, forces, places, values):
     -------
     force : [N] on the plate, positive in compression
     """
-    nodes, areas, side, anchors = face.nodes, face.areas, face.side, face.anchors
+    nodes = face.nodes
+    areas = face.areas
+    side = face.side
+    anchors = face.anchors
     slip = law.slip
-    total, v = 0.0, np.empty(2)
+    total = 0.0
+    v = np.empty(2)
     for s in range(nodes.size):
         p, slope = pressure(side * (height - x[nodes[s], 2]), law.penalty, law.toe)
         if p == 0.0:
@@ -54,8 +60,11 @@ def plate_pass(x, face, height, law, forces, places, values):
 
 @kernel()
 def update_plate_anchors(x, face, height, slip):
-    """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others; see `plate_pass`."""
-    nodes, side, anchors = face.nodes, face.side, face.anchors
+    """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others;
+    see `plate_pass`."""
+    nodes = face.nodes
+    side = face.side
+    anchors = face.anchors
     for s in range(nodes.size):
         v = x[nodes[s], :2] - anchors[s]
         length = np.sqrt(v[0] ** 2 + v[1] ** 2)

@@ -1,4 +1,5 @@
-"""How far the friction of a pass is mobilised: the slip of its points over the regularisation slip."""
+"""How far the friction of a pass is mobilised: the slip of its points over the regularisation
+slip."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from unitcell3d.contact.surface_kernels import evaluate, surround
 
 @kernel()
 def mobilised_friction(x, slave, master, law, state):
-    """Friction and normal force of a pass, both as sums of sizes over its points, at the state of its last call.
+    """Friction and normal force of a pass, both as sums of sizes over its points, at the state of
+    its last call.
 
     Parameters
     ----------
@@ -23,10 +25,14 @@ def mobilised_friction(x, slave, master, law, state):
     sum of p A min(|v| / s, 1) and sum of p A [N] (symbols as there)
     """
     ni, nj = master.grid.shape
-    ringed, work = np.empty((ni + 2, nj + 2, 3)), np.empty((2, 3, 4))
+    ringed = np.empty((ni + 2, nj + 2, 3))
+    work = np.empty((2, 3, 4))
     surround(x, master.grid, master.axes, master.mirror, ringed)
-    surface, v, tau = np.empty((6, 3)), np.empty(3), np.empty(3)
-    mobilised, whole = 0.0, 0.0
+    surface = np.empty((6, 3))
+    v = np.empty(3)
+    tau = np.empty(3)
+    mobilised = 0.0
+    whole = 0.0
     for s in range(state.codes.size):
         if state.codes[s] < 0:
             continue

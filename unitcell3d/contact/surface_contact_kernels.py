@@ -1,25 +1,27 @@
 """Contact of points of one structured surface with the C1 surface (`surface_kernels`) near another.
 
-The slave points are the Gauss points of the slave's bilinear faces, x = N_k x_k. For a point with closest point S(xi),
-x - S = g n (n: unit normal towards the slave side):
+The slave points are the Gauss points of the slave's bilinear faces, x = N_k x_k. For a point with
+closest point S(xi), x - S = g n (n: unit normal towards the slave side):
 
     S_,a . (x - S) = 0,   m_ab = S_,a . S_,b,   k_ab = n . S_,ab,   H_ab = m_ab - g k_ab
     dg = n . (dx - dS)
     D_a = S_,a . (dx - dS),   B_a = n . dS_,a,   dxi = H^-1 (D + g B)
     d(dg) = - D_a m^ab (B_b + k_bc dxi_c) - B_a dxi_a
 
-The contact force is -p(g) A w(xi) dg with the area A of the point and the pressure (penalty k, C1 toe of depth t)
+The contact force is -p(g) A w(xi) dg with the area A of the point and the pressure (penalty k, C1
+toe of depth t)
 
     p = 0 (g >= 0),  k g^2 / 2t (0 < -g < t),  k (-g - t/2) (-g > t).
 
-w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is that of large
-sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a crossover is slave once, with half
-the penalty. Coulomb friction (coefficient f, regularisation slip s; Laursen and Simo 1993) adds the traction -tau:
+w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is
+that of large sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a
+crossover is slave once, with half the penalty. Coulomb friction (coefficient f, regularisation slip
+s; Laursen and Simo 1993) adds the traction -tau:
 
     v = S_,a (xi_a - anchor_a),   tau = f p v / max(|v|, s).
 
-The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The 3D crossover:
-contact").
+The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The
+3D crossover: contact").
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ from unitcell3d.contact.surface_tangent_kernels import (
 
 @kernel()
 def pressure(gap, penalty, toe):
-    """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative: penetration)."""
+    """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative:
+    penetration)."""
     depth = -gap
     if depth <= 0.0:
         return 0.0, 0.0
@@ -60,14 +63,18 @@ def pressure(gap, penalty, toe):
 
 @kernel()
 def overlap_weight(xi, cells, free_low, free_high):
-    """Share w of a slave point's area that lies over the master in one direction, and its slope; C1."""
-    weight, slope = 1.0, 0.0
+    """Share w of a slave point's area that lies over the master in one direction, and its slope;
+    C1."""
+    weight = 1.0
+    slope = 0.0
     if free_high and xi > cells:
         t = min(2.0 * (xi - cells), 1.0)
-        weight, slope = 1.0 - t * t * (3.0 - 2.0 * t), -12.0 * t * (1.0 - t)
+        weight = 1.0 - t * t * (3.0 - 2.0 * t)
+        slope = -12.0 * t * (1.0 - t)
     if free_low and xi < 0.0:
         t = min(-2.0 * xi, 1.0)
-        weight, slope = 1.0 - t * t * (3.0 - 2.0 * t), 12.0 * t * (1.0 - t)
+        weight = 1.0 - t * t * (3.0 - 2.0 * t)
+        slope = 12.0 * t * (1.0 - t)
     return weight, slope
 
 
@@ -83,7 +90,8 @@ def point_of(x, nodes, shape, point):
 @kernel()
 def traction(surface, xi, anchor, p, friction, slip, v, tau):
     """Fill the slip `v` and the friction's traction `tau` : (3,); returns |v|."""
-    g1, g2 = xi[0] - anchor[0], xi[1] - anchor[1]
+    g1 = xi[0] - anchor[0]
+    g2 = xi[1] - anchor[1]
     for c in range(3):
         v[c] = surface[1, c] * g1 + surface[2, c] * g2
     length = np.sqrt(dot(v, v))
@@ -94,7 +102,8 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
 
 @kernel()
 def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
-    """One pass: forces of the slave points on the master surface, and their tangent where there are places for it.
+    """One pass: forces of the slave points on the master surface, and their tangent where there are
+    places for it.
 
     Parameters
     ----------
@@ -109,7 +118,9 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     xi = state.xi
     ringed = np.empty((ni + 2, nj + 2, 3))
     surround(x, master.grid, master.axes, master.mirror, ringed)
-    point, nodes, work = np.empty(3), np.empty(STENCIL, np.int64), np.empty((4, 3, 4))
+    point = np.empty(3)
+    nodes = np.empty(STENCIL, np.int64)
+    work = np.empty((4, 3, 4))
     scratch = Scratch(
         np.empty((6, 3)),
         np.empty(3),
@@ -120,10 +131,14 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
         np.empty((TERMS, 3 * STENCIL)),
         np.empty((TERMS, 3 * STENCIL)),
     )
-    surface, normal, block = scratch.surface, scratch.normal, np.empty((3 * STENCIL, 3 * STENCIL))
+    surface = scratch.surface
+    normal = scratch.normal
+    block = np.empty((3 * STENCIL, 3 * STENCIL))
     for s in range(slave.areas.size):
-        state.gaps[s], state.codes[s] = np.inf, -1
-        face, shape = s // slave.shapes.shape[0], slave.shapes[s % slave.shapes.shape[0]]
+        state.gaps[s] = np.inf
+        state.codes[s] = -1
+        face = s // slave.shapes.shape[0]
+        shape = slave.shapes[s % slave.shapes.shape[0]]
         point_of(x, slave.quads[face], shape, point)
         if not project(point, ringed, xi[s], work[0], work[1], surface):
             continue
@@ -138,7 +153,8 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
         p, slope = pressure(gap, law.penalty, law.toe)
         if p == 0.0:
             continue
-        i, j = cell_of(xi[s, 0], ni - 1), cell_of(xi[s, 1], nj - 1)
+        i = cell_of(xi[s, 0], ni - 1)
+        j = cell_of(xi[s, 1], nj - 1)
         state.codes[s] = (face * (ni - 1) + i) * (nj - 1) + j
         nodes[:SLAVE] = slave.quads[face]
         nodes_of(master.grid, i, j, nodes[SLAVE:])
@@ -146,7 +162,8 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
         for k in range(SLAVE):
             scratch.spread[k] = shape[k]
         scratch.spread[SLAVE:] = -scratch.weights[0]
-        area, overlap = slave.areas[s], (w1, w2, dw1, dw2)
+        area = slave.areas[s]
+        overlap = (w1, w2, dw1, dw2)
         length = add_force(
             xi[s], state.anchors[s], p, area * w1 * w2, law, scratch, nodes, forces, resultant
         )
@@ -185,7 +202,8 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
 
 @kernel()
 def update_anchors(x, master, slip, state):
-    """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of the others.
+    """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of
+    the others.
 
     Parameters
     ----------
@@ -194,10 +212,14 @@ def update_anchors(x, master, slip, state):
     state : PassState; `anchors` are overwritten
     """
     ni, nj = master.grid.shape
-    xi, anchors = state.xi, state.anchors
-    ringed, work = np.empty((ni + 2, nj + 2, 3)), np.empty((2, 3, 4))
+    xi = state.xi
+    anchors = state.anchors
+    ringed = np.empty((ni + 2, nj + 2, 3))
+    work = np.empty((2, 3, 4))
     surround(x, master.grid, master.axes, master.mirror, ringed)
-    surface, v, tau = np.empty((6, 3)), np.empty(3), np.empty(3)
+    surface = np.empty((6, 3))
+    v = np.empty(3)
+    tau = np.empty(3)
     for s in range(state.codes.size):
         if state.codes[s] < 0:
             anchors[s] = xi[s]

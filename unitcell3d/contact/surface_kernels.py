@@ -1,17 +1,20 @@
-"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same share.
+"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same
+share.
 
-Along each direction the surface is the mean of the Catmull-Rom and the uniform cubic B-spline of the nodes: with t in
-0 .. 1 between the two middle nodes of four,
+Along each direction the surface is the mean of the Catmull-Rom and the uniform cubic B-spline of
+the nodes: with t in 0 .. 1 between the two middle nodes of four,
 
-    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4 t^3.
+    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4
+    t^3.
 
-These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on four nodes this is
-the one on which a uniform pressure loads the nodes as it loads the bilinear faces of bricks, at the edges of a grid
-too, so that a contact patch test can be passed. (The Catmull-Rom spline, which goes through the nodes, takes a twelfth
-of a cell's load from each edge.) The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
+These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on
+four nodes this is the one on which a uniform pressure loads the nodes as it loads the bilinear
+faces of bricks, at the edges of a grid too, so that a contact patch test can be passed. (The
+Catmull-Rom spline, which goes through the nodes, takes a twelfth of a cell's load from each edge.)
+The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
 
-Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight continuation
-elsewhere; it folds back into weights of the real nodes.
+Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight
+continuation elsewhere; it folds back into weights of the real nodes.
 """
 
 from __future__ import annotations
@@ -43,7 +46,8 @@ def cubics(t, w):
 
 @kernel()
 def cell_of(xi, cells):
-    """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the grid."""
+    """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the
+    grid."""
     return min(max(int(np.floor(xi)), 0), cells - 1)
 
 
@@ -85,7 +89,8 @@ def evaluate(ringed, xi, a, b, surface):
 
     ringed : as `surround` fills it;  a, b : (3, 4) scratch
     """
-    i, j = cell_of(xi[0], ringed.shape[0] - 3), cell_of(xi[1], ringed.shape[1] - 3)
+    i = cell_of(xi[0], ringed.shape[0] - 3)
+    j = cell_of(xi[1], ringed.shape[1] - 3)
     cubics(xi[0] - i, a)
     cubics(xi[1] - j, b)
     for c in range(3):
@@ -103,8 +108,12 @@ def evaluate(ringed, xi, a, b, surface):
             s2 += a[0, m] * r1
             s12 += a[1, m] * r1
             s22 += a[0, m] * r2
-        surface[0, c], surface[1, c], surface[2, c] = s0, s1, s2
-        surface[3, c], surface[4, c], surface[5, c] = s11, s12, s22
+        surface[0, c] = s0
+        surface[1, c] = s1
+        surface[2, c] = s2
+        surface[3, c] = s11
+        surface[4, c] = s12
+        surface[5, c] = s22
 
 
 @kernel()
@@ -142,7 +151,8 @@ def folded(t, cell, cells, mirror_low, even, odd):
 
 @kernel()
 def nodes_of(grid, i, j, nodes):
-    """Fill `nodes` : (16,) with those that shape the cell i, j; phantoms stand for their neighbours."""
+    """Fill `nodes` : (16,) with those that shape the cell i, j; phantoms stand for their
+    neighbours."""
     ni, nj = grid.shape
     for m in range(4):
         for n in range(4):
@@ -151,12 +161,14 @@ def nodes_of(grid, i, j, nodes):
 
 @kernel()
 def weights_of(xi, grid, axes, mirror, weights, work):
-    """Fill `weights` : (3, 16, 3) with S, S_,1, S_,2 at `xi` as weights of the nodes of its cell and components.
+    """Fill `weights` : (3, 16, 3) with S, S_,1, S_,2 at `xi` as weights of the nodes of its cell
+    and components.
 
     work : (4, 3, 4) scratch
     """
     ni, nj = grid.shape
-    i, j = cell_of(xi[0], ni - 1), cell_of(xi[1], nj - 1)
+    i = cell_of(xi[0], ni - 1)
+    j = cell_of(xi[1], nj - 1)
     folded(xi[0] - i, i, ni - 1, mirror[0], work[0], work[1])
     folded(xi[1] - j, j, nj - 1, mirror[1], work[2], work[3])
     for c in range(3):
@@ -176,7 +188,8 @@ def dot(a, b):
 
 @kernel()
 def project(point, ringed, xi, a, b, surface):
-    """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is overwritten.
+    """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is
+    overwritten.
 
     ringed, a, b, surface : as for `evaluate`; `surface` belongs to the point found
 
@@ -184,21 +197,26 @@ def project(point, ringed, xi, a, b, surface):
     -------
     found : False where the iteration does not settle or leaves the grid by a cell
     """
-    ni, nj = ringed.shape[0] - 2, ringed.shape[1] - 2
+    ni = ringed.shape[0] - 2
+    nj = ringed.shape[1] - 2
     for _ in range(PROJECTION_STEPS):
         evaluate(ringed, xi, a, b, surface)
         away = point - surface[0]
-        s1, s2 = surface[1], surface[2]
-        r1, r2 = dot(away, s1), dot(away, s2)
-        m11, m12, m22 = dot(s1, s1), dot(s1, s2), dot(s2, s2)
-        h11, h12, h22 = (
-            m11 - dot(away, surface[3]),
-            m12 - dot(away, surface[4]),
-            m22 - dot(away, surface[5]),
-        )
+        s1 = surface[1]
+        s2 = surface[2]
+        r1 = dot(away, s1)
+        r2 = dot(away, s2)
+        m11 = dot(s1, s1)
+        m12 = dot(s1, s2)
+        m22 = dot(s2, s2)
+        h11 = m11 - dot(away, surface[3])
+        h12 = m12 - dot(away, surface[4])
+        h22 = m22 - dot(away, surface[5])
         determinant = h11 * h22 - h12 * h12
         if not (h11 > 0.0 and determinant > 0.0):  # not convex here: Gauss-Newton instead
-            h11, h12, h22 = m11, m12, m22
+            h11 = m11
+            h12 = m12
+            h22 = m22
             determinant = h11 * h22 - h12 * h12
         if not determinant > 0.0:
             return False
@@ -208,7 +226,8 @@ def project(point, ringed, xi, a, b, surface):
         if largest < SETTLED:
             return -1.0 < xi[0] < ni and -1.0 < xi[1] < nj
         if not largest <= 1.0:
-            d1, d2 = d1 / largest, d2 / largest
+            d1 = d1 / largest
+            d2 = d2 / largest
         xi[0] = min(max(xi[0] + d1, -1.5), ni + 0.5)
         xi[1] = min(max(xi[1] + d2, -1.5), nj + 0.5)
     return False

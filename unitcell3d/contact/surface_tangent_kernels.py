@@ -1,6 +1,8 @@
-"""Tangent of the contact of one point as a sum of products of rows, left[r] x right[r], over the nodes' components.
+"""Tangent of the contact of one point as a sum of products of rows, left[r] x right[r], over the
+nodes' components.
 
-The equations, and their symbols, are those of `surface_contact_kernels`. The pressure's tangent takes the rows
+The equations, and their symbols, are those of `surface_contact_kernels`. The pressure's tangent
+takes the rows
 
     dg x (-dp/dg A w dg - p A dw),  D_a x (p A w m^ab (B_b + k_bc dxi_c)),  B_a x (p A w dxi_a),
 
@@ -31,7 +33,8 @@ Scratch = namedtuple("Scratch", "surface normal weights spread v tau left right"
 
 @kernel()
 def normal_terms(scratch, gap, p, slope, area, overlap):
-    """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`, `right[4]` over p A w.
+    """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`,
+    `right[4]` over p A w.
 
     Parameters
     ----------
@@ -42,43 +45,61 @@ def normal_terms(scratch, gap, p, slope, area, overlap):
     -------
     terms : how many rows of `left` and `right` are filled
     """
-    surface, normal, weights, spread = (
-        scratch.surface,
-        scratch.normal,
-        scratch.weights,
-        scratch.spread,
-    )
-    left, right = scratch.left, scratch.right
+    surface = scratch.surface
+    normal = scratch.normal
+    weights = scratch.weights
+    spread = scratch.spread
+    left = scratch.left
+    right = scratch.right
     w1, w2, dw1, dw2 = overlap
-    s1, s2 = surface[1], surface[2]
-    m11, m12, m22 = dot(s1, s1), dot(s1, s2), dot(s2, s2)
-    k11, k12, k22 = dot(normal, surface[3]), dot(normal, surface[4]), dot(normal, surface[5])
-    h11, h12, h22 = m11 - gap * k11, m12 - gap * k12, m22 - gap * k22
-    h, m_det = h11 * h22 - h12 * h12, m11 * m22 - m12 * m12
+    s1 = surface[1]
+    s2 = surface[2]
+    m11 = dot(s1, s1)
+    m12 = dot(s1, s2)
+    m22 = dot(s2, s2)
+    k11 = dot(normal, surface[3])
+    k12 = dot(normal, surface[4])
+    k22 = dot(normal, surface[5])
+    h11 = m11 - gap * k11
+    h12 = m12 - gap * k12
+    h22 = m22 - gap * k22
+    h = h11 * h22 - h12 * h12
+    m_det = m11 * m22 - m12 * m12
     share = area * w1 * w2
     force = p * share
     for m in range(STENCIL):
         for c in range(3):
             at = 3 * m + c
-            d1, d2 = spread[m, c] * s1[c], spread[m, c] * s2[c]
+            d1 = spread[m, c] * s1[c]
+            d2 = spread[m, c] * s2[c]
             b1 = b2 = 0.0
             if m >= SLAVE:
-                b1, b2 = weights[1, m - SLAVE, c] * normal[c], weights[2, m - SLAVE, c] * normal[c]
-            e1, e2 = d1 + gap * b1, d2 + gap * b2
-            x1, x2 = (h22 * e1 - h12 * e2) / h, (h11 * e2 - h12 * e1) / h
-            t1, t2 = b1 + k11 * x1 + k12 * x2, b2 + k12 * x1 + k22 * x2
+                b1 = weights[1, m - SLAVE, c] * normal[c]
+                b2 = weights[2, m - SLAVE, c] * normal[c]
+            e1 = d1 + gap * b1
+            e2 = d2 + gap * b2
+            x1 = (h22 * e1 - h12 * e2) / h
+            x2 = (h11 * e2 - h12 * e1) / h
+            t1 = b1 + k11 * x1 + k12 * x2
+            t2 = b2 + k12 * x1 + k22 * x2
             across = spread[m, c] * normal[c]
-            left[0, at], left[1, at], left[2, at], left[3, at], left[4, at] = across, d1, d2, b1, b2
+            left[0, at] = across
+            left[1, at] = d1
+            left[2, at] = d2
+            left[3, at] = b1
+            left[4, at] = b2
             right[0, at] = -slope * share * across - p * area * (dw1 * w2 * x1 + w1 * dw2 * x2)
             right[1, at] = force * (m22 * t1 - m12 * t2) / m_det
             right[2, at] = force * (m11 * t2 - m12 * t1) / m_det
-            right[3, at], right[4, at] = force * x1, force * x2
+            right[3, at] = force * x1
+            right[4, at] = force * x2
     return 5
 
 
 @kernel()
 def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
-    """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are filled.
+    """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are
+    filled.
 
     Parameters
     ----------
@@ -86,16 +107,18 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
     slid : (2,) [-] xi - anchor
     length : [m] |v|
     """
-    surface, normal, weights, spread = (
-        scratch.surface,
-        scratch.normal,
-        scratch.weights,
-        scratch.spread,
-    )
-    v, tau, left, right = scratch.v, scratch.tau, scratch.left, scratch.right
+    surface = scratch.surface
+    normal = scratch.normal
+    weights = scratch.weights
+    spread = scratch.spread
+    v = scratch.v
+    tau = scratch.tau
+    left = scratch.left
+    right = scratch.right
     w1, w2, dw1, dw2 = overlap
     g1, g2 = slid
-    friction, slip = law.friction, law.slip
+    friction = law.friction
+    slip = law.slip
     share = area * w1 * w2
     stuck = length <= slip
     phi = 1.0 / max(length, slip)
@@ -103,7 +126,8 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
     for m in range(STENCIL):
         for b in range(3):
             at = 3 * m + b
-            x1, x2 = right[3, at] / (p * share), right[4, at] / (p * share)
+            x1 = right[3, at] / (p * share)
+            x2 = right[4, at] / (p * share)
             dp = slope * spread[m, b] * normal[b]
             leave = area * (dw1 * w2 * x1 + w1 * dw2 * x2)
             turned = 0.0
@@ -120,11 +144,10 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
                 right[5 + c, at] = share * dtau + tau[c] * leave
             left[8, at] = left[9, at] = 0.0
             if m >= SLAVE:
-                left[8, at], left[9, at] = (
-                    -weights[1, m - SLAVE, b] * tau[b],
-                    -weights[2, m - SLAVE, b] * tau[b],
-                )
-            right[8, at], right[9, at] = share * x1, share * x2
+                left[8, at] = -weights[1, m - SLAVE, b] * tau[b]
+                left[9, at] = -weights[2, m - SLAVE, b] * tau[b]
+            right[8, at] = share * x1
+            right[9, at] = share * x2
     return 10
 
 

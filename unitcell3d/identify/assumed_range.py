@@ -1,8 +1,9 @@
 """The range of a compression law that follows from the range of an assumed solid law.
 
-A fabric whose yarns have the solid law of their fibre family (`fabrics.assumed`) is calibrated once more with the soft
-and once with the stiff end of that law. The two laws are kept with the nominal one, `CompressionLaw.assumed_range`.
-A yarn that is meshed denser than V_c of an end, at which it would be packed, has one a little above its own density.
+A fabric whose yarns have the solid law of their fibre family (`fabrics.assumed`) is calibrated once
+more with the soft and once with the stiff end of that law. The two laws are kept with the nominal
+one, `CompressionLaw.assumed_range`. A yarn that is meshed denser than V_c of an end, at which it
+would be packed, has one a little above its own density.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from meshing.mesh_plan import Plan
 from unitcell3d.identify.calibrate import calibrate_all
 from unitcell3d.identify.calibration import Calibration
 
-_LEAST_ROOM = 0.01  # [-] of fibre volume fraction, from the mesh at rest to packed yarns
+# [-] of fibre volume fraction, from the mesh at rest to packed yarns
+_LEAST_ROOM = 0.01
 
 
 def _packed_later(fabric, name):
@@ -43,7 +45,8 @@ def with_assumed_range(
     Returns
     -------
     done : Calibration
-    failed : {"soft" or "stiff": why this end has no law}; the law has a range only where both ends have one
+    failed : {"soft" or "stiff": why this end has no law}; the law has a range only where both ends
+        have one
     """
     ends = {
         end: _packed_later(each, f"{each.name}, {end}")

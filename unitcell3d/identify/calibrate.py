@@ -20,12 +20,12 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import CONTEXT, cancel, open_executor
 from fabrics.fabric import Fabric
+from fabrics.record import Record
 from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
 from unitcell3d.model.crossover import Numerics
-from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
@@ -205,9 +205,9 @@ class _Run:
         folder = self._folder(job.fabric.name)
         if not self._resume or folder is None or not job.file(folder).exists():
             return None
-        notes = History.notes(job.file(folder))
+        notes = Record.notes(job.file(folder))
         return (
-            (History.read(job.file(folder)), notes["seconds"])
+            (Record.read(job.file(folder)), notes["seconds"])
             if notes.get("key") == job.key
             else None
         )
@@ -278,8 +278,8 @@ class _Run:
         self.outcomes[fabric.name] = found
 
 
-def run_job(job: Job) -> tuple[History, float]:
-    """One job: (History, wall time [s])."""
+def run_job(job: Job) -> tuple[Record, float]:
+    """One job: (Record, wall time [s])."""
     begun = time.perf_counter()
     mesh = mesher.build(job.fabric, size=job.size)
 

@@ -1,17 +1,19 @@
-"""What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how far the paths differ.
+"""What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how
+far the paths differ.
 
-Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the compression of one
-yarn, d_c = (h01 + h02 - h1 - h2) / 2 (thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
-regularised form
+Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the
+compression of one yarn, d_c = (h01 + h02 - h1 - h2) / 2 (thesis eq. 4-13 with one law for both
+yarns, errata E-05, E-40). The regularised form
 
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
 
-is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
-say in it. A fit of the printed form would depend on a force cut-off. Two more fits say what one law leaves out: one of
-each yarn to its own compression at the crossing, and one that depends on the tension ratio too
-(`ratio_law`), the one to use where one law leaves more than `ONE_LAW`. The compression d_c holds
-also what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another
-curve than stretching does: they flatten slack yarns. That curve is the contact law of plies of a pack (`contact`).
+is fitted to all of them together, each path sampled at equal shares of its displacement so that the
+stepping has no say in it. A fit of the printed form would depend on a force cut-off. Two more fits
+say what one law leaves out: one of each yarn to its own compression at the crossing, and one that
+depends on the tension ratio too (`ratio_law`), the one to use where one law leaves more than
+`ONE_LAW`. The compression d_c holds also what closes between the yarns where their sections do not
+conform; each yarn's own does not. Plates give another curve than stretching does: they flatten
+slack yarns. That curve is the contact law of plies of a pack (`contact`).
 """
 
 from __future__ import annotations
@@ -30,16 +32,17 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.ply_law import PlyLaw
+from fabrics.record import Record
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.platen_misfit import rising
 from unitcell3d.identify.ratio_law import RatioLaw, imbalance
-from unitcell3d.solver.history import History
 
 PLATES = "plates"
 YARNS = ("warp", "weft")
 SAMPLES = 25  # of each path in the fit, about as many as it has steps
 PLY_SAMPLES = 24  # intervals of the contact law of plies
-ONE_LAW = 1e-6  # m rms: where one law leaves more, that of the tension ratio is chosen
+# m rms: where one law leaves more, that of the tension ratio is chosen
+ONE_LAW = 1e-6
 
 
 @dataclass(frozen=True)
@@ -51,9 +54,10 @@ class Calibration:
     fabric : name
     law : CompressionLaw fitted to all biaxial paths
     path_laws : {path: CompressionLaw} fitted to each path alone; None where no law fits it
-    histories : {path: History}, and "plates"
+    histories : {path: Record}, and "plates"
     residuals : {path: rms distance [m] of its samples from the joint law}
-    yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None where none fits
+    yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None
+        where none fits
     ratio_law : RatioLaw fitted to all paths, or None
     ratio_residuals : {path: rms distance [m] of its samples from the ratio law}
     failures : {path: [biaxial_and_platens.Failure]}
@@ -80,13 +84,14 @@ class Calibration:
     contact: PlyLaw | None = None
 
     @property
-    def plates(self) -> History:
-        """History between plates."""
+    def plates(self) -> Record:
+        """Record between plates."""
         return self.histories[PLATES]
 
     @property
     def comparison(self) -> dict[str, float]:
-        """Fitted over published a and b, and the rms distance [m] of the laws over the fitted forces; {} if none."""
+        """Fitted over published a and b, and the rms distance [m] of the laws over the fitted
+        forces; {} if none."""
         if self.published is None or self.published.a == 0 or self.law.F_range is None:
             return {}
         low, high = self.law.F_range
@@ -100,9 +105,11 @@ class Calibration:
 
     @property
     def spread(self) -> dict[str, tuple[float, float]]:
-        """{"a", "b": (least, greatest)} [m], [m N^(1/3)] of the paths that determine their own law; {} where none does.
+        """{"a", "b": (least, greatest)} [m], [m N^(1/3)] of the paths that determine their own law;
+        {} where none does.
 
-        A path that stays at low forces may tell neither a nor b: their intervals then hold the half or the double.
+        A path that stays at low forces may tell neither a nor b: their intervals then hold the half
+        or the double.
         """
         laws = [law for law in self.path_laws.values() if law is not None and _determined(law)]
         if not laws:
@@ -114,7 +121,8 @@ class Calibration:
 
     @property
     def chosen(self) -> str:
-        """ "one law", or "law of the tension ratio" where one leaves more than `ONE_LAW` and there is such a law."""
+        """ "one law", or "law of the tension ratio" where one leaves more than `ONE_LAW` and there
+        is such a law."""
         one = _rms(self.law)
         sees_more = self.ratio_law is not None and _rms(self.ratio_law) < one
         return "law of the tension ratio" if one > ONE_LAW and sees_more else "one law"
@@ -165,7 +173,8 @@ class Calibration:
         }
 
     def write(self, directory: FilePath) -> None:
-        """Write law.json, law-warp.json and law-weft.json of each yarn alone, and calibration.json into a directory."""
+        """Write law.json, law-warp.json and law-weft.json of each yarn alone, and calibration.json
+        into a directory."""
         directory = Path(directory)
         for yarn, law in zip(YARNS, self.yarn_laws):
             if law is not None:
@@ -180,12 +189,12 @@ class Calibration:
         self.law.to_json(path, self.contact)
 
 
-def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
+def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
     """The contact law of plies from a compression between platens, "computed".
 
-    Steps that press less than one before are left out: pressure rises with closure. P^(1/3), which is nearly straight,
-    is interpolated by monotone cubics over the closure and sampled at `PLY_SAMPLES` equal intervals. Beyond the last
-    pressure the law is that of solid fibre.
+    Steps that press less than one before are left out: pressure rises with closure. P^(1/3), which
+    is nearly straight, is interpolated by monotone cubics over the closure and sampled at
+    `PLY_SAMPLES` equal intervals. Beyond the last pressure the law is that of solid fibre.
 
     Parameters
     ----------
@@ -198,26 +207,29 @@ def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
     UnstableError : no platen was ever pressed
     """
     pressure, closure = rising(history, fabric.weave.cell_area)
-    pressure, closure = pressure[closure > 0], closure[closure > 0]
+    pressure = pressure[closure > 0]
+    closure = closure[closure > 0]
     curve = PchipInterpolator([0.0, *closure], np.cbrt([0.0, *pressure]))
     at = np.linspace(0.0, closure[-1], PLY_SAMPLES + 1)
-    left_out = len(history.path) - 1 - len(pressure)
+    left_out = len(history["path"]) - 1 - len(pressure)
     source = f"3D crossover of {fabric.name} between platens, {size} mesh"
-    source += f", {left_out} steps of falling force left out" if left_out else ""
+    if left_out:
+        source += f", {left_out} steps of falling force left out"
     return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
 
 
-def samples(history: History, *columns: FloatArray) -> tuple[FloatArray, ...]:
-    """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement, from contact on."""
-    shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
-    columns = columns or (history.d_c,)
-    F, *rest = (np.interp(shares, history.path, column) for column in (history.F_c, *columns))
+def samples(history: Record, *columns: FloatArray) -> tuple[FloatArray, ...]:
+    """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement,
+    from contact on."""
+    shares = np.linspace(0, history["path"][-1], SAMPLES + 1)[1:]
+    columns = columns or (history["d_c"],)
+    F, *rest = (np.interp(shares, history["path"], column) for column in (history["F_c"], *columns))
     return F[F > 0], *(column[F > 0] for column in rest)
 
 
 def evaluate(
     fabric: Fabric,
-    histories: dict[str, History],
+    histories: dict[str, Record],
     sizes: tuple[str, str],
     seconds: dict[str, float],
     friction: float = 0.0,
@@ -226,7 +238,7 @@ def evaluate(
 
     Parameters
     ----------
-    histories : {path: History} and "plates"
+    histories : {path: Record} and "plates"
     sizes : (biaxial, plates) mesh sizes, as texts
     seconds : {path: [s]}
     friction : [-] they were solved with
@@ -243,7 +255,8 @@ def evaluate(
             f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}"
         )
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
-    provenance += f", friction {friction:g}" if friction else ""
+    if friction:
+        provenance += f", friction {friction:g}"
     law = CompressionLaw.fit(F, d, provenance=provenance, fabric=fabric.name)
     yarn_laws, ratio_law, ratio_residuals = _finer(histories, fabric.name)
     return Calibration(
@@ -275,10 +288,11 @@ def _contact(histories, fabric, size):
 
 
 def _finer(histories, fabric):
-    """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
+    """Laws of each yarn's own compression, and the law that sees the tension ratio with its
+    residual by path."""
     found = {name: h for name, h in histories.items() if name != PLATES}
     rows = {
-        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1])
+        name: samples(h, h["d_c"], imbalance(h["T1"], h["T2"]), *h["d_yarns"].T)
         for name, h in found.items()
     }
     F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))

@@ -1,8 +1,10 @@
-"""The chain of a fabric: platen curve -> constants of its solid -> biaxial paths -> compression law with intervals.
+"""The chain of a fabric: platen curve -> constants of its solid -> biaxial paths -> compression law
+with intervals.
 
-The intervals of a and b follow from what the platen curve leaves open of the constants. On each principal direction of
-their covariance the biaxial paths are solved at both 95 % ends (`SolidFit.limits`), on a coarse mesh; the changes of
-ln a, and of ln b, of the three directions, which are independent, add as squares, upwards and downwards on their own.
+The intervals of a and b follow from what the platen curve leaves open of the constants. On each
+principal direction of their covariance the biaxial paths are solved at both 95 % ends
+(`SolidFit.limits`), on a coarse mesh; the changes of ln a, and of ln b, of the three directions,
+which are independent, add as squares, upwards and downwards on their own.
 
 Every fit, and every path, is kept in the folder as soon as it is done (`fabrics.run_cache`).
 """
@@ -23,7 +25,8 @@ from unitcell3d.identify.calibrate import Job, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_record import SolidFit
 
-SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
+# mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
+SIZE = "coarse"
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,8 @@ class LawInterval:
     ----------
     a, b : (low, high) [m], [m N^(1/3)]
     law : CompressionLaw of the fitted solid, on the mesh of the ends
-    ends : ((CompressionLaw, CompressionLaw), ...) low and high of each principal direction; None where no law fits
+    ends : ((CompressionLaw, CompressionLaw), ...) low and high of each principal direction; None
+        where no law fits
     """
 
     a: tuple[float, float]
@@ -43,7 +47,8 @@ class LawInterval:
     ends: tuple[tuple[CompressionLaw | None, CompressionLaw | None], ...]
 
     def around(self, law: CompressionLaw) -> dict[str, tuple[float, float]]:
-        """{"a", "b": (low, high)} about another law, such as that of a finer mesh, at the same ratios."""
+        """{"a", "b": (low, high)} about another law, such as that of a finer mesh, at the same
+        ratios."""
         return {
             "a": (self.a[0] / self.law.a * law.a, self.a[1] / self.law.a * law.a),
             "b": (self.b[0] / self.law.b * law.b, self.b[1] / self.law.b * law.b),
@@ -111,12 +116,14 @@ def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | Non
 
 
 def combine(value: float, ends: Sequence[Sequence[float | None]]) -> tuple[float, float]:
-    """(low, high) about `value`: the changes that the unknowns make add as squares, downwards and upwards on their own.
+    """(low, high) about `value`: the changes that the unknowns make add as squares, downwards and
+    upwards on their own.
 
     Parameters
     ----------
     value : with all unknowns at their best
-    ends : for each unknown, the value at both ends of its interval, the others at their best; None where there is none
+    ends : for each unknown, the value at both ends of its interval, the others at their best; None
+        where there is none
     """
     changes = [[end - value for end in pair if end is not None] for pair in ends]
     down = np.sqrt(sum(min([0.0, *each]) ** 2 for each in changes))

@@ -1,8 +1,9 @@
-"""Bicubic interpolation of a response surface, twice continuously differentiable, with an estimate of its error.
+"""Bicubic interpolation of a response surface, twice continuously differentiable, with an estimate
+of its error.
 
-The estimate leaves out one grid line after another and compares the spline through the rest with what the crossover
-gave on that line. It is the error of the spacing twice as wide: for a smooth surface sixteen times that of the grid
-itself, at a kink about twice.
+The estimate leaves out one grid line after another and compares the spline through the rest with
+what the crossover gave on that line. It is the error of the spacing twice as wide: for a smooth
+surface sixteen times that of the grid itself, at a kink about twice.
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ class Interpolant:
 
 @dataclass(frozen=True)
 class Error:
-    """Estimate for one quantity: of each grid line (NaN at the edges) the largest, and over all lines rms and largest.
+    """Estimate for one quantity: of each grid line (NaN at the edges) the largest, and over all
+    lines rms and largest.
 
     Parameters
     ----------
@@ -94,9 +96,9 @@ def errors(surface: ResponseSurface) -> dict[str, Error]:
 
 
 def _left_out(d1, d2, values):
-    lines, misses = [], []
-    for axis, transposed in ((d1, values), (d2, values.T)):
-        other = d2 if axis is d1 else d1
+    lines = []
+    misses = []
+    for axis, other, transposed in ((d1, d2, values), (d2, d1, values.T)):
         worst = np.full(axis.size, np.nan)
         for i in range(1, axis.size - 1):
             rest = np.delete(np.arange(axis.size), i)

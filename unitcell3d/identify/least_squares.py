@@ -1,4 +1,5 @@
-"""Nonlinear least squares with a Jacobian that comes with each evaluation: scipy's trust region, kept inside bounds."""
+"""Nonlinear least squares with a Jacobian that comes with each evaluation: scipy's trust region,
+kept inside bounds."""
 
 from __future__ import annotations
 
@@ -11,13 +12,15 @@ from scipy.optimize import least_squares
 
 from fabrics.checks import FloatArray
 
-CONVERGED = 1e-3  # relative change of the sum of squares, or of the unknowns, which are logarithms
+# relative change of the sum of squares, or of the unknowns, which are logarithms
+CONVERGED = 1e-3
 MOST = 30  # evaluations
 
 
 @dataclass(frozen=True)
 class Found:
-    """x : (p,) the solution; residual : (n,) and jacobian : (n, p) there; met : converged within `MOST` evaluations."""
+    """x : (p,) the solution; residual : (n,) and jacobian : (n, p) there; met : converged within
+    `MOST` evaluations."""
 
     x: np.ndarray
     residual: np.ndarray
@@ -34,8 +37,8 @@ def solve(
 
     Parameters
     ----------
-    evaluate : function of x : (p,) giving residual (n,) and jacobian (n, p); a residual that is not finite makes the
-        step that led to it shorter
+    evaluate : function of x : (p,) giving residual (n,) and jacobian (n, p); a residual that is not
+        finite makes the step that led to it shorter
     start : (p,)
     bounds : ((p,), (p,))
 
@@ -69,7 +72,8 @@ def solve(
 def identify(
     jacobian: FloatArray, noise: float, freedom: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """95 % half width of each parameter, their correlation, and the singular values and directions of J.
+    """95 % half width of each parameter, their correlation, and the singular values and directions
+    of J.
 
     Parameters
     ----------

@@ -1,7 +1,9 @@
-"""How far a computed compression between platens is from a measured one, in closure and in pressure.
+"""How far a computed compression between platens is from a measured one, in closure and in
+pressure.
 
-The first part of the tests is cut off in the thesis (chapter 7), and no test gives the thickness at rest or the first
-touch well: both curves may be moved along the closure as a whole. Their shape is compared.
+The first part of the tests is cut off in the thesis (chapter 7), and no test gives the thickness at
+rest or the first touch well: both curves may be moved along the closure as a whole. Their shape is
+compared.
 """
 
 from __future__ import annotations
@@ -15,33 +17,38 @@ from scipy.optimize import minimize_scalar
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.plate_curve import PlateCurve
-from unitcell3d.solver.history import History
+from fabrics.record import Record
 
 POINTS = 16  # of the curve, at equal ratios of pressure
-OFFSETS = 81  # tried over the closure of the curve, before the best of them is refined
+# tried over the closure of the curve, before the best of them is refined
+OFFSETS = 81
 
 
 class PlatenMisfit(NamedTuple):
-    """closure : [m] rms at equal pressures; pressure : [-] rms of P / P_measured - 1 at equal closures; own offsets."""
+    """closure : [m] rms at equal pressures; pressure : [-] rms of P / P_measured - 1 at equal
+    closures; own offsets."""
 
     closure: float
     pressure: float
 
 
 def platen_misfit(
-    history: History, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
+    history: Record, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
 ) -> PlatenMisfit:
-    """Misfit of a computed compression between platens; the offset of the closure is free in both measures.
+    """Misfit of a computed compression between platens; the offset of the closure is free in both
+    measures.
 
-    The closure's offset takes the mean of the misfit out; the offset of the pressure's measure is the one that makes
-    that measure least. A history that ends early goes on straight in ln P, as in `closures`.
+    The closure's offset takes the mean of the misfit out; the offset of the pressure's measure is
+    the one that makes that measure least. A history that ends early goes on straight in ln P, as in
+    `closures`.
 
     Parameters
     ----------
-    history : History between platens (`cases.biaxial_and_platens.plate_compression`)
+    history : Record between platens (`cases.biaxial_and_platens.plate_compression`)
     cell_area : [m2] of one crossover
     curve : measured
-    pressure : (n,) [Pa] rising, where the curve is read; by default `POINTS` at equal ratios over all of it
+    pressure : (n,) [Pa] rising, where the curve is read; by default `POINTS` at equal ratios over
+        all of it
 
     Raises
     ------
@@ -60,20 +67,23 @@ def platen_misfit(
 def misfit_of_points(
     pressure: FloatArray, closure: FloatArray, measured: FloatArray
 ) -> PlatenMisfit:
-    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as `platen_misfit`."""
-    P, offset = np.log(pressure), np.mean(closure - measured)
+    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as
+    `platen_misfit`."""
+    P = np.log(pressure)
+    offset = np.mean(closure - measured)
     return PlatenMisfit(
         _rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured)
     )
 
 
 def closures(
-    history: History, cell_area: float, pressure: FloatArray, measured: FloatArray
+    history: Record, cell_area: float, pressure: FloatArray, measured: FloatArray
 ) -> FloatArray:
-    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
+    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of
+    the `measured` ones.
 
-    Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
-    misfit does not jump where a compression ends early.
+    Beyond the last pressure that the history reached, the closure goes on as it ended, straight in
+    ln P, so that a misfit does not jump where a compression ends early.
 
     Raises
     ------
@@ -89,21 +99,22 @@ def closures(
     return at - np.mean(at - measured)
 
 
-def rising(history: History, cell_area: float) -> tuple[FloatArray, FloatArray]:
-    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that snaps lets the force
-    fall.
+def rising(history: Record, cell_area: float) -> tuple[FloatArray, FloatArray]:
+    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that
+    snaps lets the force fall.
 
     Raises
     ------
     UnstableError : no platen was ever pressed
     """
-    pressed = history.F_plate.mean(axis=1) / cell_area
+    pressed = history["F_plate"].mean(axis=1) / cell_area
     steps = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
+    plates = history["plates"]
     if len(steps) < 2:
         raise UnstableError(
             f"the platens were not pressed: {history.failed or 'they never met the yarns'}"
         )
-    return pressed[steps], 2 * (history.plates[0] - history.plates[steps])
+    return pressed[steps], 2 * (plates[0] - plates[steps])
 
 
 def _pressure_ratios(known, closed, wanted, measured):

@@ -1,18 +1,20 @@
-"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's constants after another.
+"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's
+constants after another.
 
-Without friction an equilibrium depends on the load and the constants alone, not on the way there. So only the first
-trial is loaded from rest; the next starts, pressure by pressure, from the equilibrium of an earlier trial x and its
-derivatives
+Without friction an equilibrium depends on the load and the constants alone, not on the way there.
+So only the first trial is loaded from rest; the next starts, pressure by pressure, from the
+equilibrium of an earlier trial x and its derivatives
 
     dq/dx = -K^-1 dr/dx at a fixed distance of the platens,    dq/dh = -K^-1 dr/dh,
 
-K being the tangent that Newton's method has anyway, dr/dx and dr/dh differences of the residual. The same derivatives
-give those of the pressure, d ln P/dx and d ln P/dh, and so the Jacobian of the closures at fixed pressure,
+K being the tangent that Newton's method has anyway, dr/dx and dr/dh differences of the residual.
+The same derivatives give those of the pressure, d ln P/dx and d ln P/dh, and so the Jacobian of the
+closures at fixed pressure,
 
     dc/dx = 2 (d ln P/dx) / (d ln P/dh),    c = 2 (h_rest - h),
 
-without another trial. A step in x that is too long for this is halved; where even an eighth of it fails, the trial is
-loaded from rest.
+without another trial. A step in x that is too long for this is halved; where even an eighth of it
+fails, the trial is loaded from rest.
 """
 
 from __future__ import annotations
@@ -31,16 +33,21 @@ from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
-DIFFERENCE = 1e-3  # of an unknown constant (a logarithm), in the residual's difference
-STEP = 1e-10  # m of the platens' half distance, and of the largest displacement, in differences
+# of an unknown constant (a logarithm), in the residual's difference
+DIFFERENCE = 1e-3
+# m of the platens' half distance, and of the largest displacement, in differences
+STEP = 1e-10
 LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
-LARGEST, LEAST = 0.02, 1e-5  # of the distance at rest: steps of the first loading
+# of the distance at rest: steps of the first loading
+LARGEST, LEAST = 0.02, 1e-5
 JUMPS = 2  # of the largest step, over a snap
-LEAST_DISTANCE = 0.2  # of that at rest: soft trial yarns close further than real ones
+# of that at rest: soft trial yarns close further than real ones
+LEAST_DISTANCE = 0.2
 FAR = 1.5  # between trials: beyond this a loading from rest is cheaper
 HALVINGS = 3  # of a step in the constants
-FIRST_PRESSED = 0.02  # of the lowest pressure: where ln P is worth extrapolating
+# of the lowest pressure: where ln P is worth extrapolating
+FIRST_PRESSED = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +78,8 @@ class PlatenStates:
     failed: str = ""
 
     def closures(self, pressure: FloatArray) -> FloatArray:
-        """(n,) [m] closed at pressures [Pa] beside those of the equilibria, straight in ln P from the nearest."""
+        """(n,) [m] closed at pressures [Pa] beside those of the equilibria, straight in ln P from
+        the nearest."""
         i = self._nearest(pressure)
         offset = (np.log(pressure) - np.log(self.pressure[i])) / self.pressure_h[i]
         return 2 * (self.rest - self.half_distance[i] - offset)
@@ -86,7 +94,8 @@ class PlatenStates:
 
 
 class PlatenSolver:
-    """The equilibria of one mesh at given pressures, for trial after trial; call `close` at the end.
+    """The equilibria of one mesh at given pressures, for trial after trial; call `close` at the
+    end.
 
     Parameters
     ----------
@@ -191,7 +200,8 @@ class PlatenSolver:
             change = np.clip(
                 change, -LARGEST * self.model.plates.at_rest, LARGEST * self.model.plates.at_rest
             )
-            h, q = h + change, found.q + row["q_h"] * change
+            h = h + change
+            q = found.q + row["q_h"] * change
         raise UnstableError(
             "no equilibrium near a pressure",
             where=self.model.fabric.name,
@@ -202,10 +212,15 @@ class PlatenSolver:
         """The equilibria at x, loaded from rest."""
         self.loaded += 1
         self._take(x)
-        model, rest = self.model, self.model.plates.at_rest
-        levels, rows, failed = list(np.log(self.pressure)), [], ""
-        h, q = rest, rest_state(model, self._solver, self._load_at(rest)).q
-        step, least = LARGEST, LEAST
+        model = self.model
+        rest = self.model.plates.at_rest
+        levels = list(np.log(self.pressure))
+        rows = []
+        failed = ""
+        h = rest
+        q = rest_state(model, self._solver, self._load_at(rest)).q
+        step = LARGEST
+        least = LEAST
         before = None
         try:
             while levels:
@@ -217,7 +232,9 @@ class PlatenSolver:
                 now = np.log(P) if P > 0 else -np.inf
                 while levels and now > levels[0] - LEVEL:
                     row = self._row(h, found)
-                    rows.append(self._correct(h, q, levels[0]) if now > levels[0] + LEVEL else row)
+                    if now > levels[0] + LEVEL:
+                        row = self._correct(h, q, levels[0])
+                    rows.append(row)
                     levels.pop(0)
                 if not levels or h <= LEAST_DISTANCE * rest:
                     break
@@ -232,7 +249,8 @@ class PlatenSolver:
         return self._states(x, rows, failed)
 
     def _close_to(self, goal, h, q):
-        """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap where there is one."""
+        """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap
+        where there is one."""
         try:
             ((_, found),) = continue_to(
                 self.model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,)
@@ -262,7 +280,8 @@ class PlatenSolver:
         """The equilibrium with its derivatives."""
         self._count(found)
         self.tangents += 1
-        model, load = self.model, self._load_at(h)
+        model = self.model
+        load = self._load_at(h)
         x = self._x
         base = self._residual(found.q, load)
         changes = []
@@ -270,7 +289,8 @@ class PlatenSolver:
             model.take_solid_laws(self._with(x + DIFFERENCE * unit))
             changes.append((self._residual(found.q, load) - base) / DIFFERENCE)
         model.take_solid_laws(self._with(x))
-        # central: the platens' penalty is far stiffer than the yarns, so that an error of its slope would count
+        # central: the platens' penalty is far stiffer than the yarns, so that an error of its slope
+        # would count
         ends = [self._residual(found.q, self._load_at(h + s * STEP)) for s in (-1, 1)]
         changes.append((ends[1] - ends[0]) / (2 * STEP))
         *q_x, q_h = self._solver.linear_changes(found.q, load, changes)

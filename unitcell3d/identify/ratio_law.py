@@ -1,4 +1,5 @@
-"""Compression of a yarn that depends on the ratio of warp and weft tension as well as on the contact force."""
+"""Compression of a yarn that depends on the ratio of warp and weft tension as well as on the
+contact force."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from fabrics.errors import InputError
 
 def imbalance(T1: ArrayLike, T2: ArrayLike) -> FloatArray:
     """m [-] of warp and weft tensions [N], from -1 to 1; 0 where neither is taut."""
-    T1, T2 = np.maximum(T1, 0), np.maximum(T2, 0)
+    T1 = np.maximum(T1, 0)
+    T2 = np.maximum(T2, 0)
     total = T1 + T2
     return np.divide(T1 - T2, total, out=np.zeros(np.broadcast(T1, T2).shape), where=total > 0)
 
@@ -25,13 +27,14 @@ class RatioLaw:
 
         d_c = c F / (1 + F / F0),   c = exp(p0 + p1 m),   m = (T1 - T2) / (T1 + T2)
 
-    The thesis uses one a and b for all ratios; a taut yarn keeps its section and presses into the slack one, so that
-    the compression at one force depends on which of the two is taut. m = 1: all tension in the warp, -1: in the weft.
+    The thesis uses one a and b for all ratios; a taut yarn keeps its section and presses into the
+    slack one, so that the compression at one force depends on which of the two is taut. m = 1: all
+    tension in the warp, -1: in the weft.
 
-    The force enters with exponent 1 instead of the 1/3 of the regularised law (erratum E-05): the residual of that law
-    on single paths does not depend on the ratio. The parameter is a compliance c instead of a limit a = c F0 because
-    all samples determine it: those of an unbalanced glass weave stay on d = c F. Residuals with other exponents:
-    docs/reports/material-tests.md.
+    The force enters with exponent 1 instead of the 1/3 of the regularised law (erratum E-05): the
+    residual of that law on single paths does not depend on the ratio. The parameter is a compliance
+    c instead of a limit a = c F0 because all samples determine it: those of an unbalanced glass
+    weave stay on d = c F. Residuals with other exponents: docs/reports/material-tests.md.
 
     Parameters
     ----------
@@ -51,7 +54,8 @@ class RatioLaw:
         return np.exp(self.p[0] + self.p[1] * np.asarray(m, float))
 
     def d(self, F: ArrayLike, m: ArrayLike) -> FloatArray:
-        """Compression [m] at the contact force `F` [N] and the imbalance `m`; zero without force."""
+        """Compression [m] at the contact force `F` [N] and the imbalance `m`; zero without
+        force."""
         F = np.maximum(np.asarray(F, float), 0)
         return self.compliance(m) * F / (1 + F / self.F0)
 
@@ -70,7 +74,8 @@ class RatioLaw:
                 "a law of the tension ratio needs at least five samples in contact",
                 value=int(F.size),
             )
-        length, force = float(np.max(np.abs(d))), float(np.max(F))
+        length = float(np.max(np.abs(d)))
+        force = float(np.max(F))
 
         def distance(x):
             return np.exp(x[0] + x[1] * m) * (F / force) / (1 + x[2] * F / force) - d / length

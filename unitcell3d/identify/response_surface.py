@@ -1,10 +1,11 @@
 """The response of a crossover sampled over a rectangle of end displacements (thesis Figure 3-11).
 
-The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner (lowest d1, lowest d2) and
-on along d2; from each of its states a row along d1. Where a tolerance is given, lines are added half-way beside those
-that the interpolant misses by more when they are left out (`interpolant.errors`), which is where contact sets in: new
-rows start from the stem, new columns from the first row. Without friction the response does not depend on the path.
-With it the surface is that of stretching the weft first and the warp then, and lines cannot be added.
+The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner
+(lowest d1, lowest d2) and on along d2; from each of its states a row along d1. Where a tolerance is
+given, lines are added half-way beside those that the interpolant misses by more when they are left
+out (`interpolant.errors`), which is where contact sets in: new rows start from the stem, new
+columns from the first row. Without friction the response does not depend on the path. With it the
+surface is that of stretching the weft first and the warp then, and lines cannot be added.
 
 Finished lines (`surface_line`) are kept in one file, written whole after each of them.
 """
@@ -79,9 +80,10 @@ def sample(
     ----------
     fabric : Fabric, with solid laws
     d1, d2 : (lowest, highest) [m] end displacements per end
-    points : number of lines in each direction, evenly spread; to begin with, where there is a tolerance
-    tolerance : [-] of the largest T1, T2, F_c: add lines until none that is left out is missed by more, or there are
-        `MOST_LINES`; None: no more lines
+    points : number of lines in each direction, evenly spread; to begin with, where there is a
+        tolerance
+    tolerance : [-] of the largest T1, T2, F_c: add lines until none that is left out is missed by
+        more, or there are `MOST_LINES`; None: no more lines
     size : of the mesh
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     partial : file (.h5) in which finished lines are kept, or None
@@ -96,7 +98,8 @@ def sample(
 
     Raises
     ------
-    InputError : a range, number or size is not allowed, or `partial` is of another surface or of other code
+    InputError : a range, number or size is not allowed, or `partial` is of another surface or of
+        other code
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
@@ -106,10 +109,9 @@ def sample(
         partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume
     )
     with open_executor(executor, jobs, fresh=True) as pool:
-        run = _Run(
-            fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent
-        )
-        new, axes = axes, [axis[:0] for axis in axes]
+        run = _Run(fabric, size, friction, done, pool, on_progress or _silent)
+        new = axes
+        axes = [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
             surface = _assemble(done, axes, fabric, size, friction, provenance)
@@ -156,22 +158,21 @@ def _add_lines(run, axes, new):
     if axes[0].size == 0:  # the first: a stem along d2 and rows
         x1, x2 = new
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
-        stuck = stem.stick_state if len(stem.stick_state) else [None] * x2.size
-        starts = zip(x2, stem.states, stuck)
-        run(
-            [
-                Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0])
-                for d, q, stick_state in starts
-            ],
-            1 + x2.size,
-        )
+        stuck = [None] * x2.size
+        if len(stem.stick_state):
+            stuck = stem.stick_state
+        cases = []
+        for d, q, stick_state in zip(x2, stem.states, stuck):
+            start = (x1[0], d)
+            cases.append(Case(0, d, x1, start, q, stick_state, keep=d == x2[0]))
+        run(cases, 1 + x2.size)
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
-    stem, row = run.kept(Case(1, x1[0], x2)), run.kept(Case(0, x2[0], x1))
-    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]] + [
-        Case(1, d, rows, *_below(row, d)) for d in new[0]
-    ]
+    stem = run.kept(Case(1, x1[0], x2))
+    row = run.kept(Case(0, x2[0], x1))
+    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]]
+    cases += [Case(1, d, rows, *_below(row, d)) for d in new[0]]
     run(cases, len(run.done.lines) + len(cases))
     return [np.union1d(x1, new[0]), rows]
 
@@ -183,16 +184,18 @@ def _below(line, place):
 
 
 def _missing(surface, tolerance):
-    """Lines half-way beside those that are missed by more than the tolerance when they are left out: (d1, d2)."""
+    """Lines half-way beside those that are missed by more than the tolerance when they are left
+    out: (d1, d2)."""
     if tolerance is None:
         return [np.empty(0), np.empty(0)]
     found = errors(surface)
     new = []
     for number, axis in enumerate((surface.d1, surface.d2)):
-        worst = np.max(
-            [found[name].lines[number] / np.abs(getattr(surface, name)).max() for name in FORCES],
-            axis=0,
-        )
+        missed = []
+        for name in FORCES:
+            largest = np.abs(getattr(surface, name)).max()
+            missed.append(found[name].lines[number] / largest)
+        worst = np.max(missed, axis=0)
         wanted = np.zeros(axis.size - 1, bool)
         for i in np.flatnonzero(worst > tolerance):
             wanted[i - 1 : i + 1] = True
@@ -208,8 +211,10 @@ def _assemble(done, axes, fabric, size, friction, provenance):
         values |= {case.at(place): row for place, row in zip(line.along, line.values)}
     table = np.array([[values[float(a), float(b)] for b in axes[1]] for a in axes[0]])
     made = f"3D crossover of {fabric.name}, {size} mesh"
-    made += f", friction {friction:g}, weft stretched first" if friction else ""
-    made += f"; {provenance}" if provenance else ""
+    if friction:
+        made += f", friction {friction:g}, weft stretched first"
+    if provenance:
+        made += f"; {provenance}"
     columns = {name: np.ascontiguousarray(table[:, :, i]) for i, name in enumerate(QUANTITIES)}
     return ResponseSurface(*axes, **columns, fabric=fabric.name, provenance=made)
 
@@ -219,8 +224,11 @@ class _Run:
 
     def __init__(self, fabric, size, friction, done, workers, on_progress):
         self.done = done
-        self._fabric, self._size, self._friction = fabric, size, friction
-        self._workers, self._on_progress = workers, on_progress
+        self._fabric = fabric
+        self._size = size
+        self._friction = friction
+        self._workers = workers
+        self._on_progress = on_progress
 
     def kept(self, case):
         """The line of a case that is done."""

@@ -58,7 +58,8 @@ def fit(
     ------
     InputError : too few points, or a curve that does not stiffen
     """
-    gamma, tau = np.asarray(gamma, float), np.asarray(tau, float)
+    gamma = np.asarray(gamma, float)
+    tau = np.asarray(tau, float)
     if len(gamma) < FEWEST:
         raise InputError(key="shear angles", value=len(gamma), allowed=f"at least {FEWEST}")
     found = _best(gamma, tau, half, offset=False)

@@ -1,21 +1,24 @@
-"""E_c, V_c and K_r of the solid yarn from a measured compression between platens (thesis section 3.4.3.2).
+"""E_c, V_c and K_r of the solid yarn from a measured compression between platens (thesis section
+3.4.3.2).
 
-What the platens of a crossover close is compared with the curve at `POINTS` of its pressures. No test gives the
-thickness at rest or the moment of first touch well, so the curve is free to be moved as a whole: the mean of the misfit
-is taken out. Least squares over the logarithms
+What the platens of a crossover close is compared with the curve at `POINTS` of its pressures. No
+test gives the thickness at rest or the moment of first touch well, so the curve is free to be moved
+as a whole: the mean of the misfit is taken out. Least squares over the logarithms
 
     x = (ln E_c, ln (V_c - Vf0), ln K_r)
 
-of both yarns together (Vf0: the denser yarn's), so that no bound is needed: E_c > 0, V_c > Vf0, K_r > 0; K_r is kept
-below 1/2. G follows E_c (eq. 3-16).
+of both yarns together (Vf0: the denser yarn's), so that no bound is needed: E_c > 0, V_c > Vf0, K_r
+> 0; K_r is kept below 1/2. G follows E_c (eq. 3-16).
 
-Each trial starts from the equilibria of an earlier one, which give the Jacobian J = d closure / d x as well
-(`unitcell3d.identify.platen_states`). The result is computed once more on a finer mesh, loaded from rest.
+Each trial starts from the equilibria of an earlier one, which give the Jacobian J = d closure / d x
+as well (`unitcell3d.identify.platen_states`). The result is computed once more on a finer mesh,
+loaded from rest.
 
-Intervals come from the covariance (`unitcell3d.identify.solid_record`). Since its J is that of the solution, and a
-constant that is not determined goes far from it, two points are also sought on each principal direction of the
-covariance where the sum of squares itself has risen by what 95 % allow, F(1, n - p - 1) s^2: `SolidFit.limits`, from
-which the intervals of what follows from the constants are taken.
+Intervals come from the covariance (`unitcell3d.identify.solid_record`). Since its J is that of the
+solution, and a constant that is not determined goes far from it, two points are also sought on each
+principal direction of the covariance where the sum of squares itself has risen by what 95 % allow,
+F(1, n - p - 1) s^2: `SolidFit.limits`, from which the intervals of what follows from the constants
+are taken.
 """
 
 from __future__ import annotations
@@ -60,8 +63,9 @@ def fit_solid(
     curve : fabrics.plate_curve.PlateCurve
     size : mesh size of the fit (`meshing.crossover.build`)
     check_size : mesh size on which the result is computed once more, or None
-    measure : "closure": equal weights of the closures; "pressure": weights 1 / sqrt(s^2 + RESOLUTION^2), s the closure
-        that a `PRESSURE_ERROR` stands for, so that relative errors in pressure count about equally
+    measure : "closure": equal weights of the closures; "pressure": weights 1 / sqrt(s^2 +
+        RESOLUTION^2), s the closure that a `PRESSURE_ERROR` stands for, so that relative errors in
+        pressure count about equally
     on_progress : called as on_progress(trials so far, rms misfit [m]) after each trial
 
     Returns
@@ -71,7 +75,8 @@ def fit_solid(
     Raises
     ------
     InputError : the fabric cannot be meshed
-    UnstableError : the crossover of the file's own solids does not reach half of the curve's pressures
+    UnstableError : the crossover of the file's own solids does not reach half of the curve's
+        pressures
     """
     fit = _Fit(fabric, curve, size, measure, on_progress)
     try:
@@ -98,16 +103,17 @@ class _Fit:
         one_of("measure", measure, ("closure", "pressure"))
         mesh = mesher.build(fabric, size=size)
         assert fabric.solid_laws is not None  # else the mesher has refused it
-        self.fabric, self.curve, self._on_progress = fabric, curve, on_progress
+        self.fabric = fabric
+        self.curve = curve
+        self._on_progress = on_progress
         self.densest = max(*mesh.Vf0, *(solid.Vf0 for solid in fabric.solid_laws))
         self.pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
         self.measured = curve.at(self.pressure)
-        # d closure / d ln P of the curve: the closure that a relative error of the pressure stands for
-        slope = (
-            np.gradient(self.measured, np.log(self.pressure))
-            if measure == "pressure"
-            else np.zeros(POINTS)
-        )
+        # d closure / d ln P of the curve: the closure that a relative error of the pressure stands
+        # for
+        slope = np.zeros(POINTS)
+        if measure == "pressure":
+            slope = np.gradient(self.measured, np.log(self.pressure))
         self.weight = 1 / np.hypot(PRESSURE_ERROR * slope, RESOLUTION)
         self.solver = PlatenSolver(mesh, fabric, self.with_constants, self.pressure)
         self.trials = 0
@@ -138,13 +144,15 @@ class _Fit:
         return np.average(values, axis=0, weights=self.weight**2)
 
     def evaluate(self, x):
-        """Weighted misfit, and its Jacobian; a trial without equilibria has a misfit that is not finite."""
+        """Weighted misfit, and its Jacobian; a trial without equilibria has a misfit that is not
+        finite."""
         self.trials += 1
         try:
             states = self.states(x)
         except UnstableError:
             return np.full(len(self.pressure), np.nan), np.zeros((len(self.pressure), len(x)))
-        misfit, jacobian = self.closures(states) - self.measured, states.jacobian(self.pressure)
+        misfit = self.closures(states) - self.measured
+        jacobian = states.jacobian(self.pressure)
         if self._on_progress is not None:
             self._on_progress(self.trials, float(np.sqrt(np.mean(misfit**2))))
         return misfit * self.weight, (jacobian - self._mean(jacobian)) * self.weight[:, None]
@@ -173,23 +181,32 @@ class _Fit:
         return len(self.pressure) - len(NAMES) - 1
 
     def _limit(self, x, direction, wanted, length):
-        """Where the sum of squares along a direction from x is as `wanted`, or as far as is sought."""
+        """Where the sum of squares along a direction from x is as `wanted`, or as far as is
+        sought."""
         rooms = np.where(direction > 0, BOUNDS[1] - x, x - BOUNDS[0]) / np.maximum(
             np.abs(direction), 1e-12
         )
         farthest = min(FARTHEST, float(rooms.min()))
-        length, inside, outside = min(length, farthest), 0.0, np.inf
+        length = min(length, farthest)
+        inside = 0.0
+        outside = np.inf
         for _ in range(SEARCH):
             square = float(np.sum(self.evaluate(x + length * direction)[0] ** 2))
             if abs(square / wanted - 1) < NEAR_LIMIT or (square < wanted and length >= farthest):
                 break
-            inside, outside = (length, outside) if square < wanted else (inside, length)
-            length = min(2 * length, farthest) if np.isinf(outside) else 0.5 * (inside + outside)
+            if square < wanted:
+                inside = length
+            else:
+                outside = length
+            length = 0.5 * (inside + outside)
+            if np.isinf(outside):
+                length = min(2 * inside, farthest)
         return x + length * direction
 
 
 def _on_mesh(fit, size, x):
-    """Closures (k,) [m] at x on another mesh, loaded from rest, at the k pressures that it reaches."""
+    """Closures (k,) [m] at x on another mesh, loaded from rest, at the k pressures that it
+    reaches."""
     other = _Fit(fit.fabric, fit.curve, size)
     try:
         # the same constants: the other mesh may have made a yarn denser

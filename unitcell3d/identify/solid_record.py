@@ -1,8 +1,9 @@
-"""What a fit of the solid's constants to a compression between platens found, and what the curve says about each.
+"""What a fit of the solid's constants to a compression between platens found, and what the curve
+says about each.
 
-Covariance s^2 (J^T J)^-1 of the logarithms, s the rms misfit, but no better than `RESOLUTION`. A constant is called
-determined if its 95 % interval excludes its half and its double. The product K_r E_c is judged too: a curve that never
-packs the yarn tells it alone.
+Covariance s^2 (J^T J)^-1 of the logarithms, s the rms misfit, but no better than `RESOLUTION`. A
+constant is called determined if its 95 % interval excludes its half and its double. The product K_r
+E_c is judged too: a curve that never packs the yarn tells it alone.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from unitcell3d.identify.least_squares import Found, identify
 from unitcell3d.identify.platen_misfit import PlatenMisfit, misfit_of_points
 
 NAMES = ("E_c", "V_c", "K_r")
-LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+# the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+LOOSE = "K_r E_c"
 LEAST_CHECKED = 4  # pressures that a finer mesh has to reach for a misfit
 RESOLUTION = 1e-6  # m: what a mesh and an extensometer can tell
 
@@ -37,21 +39,24 @@ class SolidFit:
     fabric : Fabric with the fitted solids
     started : Fabric with those of the file
     curve : PlateCurve fitted to
-    pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted crossover
+    pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted
+        crossover
     before : (n,) [m] closures with the solids of the file
-    checked : (k,) [m] closures of the fitted crossover on the finer mesh, at the k first pressures, which it reaches;
-        or None
+    checked : (k,) [m] closures of the fitted crossover on the finer mesh, at the k first pressures,
+        which it reaches; or None
     values : {"E_c", "V_c", "K_r", "K_r E_c": value}
     intervals : {name: (low, high)} 95 %
     determined : {name: bool}
     correlation : (3, 3) [-] of ln E_c, ln (V_c - Vf0), ln K_r
-    singular_values : (3,) [-] of the Jacobian of the weighted misfit, per unit of ln along each principal direction
+    singular_values : (3,) [-] of the Jacobian of the weighted misfit, per unit of ln along each
+        principal direction
     directions : (3, 3) [-] those directions, one a row, best determined first
     limits : (low, high) Fabric on each direction, at the ends of its 95 %
     met : the fit ended where nothing more was to be had
     work : {"trials", "loaded from rest", "equilibria", "factorisations": number}
     sizes : of the two meshes, as texts
-    failed : why the fitted crossover did not reach the highest pressures, where its closures go on straight in ln P; ""
+    failed : why the fitted crossover did not reach the highest pressures, where its closures go on
+        straight in ln P; ""
     """
 
     fabric: Fabric
@@ -92,11 +97,9 @@ class SolidFit:
     @property
     def misfit_checked(self) -> PlatenMisfit | None:
         """Of the fitted crossover on the finer mesh."""
-        return (
-            None
-            if self.checked is None or len(self.checked) < LEAST_CHECKED
-            else self._misfit(self.checked)
-        )
+        if self.checked is None or len(self.checked) < LEAST_CHECKED:
+            return None
+        return self._misfit(self.checked)
 
     def _misfit(self, closure):
         reached = len(closure)
@@ -168,7 +171,8 @@ def record(
 
     Parameters
     ----------
-    fit : its trials, with fabric, curve, pressure, measured, densest, freedom, floor, trials, solver and with_constants
+    fit : its trials, with fabric, curve, pressure, measured, densest, freedom, floor, trials,
+        solver and with_constants
     found : least_squares.Found, of the weighted misfit
     before, computed : (n,) [m] closures
     checked : as of a SolidFit
@@ -176,15 +180,19 @@ def record(
     sizes : of the two meshes, as texts
     failed : as of a SolidFit
     """
-    fabric, curve = fit.fabric, fit.curve
+    fabric = fit.fabric
+    curve = fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
     half, correlation, singular, directions = identify(found.jacobian, noise, fit.freedom)
-    # of ln K_r E_c, from the directions: a difference of variances would be round-off where only the product is known
+    # of ln K_r E_c, from the directions: a difference of variances would be round-off where only
+    # the product is known
     scale = np.maximum(singular, 1e-12)
     loose = half[0] * np.hypot.reduce((directions[:, 0] + directions[:, 2]) / scale)
     loose /= np.hypot.reduce(directions[:, 0] / scale)
-    half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
-    low, high = np.exp(found.x - half), np.exp(found.x + half)
+    # e^50 is as good as unknown
+    half, loose = np.minimum(half, 50), min(float(loose), 50.0)
+    low = np.exp(found.x - half)
+    high = np.exp(found.x + half)
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, fit.densest, 0.0])  # V_c itself

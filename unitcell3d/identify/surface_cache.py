@@ -1,4 +1,5 @@
-"""Finished lines of a response surface, kept in one HDF5 file that is written whole after each of them."""
+"""Finished lines of a response surface, kept in one HDF5 file that is written whole after each of
+them."""
 
 from __future__ import annotations
 
@@ -50,11 +51,13 @@ class Partial:
 
     Raises
     ------
-    InputError : the file to go on from is not one of these, or is of another surface or of other code
+    InputError : the file to go on from is not one of these, or is of another surface or of other
+        code
     """
 
     def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:
-        self._path, self._stamp = (Path(path) if path is not None else None), stamp
+        self._path = Path(path) if path is not None else None
+        self._stamp = stamp
         self.lines = (
             self._read() if resume and self._path is not None and self._path.exists() else {}
         )

@@ -1,8 +1,9 @@
 """One line of a response surface: a path of continuation at a fixed end displacement of one yarn.
 
-Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
-solves it, and when. With friction an equilibrium depends on where the yarns stuck before: a line then takes that over
-from the state it starts from, and goes on from every place it has come to.
+Each line is a case of its own, with a model of its own, so that it comes out the same to the last
+bit whichever process solves it, and when. With friction an equilibrium depends on where the yarns
+stuck before: a line then takes that over from the state it starts from, and goes on from every
+place it has come to.
 """
 
 from __future__ import annotations
@@ -20,12 +21,14 @@ from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
-FROM_REST = 0.02  # share of the way from rest to the first place of a line in one step
+# share of the way from rest to the first place of a line in one step
+FROM_REST = 0.02
 
 
 @dataclass(frozen=True)
 class Case:
-    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
+    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places
+    `along` [m].
 
     start : (d1, d2) [m] on the edge, where the line begins; None: at rest
     q, stick_state : (size,) [m] unknowns, and (s,) where the points of contact stick
@@ -50,7 +53,8 @@ class Case:
 
     def at(self, place: float) -> tuple[float, float]:
         """(d1, d2) [m] of a place on the line."""
-        place, fixed = float(place), float(self.fixed)
+        place = float(place)
+        fixed = float(self.fixed)
         return (place, fixed) if self.axis == 0 else (fixed, place)
 
 
@@ -66,7 +70,10 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
         mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction)
     )
     solver = Newton(model)
-    values, states, stick_states, iterations = [], [], [], 0
+    values = []
+    states = []
+    stick_states = []
+    iterations = 0
     try:
         q, spent = _begin(model, solver, case)
         first, last = (Load(case.at(case.along[i])) for i in (0, -1))
@@ -81,9 +88,13 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
             stick_states.append(model.stick_state)
     finally:
         solver.close()
-    kept = np.array(states) if case.keep else np.empty((0, 0))
-    kept_sticks = np.array(stick_states) if case.keep and case.friction else np.empty((0, 0))
-    along, seconds = np.asarray(case.along, float), time.perf_counter() - begun
+    kept = kept_sticks = np.empty((0, 0))
+    if case.keep:
+        kept = np.array(states)
+        if case.friction:
+            kept_sticks = np.array(stick_states)
+    along = np.asarray(case.along, float)
+    seconds = time.perf_counter() - begun
     return Line(
         case.axis,
         float(case.fixed),
@@ -102,15 +113,20 @@ def _begin(model, solver, case):
     if case.q is None:
         start = Load()
         found = rest_state(model, solver, start)
-        q, spent = found.q, found.iterations
+        q = found.q
+        spent = found.iterations
         model.commit(q, start)
         steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
     else:
-        start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
+        start = Load(tuple(map(float, case.start)))
+        q = case.q
+        spent = 0
+        steps = (1.0,)
         if case.stick_state is not None:
             model.stick_state = case.stick_state
     if start.d != corner.d:
         for share, found in continue_to(model, solver, q, start, corner, steps):
-            q, spent = found.q, spent + found.iterations
+            q = found.q
+            spent = spent + found.iterations
             model.commit(q, start.towards(corner, share))
     return q, spent

@@ -1,13 +1,15 @@
-"""Fibre bars on the mesh edges along a yarn: two-node bars that carry tension (thesis section 3.4.1, App. B.1).
+"""Fibre bars on the mesh edges along a yarn: two-node bars that carry tension (thesis section
+3.4.1, App. B.1).
 
     strain e = l / L - 1,    force N = E A s(e)      (eq. 4-7: nominal, so that T = E A_s e for a whole yarn)
 
-with s(e) = r e in compression (r: fraction of the stiffness left to slack fibres), e in tension beyond the width d of
-the kink, and between 0 and d the cubic that joins both with continuous slope:
+with s(e) = r e in compression (r: fraction of the stiffness left to slack fibres), e in tension
+beyond the width d of the kink, and between 0 and d the cubic that joins both with continuous slope:
 
     s = r e (1 - t)^2 + e t (2 - t),   t = e / d,   largest slope 4/3.
 
-The bars lie on the crimped path, so their strain is strain beyond crimp and failure needs no correction (erratum E-18).
+The bars lie on the crimped path, so their strain is strain beyond crimp and failure needs no
+correction (erratum E-18).
 """
 
 from __future__ import annotations

@@ -1,17 +1,17 @@
 """The fibre bars of a set of yarns, and their failure (thesis App. B.1, erratum E-18).
 
-A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further `FADE` e_f of strain,
+A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further
+`FADE` e_f of strain,
 
     N = (1 - D) E A s(e) + D r E A s(e),   D = (e - e_f) / (FADE e_f)  between 0 and 1,
 
-and never gets it back: D only grows. The fraction r is what a slack fibre keeps (`model.crossover.Numerics`). The bars
-lie on the crimped path, so their strain is strain beyond crimp. D is constant while an equilibrium is sought: it is
-raised by `Fibres.fail` where a state has been accepted, and the equilibrium sought again until nothing more fails.
+and never gets it back: D only grows. The fraction r is what a slack fibre keeps
+(`numerics.Numerics`). The bars lie on the crimped path, so their strain is strain beyond crimp. D
+is constant while an equilibrium is sought: it is raised by `Fibres.fail` where a state has been
+accepted, and the equilibrium sought again until nothing more fails.
 """
 
 from __future__ import annotations
-
-from typing import Protocol
 
 import numpy as np
 
@@ -19,21 +19,11 @@ from fabrics.checks import FloatArray, IntArray
 from fabrics.fabric import Fabric
 from meshing.mesh import YarnMesh
 from unitcell3d.material import fibre_kernels
+from unitcell3d.material.numerics import Numerics
 
 FADE = 0.01
-LARGEST_RISE = 0.25  # of the damage between two equilibria: what a fibre held is handed on in parts
-
-
-class FibreNumerics(Protocol):
-    """Numbers of the fibres' law (`model.crossover.Numerics`)."""
-
-    @property
-    def slack_width(self) -> float:
-        """[-] fibre strain over which a fibre becomes taut."""
-
-    @property
-    def slack_stiffness(self) -> float:
-        """[-] fraction of its stiffness left to a slack fibre."""
+# of the damage between two equilibria: what a fibre held is handed on in parts
+LARGEST_RISE = 0.25
 
 
 class Fibres:
@@ -66,7 +56,7 @@ class Fibres:
         self._limit = np.array([yarn.failure_strain for yarn in yarns])[self.yarn]
         self._fails = failure
 
-    def stiffness(self, numerics: FibreNumerics) -> FloatArray:
+    def stiffness(self, numerics: Numerics) -> FloatArray:
         """(b,) [N] E A of the intact fibres."""
         return self._whole * (1 - self.damage * (1 - numerics.slack_stiffness))
 
@@ -90,13 +80,21 @@ class Fibres:
             ]
         )
 
+    def broken(self) -> FloatArray:
+        """(yarns,) [-] share of the bars of each yarn that has failed."""
+        failed = (self.damage > 0).astype(float)
+        return np.bincount(self.yarn, failed) / np.bincount(self.yarn)
+
     def overload(self, strain: FloatArray) -> float:
         """[-] largest strain of a whole bar over its failure strain; 0 where bars do not fail."""
+        if not self._fails:
+            return 0.0
         whole = self.damage == 0
-        return float((strain[whole] / self._limit[whole]).max(initial=0.0)) if self._fails else 0.0
+        return float((strain[whole] / self._limit[whole]).max(initial=0.0))
 
     def fail(self, x: FloatArray) -> bool:
-        """Raise the damage to that of the positions `x`, first of the most overstrained; returns whether any rose."""
+        """Raise the damage to that of the positions `x`, first of the most overstrained; returns
+        whether any rose."""
         if not self._fails:
             return False
         beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, None)
@@ -106,7 +104,7 @@ class Fibres:
         self.damage[risen] = np.minimum(np.minimum(beyond, 1), self.damage + LARGEST_RISE)[risen]
         return bool(risen.any())
 
-    def forces(self, x: FloatArray, numerics: FibreNumerics, forces: FloatArray) -> None:
+    def forces(self, x: FloatArray, numerics: Numerics, forces: FloatArray) -> None:
         """Add the internal forces of the bars to `forces` : (n, 3) [N]."""
         n = numerics
         fibre_kernels.bar_forces(
@@ -114,7 +112,7 @@ class Fibres:
         )
 
     def tangent(
-        self, x: FloatArray, numerics: FibreNumerics, places: IntArray, values: FloatArray
+        self, x: FloatArray, numerics: Numerics, places: IntArray, values: FloatArray
     ) -> None:
         """Add their tangent to the blocks `values`; `places`: (b, 2, 2) as for `bar_tangent`."""
         n = numerics

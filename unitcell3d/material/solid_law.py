@@ -1,12 +1,12 @@
 """The yarn as a solid with a fibre volume fraction, in UFL (thesis section 3.4.2, errata E-20).
 
-A frame follows the fibre. With e1 the mesh edge along the yarn, e2 across and e3 through it (made orthonormal in that
-order, Q0 = [e1 e2 e3]), the deformed edges factor as
+A frame follows the fibre. With e1 the mesh edge along the yarn, e2 across and e3 through it (made
+orthonormal in that order, Q0 = [e1 e2 e3]), the deformed edges factor as
 
     F Q0 = Q R,    R upper triangular,
 
-so that q1 follows the fibre, q2 the layer, and q3 is normal to the layer. Because R' R^-1 is triangular too, its
-diagonal integrates exactly: the logarithmic strains are (eq. 3-8)
+so that q1 follows the fibre, q2 the layer, and q3 is normal to the layer. Because R' R^-1 is
+triangular too, its diagonal integrates exactly: the logarithmic strains are (eq. 3-8)
 
     e_i = ln R_ii,    shear g_ij = R_ij / R_jj  (tangent of the angle that edge j has turned towards q_i).
 
@@ -15,10 +15,11 @@ diagonal integrates exactly: the logarithmic strains are (eq. 3-8)
     E_2   = E_3 = a_E / (b_E - clip(V_f, Vf0, V_c))     (eqs. 3-10 .. 3-14, capped at V_c: erratum E-20)
     sigma = Q S Q^T,  S_ii = E_i e_i,  S_ij = G g_ij    (eqs. 3-15, 3-16; Poisson's ratios 0)
 
-A rigid rotation changes Q alone. The moduli are secants of a state that other strains move, so the law has no
-potential and its tangent is unsymmetric; UFL differentiates it. The two corners of E_2 are rounded by parabolas over
-half widths `LOOSE_WIDTH` and `PACKED_WIDTH` of V_f, which lower the corner by a quarter of that: 0.4 % of E_2 at Vf0
-and 8 % of E_c at V_c, where E_2 rises by a factor of 2 within 0.006 of V_f.
+A rigid rotation changes Q alone. The moduli are secants of a state that other strains move, so the
+law has no potential and its tangent is unsymmetric; UFL differentiates it. The two corners of E_2
+are rounded by parabolas over half widths `LOOSE_WIDTH` and `PACKED_WIDTH` of V_f, which lower the
+corner by a quarter of that: 0.4 % of E_2 at Vf0 and 8 % of E_c at V_c, where E_2 rises by a factor
+of 2 within 0.006 of V_f.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ LOOSE_WIDTH = 5e-3
 PACKED_WIDTH = 2e-3
 
 # degrees of Gauss rules: 2 x 2 x 2 points and one point in a brick
-FULL, ONE_POINT = 3, 1
+FULL = 3
+ONE_POINT = 1
 
 
 def smooth_max(x: Any, corner: Any, width: float) -> Any:
@@ -43,7 +45,8 @@ def smooth_max(x: Any, corner: Any, width: float) -> Any:
 
 
 def transverse_modulus(V_f: Any, Vf0: Any, V_c: Any, a_E: Any, b_E: Any) -> Any:
-    """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14, rounded corners)."""
+    """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14, rounded
+    corners)."""
     loose = smooth_max(V_f, Vf0, LOOSE_WIDTH)
     return a_E / (b_E + smooth_max(-loose, -V_c, PACKED_WIDTH))
 
@@ -80,12 +83,20 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
 
     V_f = Vf0 / (R22 * R33)
     E_2 = transverse_modulus(V_f, Vf0, V_c, a_E, b_E)
-    S11, S22, S33 = E_a * V_f * ufl.ln(R11), E_2 * ufl.ln(R22), E_2 * ufl.ln(R33)
-    S12, S13, S23 = G * R12 / R22, G * R13 / R33, G * R23 / R33
+    S11 = E_a * V_f * ufl.ln(R11)
+    S22 = E_2 * ufl.ln(R22)
+    S33 = E_2 * ufl.ln(R33)
+    S12 = G * R12 / R22
+    S13 = G * R13 / R33
+    S23 = G * R23 / R33
 
-    # P = J sigma F^-T = Q (J S R^-T) Q0^T; R^-T is lower triangular and J R^-T has no division by a shear
-    L11, L22, L33 = R22 * R33, R11 * R33, R11 * R22
-    L21, L32 = -R12 * R33, -R11 * R23
+    # P = J sigma F^-T = Q (J S R^-T) Q0^T; R^-T is lower triangular and J R^-T has no division by a
+    # shear
+    L11 = R22 * R33
+    L22 = R11 * R33
+    L33 = R11 * R22
+    L21 = -R12 * R33
+    L32 = -R11 * R23
     L31 = R12 * R23 - R13 * R22
     columns = (
         (
@@ -108,11 +119,13 @@ def forms(space: Any, parameters: Any, integration: int = FULL) -> tuple[Any, An
     Parameters
     ----------
     space : compat.HexSpace
-    parameters : coefficient E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each cell (`compat.HexSpace.cell_constants`)
+    parameters : coefficient E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each cell
+        (`compat.HexSpace.cell_constants`)
     integration : FULL or ONE_POINT, which leaves zero-energy modes and is there to show them
     """
     u = space.displacement
-    v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
+    v = ufl.TestFunction(space.displacements)
+    du = ufl.TrialFunction(space.displacements)
     points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": integration})
     stress = first_piola(ufl.grad(u), fibre_frame(space.mesh), [parameters[i] for i in range(6)])
     residual = ufl.inner(stress, ufl.grad(v)) * points

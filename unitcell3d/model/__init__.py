@@ -1,1 +1,1 @@
-"""The assembled models: crossover, periodic cell, stack."""
+"""The assembled models: crossover, periodic cell, crossover with a pulled yarn."""

@@ -1,17 +1,18 @@
-"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of unknowns.
+"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of
+unknowns.
 
     r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
 
-(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels` and
-`assembly.constraints` hold the equations).
-Any set of yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and
-length: its axial end forces count twice, its vertical forces four times.
+(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels`
+and `assembly.constraints` hold the equations). Any set of yarns is a `YarnsModel`; the crossover is
+one of them. A quarter crossover is half of each yarn's width and length: its axial end forces count
+twice, its vertical forces four times.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,55 +21,41 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from meshing.mesh import YarnMesh
+from meshing.quality import corner_edges
 from unitcell3d.assembly import constraints
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.assembly.constraints import Constraints
 from unitcell3d.assembly.sparsity import Pattern
-from unitcell3d.contact.interface import ContactSurfaces
-from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.material import solid_law
 from unitcell3d.material.fibres import Fibres
+from unitcell3d.material.numerics import Numerics
 
-# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
+# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both
+# yarns
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 
-@dataclass(frozen=True)
-class Numerics:
-    """Numbers that belong to the method, not to the fabric. How results converge: docs/reports/mesh-and-cost.md.
+class LinearLoad:
+    """A dataclass of numbers and tuples of numbers, on straight lines between loads."""
 
-    Parameters
-    ----------
-    penalty : [Pa/m] contact stiffness, both passes together
-    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
-    slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
-        where it is large, slack yarn tips buckle
-    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
-    slip : [m] over which friction sets in
-    """
+    def towards(self, other: Any, share: float) -> Any:
+        """The load at `share` of the way to another."""
+        names = [field.name for field in fields(cast(Any, self))]
+        values = {n: _between(getattr(self, n), getattr(other, n), share) for n in names}
+        return replace(cast(Any, self), **values)
 
-    penalty: float = 1e15
-    toe: float = 0.5e-6
-    slack_width: float = 1e-4
-    slack_stiffness: float = 1e-3
-    friction: float = 0.0
-    slip: float = 0.5e-6
 
-    def __post_init__(self):
-        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
-            if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="positive")
-        if not 0 <= self.friction < np.inf:
-            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
-
-    def softened(self, factor: float) -> Numerics:
-        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
-        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
+def _between(a, b, share):
+    if isinstance(a, tuple):
+        return tuple(_between(x, y, share) for x, y in zip(a, b))
+    if not np.isfinite(a):
+        return a  # no plates here, none on the way
+    return a + share * (b - a)
 
 
 @dataclass(frozen=True)
-class Load:
+class Load(LinearLoad):
     """Load of a crossover.
 
     Parameters
@@ -85,19 +72,10 @@ class Load:
         """(2,) what the prescribed displacements are proportional to."""
         return self.d
 
-    def towards(self, other: Load, share: float) -> Load:
-        """The load at `share` of the way to another."""
-        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = (
-            self.plates + share * (other.plates - self.plates)
-            if np.isfinite(self.plates)
-            else self.plates
-        )
-        return Load(d, plates)
-
 
 class YarnsModel:
-    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres that may fail.
+    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres
+    that may fail.
 
     Parameters
     ----------
@@ -105,7 +83,7 @@ class YarnsModel:
     fabric : Fabric, with solid laws
     numerics : Numerics
     held : constraints.Constraints
-    surfaces : surfaces.FacingSurfaces, or pairs.SurfacePairs
+    surfaces : surfaces.SurfacePairs
     plates : surfaces.Plates, or None
     points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
     copies : of axial and of vertical forces, that the domain stands for
@@ -123,7 +101,7 @@ class YarnsModel:
         fabric: Fabric,
         numerics: Numerics | None,
         held: Constraints,
-        surfaces: ContactSurfaces,
+        surfaces: SurfacePairs,
         plates: Plates | None,
         *,
         points: FloatArray | None = None,
@@ -132,10 +110,14 @@ class YarnsModel:
         failure: bool = False,
     ) -> None:
         check(mesh, fabric)
-        self.crossover, self.fabric = mesh, fabric
-        self.numerics = Numerics() if numerics is None else numerics
+        self.crossover = mesh
+        self.fabric = fabric
+        self.numerics = numerics or Numerics()
         self.points = np.ascontiguousarray(mesh.points if points is None else points, float)
-        self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
+        self.copies = copies
+        self.constraints = held
+        self.surfaces = surfaces
+        self.plates = plates
         self.fibres = Fibres(mesh, fabric, failure)
         self._solid(mesh, fabric, integration)
         self._build_pattern()
@@ -206,7 +188,9 @@ class YarnsModel:
         grown = self.surfaces.pattern_outdated()
         if grown:
             self._build_pattern()
-        x, n, pattern = self.positions(q, load), self.numerics, self.pattern
+        x = self.positions(q, load)
+        n = self.numerics
+        pattern = self.pattern
         self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
@@ -241,11 +225,10 @@ class YarnsModel:
 
     @stick_state.setter
     def stick_state(self, values: FloatArray) -> None:
+        start = 0
         for anchors in self._anchors():
-            anchors[:], values = (
-                values[: anchors.size].reshape(anchors.shape),
-                values[anchors.size :],
-            )
+            anchors[:] = values[start : start + anchors.size].reshape(anchors.shape)
+            start += anchors.size
 
     def _anchors(self):
         return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
@@ -262,8 +245,11 @@ class YarnsModel:
         return strain, self.fibres.means(strain)
 
     def worst_element(self, x: FloatArray) -> tuple[int, float]:
-        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
-        ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
+        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that
+        ratio."""
+        with np.errstate(invalid="ignore"):  # positions of a state that has gone wrong
+            volumes = np.linalg.det(corner_edges(x, self.hexes))
+        ratio = volumes / np.linalg.det(corner_edges(self.points, self.hexes))
         cell = int(np.argmin(ratio.min(axis=1)))
         return cell, float(ratio[cell].min())
 
@@ -290,25 +276,28 @@ class CrossoverModel(YarnsModel):
         check(crossover, fabric)
         quarter = crossover.domain == "quarter"
         points = np.ascontiguousarray(crossover.points, float)
+        warp, weft = crossover.grids
         super().__init__(
             crossover,
             fabric,
             numerics,
             constraints.build(crossover.grids, len(points), quarter=quarter),
-            FacingSurfaces(points, crossover.grids, quarter),
-            Plates(points, crossover.grids),
+            SurfacePairs([facing(points, warp, weft, quarter)]),
+            Plates(points, [warp[:, :, -1]], [weft[:, :, 0]]),
             copies=(2.0, 4.0) if quarter else (1.0, 1.0),
             **choices,
         )
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below
+        (weft) its end."""
         ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
         middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
         return np.array([middles[0] - ends[0], ends[1] - middles[1]])
 
     def half_thicknesses(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at
+        the crossing."""
         warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
         return np.array(
             [axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)]
@@ -316,11 +305,9 @@ class CrossoverModel(YarnsModel):
 
     def _crossing(self, grid):
         """Place (i, j) of the crossing in the grid of a yarn."""
-        return (
-            (0, 0)
-            if self.crossover.domain == "quarter"
-            else (grid.shape[0] // 2, grid.shape[1] // 2)
-        )
+        if self.crossover.domain == "quarter":
+            return 0, 0
+        return grid.shape[0] // 2, grid.shape[1] // 2
 
 
 def _cell_laws(mesh, fabric):
@@ -347,22 +334,3 @@ def check(mesh: YarnMesh, fabric: Fabric) -> None:
 def axis_height(x: FloatArray, column: IntArray) -> float:
     """Height [m] of the middle of a column of nodes through the thickness."""
     return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
-
-
-def _corner_volumes(corners):
-    """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
-    neighbours = (
-        (1, 3, 4),
-        (2, 0, 5),
-        (3, 1, 6),
-        (0, 2, 7),
-        (7, 5, 0),
-        (4, 6, 1),
-        (5, 7, 2),
-        (6, 4, 3),
-    )
-    volumes = []
-    for corner, (a, b, c) in enumerate(neighbours):
-        ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))
-        volumes.append(np.einsum("mi,mi->m", np.cross(ea, eb), ec))
-    return np.stack(volumes, axis=1)

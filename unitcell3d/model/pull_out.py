@@ -1,18 +1,21 @@
 """A whole crossover through which one of its yarns is pulled along its own axis.
 
-The pulled yarn p carries on beyond the cell: a plain weave repeats after one crossing, turned upside down (a glide
-plane along the yarn), and keeps that repetition while one yarn is pulled through all the others. With u the
-displacements of its end faces, k counted through the thickness from the middle,
+The pulled yarn p carries on beyond the cell: a plain weave repeats after one crossing, turned
+upside down (a glide plane along the yarn), and keeps that repetition while one yarn is pulled
+through all the others. With u the displacements of its end faces, k counted through the thickness
+from the middle,
 
     u_axial(+, k) - (s + d_p) = u_axial(-, -k) - (s - d_p) = -(u_axial(+, -k) - (s + d_p)),
     u_z(+, k) = -u_z(-, -k),    u_width(+, k) = u_width(-, -k),
 
-where s is the pull and d_p the end displacement of the biaxial paths. The crimp can travel along the yarn: the yarn's
-material follows the path of its own centreline, which an end face held at its height could not. The tension grows from
-the end that is left behind to the end that is pulled by the axial force P that the crossing yarn takes.
+where s is the pull and d_p the end displacement of the biaxial paths. The crimp can travel along
+the yarn: the yarn's material follows the path of its own centreline, which an end face held at its
+height could not. The tension grows from the end that is left behind to the end that is pulled by
+the axial force P that the crossing yarn takes.
 
-The crossing yarn is held by the fabric: its end faces have the weave's two-fold axis, as in the biaxial paths
-(`assembly.constraints`), and no mean displacement across the yarn, so that it takes P by its tension, as a string.
+The crossing yarn is held by the fabric: its end faces have the weave's two-fold axis, as in the
+biaxial paths (`assembly.constraints`), and no mean displacement across the yarn, so that it takes P
+by its tension, as a string.
 """
 
 from __future__ import annotations
@@ -26,13 +29,13 @@ from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
-from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
-from unitcell3d.contact.surfaces import FacingSurfaces, Plates
-from unitcell3d.model.crossover import Numerics, YarnsModel, axis_height, check
+from unitcell3d.assembly.constraints import AXIAL, WIDTH, Constraints, Ties
+from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
+from unitcell3d.model.crossover import LinearLoad, Numerics, YarnsModel, axis_height, check
 
 
 @dataclass(frozen=True)
-class PullLoad:
+class PullLoad(LinearLoad):
     """End displacements d1, d2 [m] per end and the pull [m] of one yarn along its axis.
 
     plates : [m] half the distance of two platens; infinite for none
@@ -47,16 +50,6 @@ class PullLoad:
         """(3,) what the prescribed displacements are proportional to."""
         return (*self.d, self.pull)
 
-    def towards(self, other: PullLoad, share: float) -> PullLoad:
-        """The load at `share` of the way to another."""
-        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = (
-            self.plates + share * (other.plates - self.plates)
-            if np.isfinite(self.plates)
-            else self.plates
-        )
-        return PullLoad(d, self.pull + share * (other.pull - self.pull), plates)
-
 
 class PullOutModel(YarnsModel):
     """A whole crossover of which one yarn is pulled.
@@ -70,10 +63,9 @@ class PullOutModel(YarnsModel):
 
     Raises
     ------
-    InputError : the fabric has no solid laws, is not the one that was meshed, or the mesh is not a whole crossover
+    InputError : the fabric has no solid laws, is not the one that was meshed, or the mesh is not a
+        whole crossover
     """
-
-    surfaces: FacingSurfaces
 
     def __init__(
         self,
@@ -92,39 +84,46 @@ class PullOutModel(YarnsModel):
         points = np.ascontiguousarray(crossover.points, float)
         self.pulled = pulled
         held = pull_constraints(crossover.grids, len(points), pulled)
-        plates = Plates(points, crossover.grids) if platens else None
+        warp, weft = crossover.grids
+        plates = None
+        if platens:
+            plates = Plates(points, [warp[:, :, -1]], [weft[:, :, 0]])
         super().__init__(
             crossover,
             fabric,
             numerics,
             held,
-            FacingSurfaces(points, crossover.grids, False),
+            SurfacePairs([facing(points, warp, weft)]),
             plates,
         )
 
     def _press(self, x, load, forces, places=None):
-        """Platens take no axial force of the yarn: that force is to be the crossing yarn's alone."""
+        """Platens take no axial force of the yarn: that force is to be the crossing yarn's
+        alone."""
         if self.plates is None:
             return np.zeros(2)
         smooth = replace(self.numerics, friction=0.0)
         return self.plates.press(x, load.plates, smooth, forces, places, self.pattern.values)
 
     def axial_force(self, forces: FloatArray) -> float:
-        """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces (n, 3) [N]."""
+        """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces
+        (n, 3) [N]."""
         return float(forces[np.unique(self.crossover.grids[self.pulled]), AXIAL[self.pulled]].sum())
 
     def geometric_force(self, x: FloatArray) -> float:
-        """[N] the part of P that the normal pressures take, in the state at positions `x` : (n, 3) [m]."""
+        """[N] the part of P that the normal pressures take, in the state at positions `x` : (n, 3)
+        [m]."""
         forces = np.zeros_like(x)
         self.surfaces.assemble(x, replace(self.numerics, friction=0.0), forces)
         return self.axial_force(forces)
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines at the crossing over (warp), under (weft) the mean of their
-        ends."""
+        """(2,) [m] heights h1, h2 of the centrelines at the crossing over (warp), under (weft) the
+        mean of their ends."""
         found = []
         for grid in self.crossover.grids:
-            i, j = grid.shape[0] // 2, grid.shape[1] // 2
+            i = grid.shape[0] // 2
+            j = grid.shape[1] // 2
             ends = 0.5 * (axis_height(x, grid[0, j]) + axis_height(x, grid[-1, j]))
             found.append(axis_height(x, grid[i, j]) - ends)
         return np.array([found[0], -found[1]])
@@ -141,18 +140,19 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
     """
     ties = Ties(n, 3)
     for yarn, grid in enumerate(grids):
-        axial, width = AXIAL[yarn], WIDTH[yarn]
-        start, end = grid[0], grid[-1]
-        ties.drive[3 * end + axial, yarn], ties.drive[3 * start + axial, yarn] = 1.0, -1.0
+        axial = AXIAL[yarn]
+        width = WIDTH[yarn]
+        start = grid[0]
+        end = grid[-1]
+        ties.drive[3 * end + axial, yarn] = 1.0
+        ties.drive[3 * start + axial, yarn] = -1.0
         if yarn == pulled:
             for face in (start, end):
                 ties.drive[3 * face + axial, 2] = 1.0
-            ties.hold(
-                grid[tuple(size // 2 for size in grid.shape)], width
-            )  # it could drift sideways
+            middle = tuple(size // 2 for size in grid.shape)
+            ties.hold(grid[middle], width)  # it could drift sideways
             _odd(ties, start, axial, through=True)
-            for component, parity in ((axial, 1.0), (width, 1.0), (VERTICAL, -1.0)):
-                ties.follow(end, start[:, ::-1], component, parity)
+            ties.follow_image(end, start[:, ::-1], -1.0)
         else:
             for face in (start, end):
                 _odd(ties, face, width, through=False)
@@ -161,7 +161,8 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
 
 
 def _odd(ties, face, component, through):
-    """Let a displacement of a face (j, k) have no mean: odd through the thickness, or across the yarn."""
+    """Let a displacement of a face (j, k) have no mean: odd through the thickness, or across the
+    yarn."""
     lines = face.T if through else face
     count = len(lines)
     for line in range(count // 2):

@@ -1,8 +1,8 @@
-"""Other sets of yarns from the mesh of a crossover: one yarn alone, or plies of crossovers on each other."""
+"""Other sets of yarns from the mesh of a crossover: one yarn alone, or plies of crossovers on each
+other."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,9 +31,11 @@ def single_yarn_mesh(mesh: YarnMesh, family: int) -> YarnMesh:
 
 
 def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
-    """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the section.
+    """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the
+    section.
 
-    The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no fibres.
+    The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no
+    fibres.
     """
     grid = mesh.grids[0]
     across = grid.shape[1] * grid.shape[2]
@@ -47,7 +49,8 @@ def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
 
 
 def line_numbers(across: int, through: int) -> list[int]:
-    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of layers about it."""
+    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of
+    layers about it."""
     middle = across if through % 2 else 0
     return [*range(middle + 1), *range(middle + 2, across * through + 1, 2)]
 
@@ -56,7 +59,8 @@ def _spread(across, through, lines):
     """Numbers (j through + k) of `lines` fibre lines of a section, one of `line_numbers`."""
     middle = min(lines, across) if through % 2 else 0
     places = [(j, through // 2) for j in _evenly(across, middle)]
-    pairs, half = (lines - middle) // 2, through // 2
+    pairs = (lines - middle) // 2
+    half = through // 2
     for layer in range(half - 1, -1, -1):
         for j in _evenly(across, min(pairs, across)):
             places += [(j, layer), (j, through - 1 - layer)]
@@ -65,20 +69,26 @@ def _spread(across, through, lines):
 
 
 def _evenly(n, count):
-    """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter yarn."""
-    return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
+    """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter
+    yarn."""
+    if count < 2:
+        return range(count)
+    return np.round(np.linspace(0, n - 1, count)).astype(int)
 
 
-def stacked(mesh: YarnMesh, offsets: Sequence[Sequence[float]]) -> YarnMesh:
-    """Plies of one mesh, moved by `offsets` : (plies, 3) [m]; the yarns of ply 0 first."""
-    plies, yarns, n = len(offsets), len(mesh.names), len(mesh.points)
+def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:
+    """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns
+    of ply 0 first."""
+    yarns = len(mesh.names)
+    n = len(mesh.points)
+    heights = [(ply - (plies - 1) / 2) * pitch for ply in range(plies)]
 
     def numbered(arrays):
         return tuple(array + ply * n for ply in range(plies) for array in arrays)
 
     return replace(
         mesh,
-        points=np.concatenate([mesh.points + np.asarray(offset) for offset in offsets]),
+        points=np.concatenate([mesh.points + np.array([0.0, 0.0, height]) for height in heights]),
         hexes=np.concatenate([mesh.hexes + ply * n for ply in range(plies)]),
         yarn=np.concatenate([mesh.yarn + ply * yarns for ply in range(plies)]),
         names=tuple(f"{name}_ply_{ply + 1}" for ply in range(plies) for name in mesh.names),

@@ -1,135 +1,89 @@
-"""Adaptive load stepping of a crossover model along a straight load path, with hooks.
+"""Equilibria along a straight leg of a load path: guesses, halved steps, and softer contact where
+nothing else helps.
 
-Steps are 10 % of the path; a step that needs few iterations lets the next one grow, a failed one is halved. Each step
-starts from the guess that leaves the least residual: the last state, its linear continuation, or the secant. Where even
-the least step fails, the contact is softened, the state carried over, and the contact brought back in stages at the
-same load; only a state of the full contact stiffness enters the history. A hook is called as hook(share of the path,
-row) after each step.
+Each step starts from the guess that leaves the least residual: the last state, its linear
+continuation, or the secant. A step that finds no equilibrium is halved. Where even the least step
+fails, the contact is softened, the state carried over, and the contact brought back in stages at
+the same load; only a state of the full contact stiffness is returned.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
-from fabrics.record import columns
-from unitcell3d.model.crossover import CrossoverModel, Load, YarnsModel
-from unitcell3d.solver.history import MEANINGS, History
+from unitcell3d.model.crossover import YarnsModel
 from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
 
-Hook: TypeAlias = Callable[
-    [float, dict[str, Any]], object
-]  # called as hook(share of the path, row)
+SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)  # of the penalty, stage after stage
 
 
 @dataclass(frozen=True)
 class Steps:
-    """Shares of the path: the first step, the largest and the least; iterations below which a step may grow."""
+    """How a path is stepped.
+
+    Parameters
+    ----------
+    first, largest, least : [-] shares of a leg
+    easy_iterations : factorisations up to which the next step may grow
+    close : [-] how far beyond the 1 of a quantity that ends the path its last state may lie
+    """
 
     first: float = 0.10
     largest: float = 0.10
     least: float = 1e-3
     easy_iterations: int = 12
+    close: float = 2e-3
 
 
-SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
-
-
-def solve_load_path(
-    model: CrossoverModel,
-    start: Load,
-    end: Load,
-    *,
-    case: str = "",
-    stop: Callable[[dict], float] | None = None,
-    steps: Steps | None = None,
-    hooks: Sequence[Hook] = (),
-) -> History:
-    """Load a model from rest along `start` .. `end`.
+def advance(
+    model: YarnsModel,
+    solver: Newton,
+    states: Sequence[tuple[float, FloatArray]],
+    start: Any,
+    end: Any,
+    share: float,
+    last_resort: bool,
+) -> Equilibrium:
+    """Equilibrium at `share` of the leg `start` .. `end`, from the guess that leaves the least
+    residual there.
 
     Parameters
     ----------
-    model : model.crossover.CrossoverModel
-    start, end : model.crossover.Load
-    stop : function of a row giving a number that reaches 1 where the path is to end; that state is solved for
-    steps : Steps
-    hooks : called after each step
+    states : (share, unknowns) of the last one or two states of this leg
+    last_resort : soften the contact if nothing else finds it
 
-    Returns
-    -------
-    History, whose `failed` says why the path ended early if it did
+    Raises
+    ------
+    UnstableError : none is found
     """
-    steps = Steps() if steps is None else steps
-    solver = Newton(model)
+    load = start.towards(end, share)
+    here, held = states[-1]
+    guesses = [held, solver.linear_guess(held, start.towards(end, here), load)]
+    if len(states) > 1:
+        before, q = states[0]
+        guesses.append(held + (share - here) / (here - before) * (held - q))
+    best = solver.best([guess for guess in guesses if guess is not None], load)
     try:
-        return _solve_load_path(model, solver, start, end, case, stop, steps, hooks)
-    finally:
-        solver.close()
-
-
-def _solve_load_path(model, solver, start, end, case, stop, steps, hooks):
-    begun = time.perf_counter()
-    failed = ""
-    states, rows = [], []
-    rest = rest_state(model, solver, start)
-    model.commit(rest.q, start)
-    states.append((0.0, rest.q))
-    rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
-    step, inside = steps.first, False
-    while states[-1][0] < 1:
-        share = min(states[-1][0] + step, 1.0)
-        if 1 - share < 0.1 * step and not inside:
-            share = 1.0
-        begun = time.perf_counter()
-        try:
-            found = _advance(model, solver, states, start, end, share, step <= steps.least)
-        except UnstableError as problem:
-            if step <= steps.least:
-                failed = str(problem)
-                break
-            step = max(0.5 * step, steps.least)
-            continue
-        row = _row(model, found, start.towards(end, share), share, time.perf_counter() - begun)
-        if stop is not None and stop(row) > 1 + STOP_TOLERANCE:
-            # the end is inside this step: take the step again, up to where the secant says it lies
-            before, after = stop(rows[-1]), stop(row)
-            step, inside = (
-                max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6),
-                True,
-            )
-            continue
-        model.commit(found.q, start.towards(end, share))
-        rows.append(row)
-        states = [states[-1], (share, found.q)]
-        for hook in hooks:
-            hook(share, row)
-        if stop is not None and stop(row) >= 1 - STOP_TOLERANCE:
-            break
-        if found.iterations <= steps.easy_iterations:
-            step = min(1.5 * step, steps.largest)
-    share, q = states[-1]
-    # the gaps belong to the last state, not to the last trial
-    model.forces(q, start.towards(end, share))
-    last = {"u": model.constraints.displacement(q, start.towards(end, share).d)}
-    last |= dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
-    return History(
-        columns(rows), MEANINGS, {"fabric": model.fabric.name, "case": case}, last, failed
-    )
-
-
-STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
+        return solver.approach(best, load)
+    except UnstableError:
+        if best is held and not last_resort:
+            raise
+    if not last_resort:
+        return solver.approach(held, load)
+    return _penalty_continuation(model, solver, held, load)
 
 
 def continue_to(
     model: YarnsModel, solver: Newton, q: FloatArray, start: Any, end: Any, shares: Iterable[float]
 ) -> Iterator[tuple[float, Equilibrium]]:
-    """Equilibria at given shares of a straight load path, from a state on it; yields (share, Equilibrium).
+    """Equilibria at given shares of a straight leg, from a state on it; yields (share,
+    Equilibrium).
 
     Parameters
     ----------
@@ -141,45 +95,29 @@ def continue_to(
     ------
     UnstableError : no equilibrium even in the least step, with contact softened
     """
-    states, least = [(0.0, q)], Steps().least
+    states = [(0.0, q)]
+    least = Steps().least
     for share in shares:
         step = share - states[-1][0]
         while True:
-            goal = min(states[-1][0] + step, share)
+            at = states[-1][0]
+            goal = min(at + step, share)
             try:
-                found = _advance(model, solver, states, start, end, goal, step <= least)
+                found = advance(model, solver, states, start, end, goal, step <= least)
             except UnstableError:
                 if step <= least:
                     raise
                 step = max(0.5 * step, least)
                 continue
-            states = [states[-1], (goal, found.q)] if goal > states[-1][0] else [(goal, found.q)]
+            states = [states[-1], (goal, found.q)] if goal > at else [(goal, found.q)]
             if goal == share:
                 break
         yield share, found
 
 
-def _advance(model, solver, states, start, end, share, last_resort):
-    """Equilibrium at `share` of the path from the guess that leaves the least residual there."""
-    load = start.towards(end, share)
-    s1, held = states[-1]
-    guesses = [held, solver.linear_guess(held, start.towards(end, s1), load)]
-    if len(states) > 1:
-        s0, q0 = states[0]
-        guesses.append(held + (share - s1) / (s1 - s0) * (held - q0))
-    best = solver.best([guess for guess in guesses if guess is not None], load)
-    try:
-        return solver.approach(best, load)
-    except UnstableError:
-        if best is not held and not last_resort:
-            return solver.approach(held, load)
-        if not last_resort:
-            raise
-    return _penalty_continuation(model, solver, held, load)
-
-
 def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
-    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
+    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves
+    of their curves.
 
     It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.
 
@@ -211,42 +149,3 @@ def _penalty_continuation(model, solver, guess, load):
         return found
     finally:
         model.numerics = full
-
-
-def crossover_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
-    """What every case of a crossover records of a state: loads, tensions, contact forces, heights, compression.
-
-    Parameters
-    ----------
-    model : a model.crossover.YarnsModel with `heights`
-    state : newton.Equilibrium
-    load : of the model, with `d` and `plates`
-    """
-    heights, rest = model.heights(model.positions(state.q, load)), model.heights(model.points)
-    T1, T2 = model.tensions(state.forces)
-    return {
-        "d1": load.d[0],
-        "d2": load.d[1],
-        "plates": load.plates,
-        "T1": T1,
-        "T2": T2,
-        "F_c": model.copies[1] * state.contact,
-        "F_plate": model.copies[1] * state.plates,
-        "h1": heights[0],
-        "h2": heights[1],
-        "d_c": 0.5 * (rest.sum() - heights.sum()),
-    }
-
-
-def _row(model, state, load, share, seconds):
-    x = model.positions(state.q, load)
-    strains, mean = model.fibre_strains(x)
-    return {
-        "path": share,
-        **crossover_row(model, state, load),
-        "d_yarns": model.half_thicknesses(model.points) - model.half_thicknesses(x),
-        "fibre_strain_max": np.array([strains[model.bar_yarn == yarn].max() for yarn in (0, 1)]),
-        "fibre_strain_mean": mean,
-        "iterations": state.iterations,
-        "seconds": seconds,
-    }

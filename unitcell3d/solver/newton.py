@@ -1,28 +1,32 @@
-"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between factorisations.
+"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between
+factorisations.
 
     (K + mu I) dq = -r,   mu <- mu |r_new| / |r_old|
 
-Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn buckles and snaps. A
-plain Newton step then throws nodes by a tenth of a millimetre, and a line search that insists on a falling residual
-stalls, because the residual is that of the stiff contact. The shift mu (backward Euler in a pseudo-time, Kelley and
-Keyes 1998) holds the soft modes while the stiff ones settle and dies out with the residual, so the last iterations are
-quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
+Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn
+buckles and snaps. A plain Newton step then throws nodes by a tenth of a millimetre, and a line
+search that insists on a falling residual stalls, because the residual is that of the stiff contact.
+The shift mu (backward Euler in a pseudo-time, Kelley and Keyes 1998) holds the soft modes while the
+stiff ones settle and dies out with the residual, so the last iterations are quadratic; no node
+moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
 by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
 
-A step is shortened where it overshoots: where the residual's pull along it has turned round,
-r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
-potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
-that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
-closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of the rest of a step.
+A step is shortened where it overshoots: where the residual's pull along it has turned round, r(q +
+dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is
+all but a potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least
+energy on the line; a residual that grows on the way, as it does where yarns swing taut, does not
+stop it. Fibres at their slack kink and contact that closes otherwise send Newton's method round in
+cycles. The shift grows with the inverse root of the rest of a step.
 
-A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
-last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
-form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until
-`MOST_SLOW` steps have taken off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way
-to it is cheaper.
+A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR`
+of the forces, the last factorisation, of an earlier load even, is used on and corrected by the
+steps taken since (Broyden's update in the form that stores steps alone: Kelley, Iterative Methods
+for Linear and Nonlinear Equations, 1995, section 7.3), until `MOST_SLOW` steps have taken off less
+than 1 - `SLOW` of the residual. The state that is found is the same: only the way to it is cheaper.
 
-Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
-plates), each taken on the meshed part: without tension the plate force is the measure.
+Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end
+tensions, contact, plates), each taken on the meshed part: without tension the plate force is the
+measure.
 """
 
 from __future__ import annotations
@@ -40,43 +44,59 @@ from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import YarnsModel
 
 TOLERANCE = 1e-8
-LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
+# N: scale of the convergence test where nothing is loaded yet
+LEAST_FORCE = 1e-2
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
-FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
-SOFTER, ROUGH = 0.2, 1e-2  # factor of the penalty on the way, and how far it is followed
-SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+# of the forces: residual from which the shift starts at its full size, and the contact soft
+FAR = 0.1
+SOFTER = 0.2  # factor of the penalty on the way from a guess that is far away
+ROUGH = 1e-2  # of the forces: how far the softer contact is followed
+# N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+SHIFT = 300.0
 MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
-MOST_SLOW = (
-    2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
-)
-LINE, OVERSHOT = (
-    5,
-    0.5,
-)  # evaluations along a step, and share of the pull at its start that may be left at its end
+# such steps, or steps that let the residual grow: at a slack kink it does before it falls
+MOST_SLOW = 2
+LINE = 5  # evaluations along a step that overshoots
+# share of the pull at the start of a step that may be left at its end
+OVERSHOT = 0.5
 GROWTH = 2.0  # of the residual in a step with an old factorisation
 MOST_UPDATES = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A converged state: unknowns `q`, nodal forces, contact force and plate forces [N] of the meshed part.
+    """A state of the meshed part, in equilibrium when `Newton.solve` returns it.
 
-    iterations : tangents that were factorised
+    Parameters
+    ----------
+    q, residual : (size,) unknowns [m], forces on them [N]
+    forces : (n, 3) [N] at the nodes
+    contact, plates : [N] contact force, (2,) [N] forces of the plates
+    norm, scale : [N] of the residual, and largest of the forces that it is compared with
+    iterations : tangents that were factorised on the way
     """
 
-    q: np.ndarray
-    forces: np.ndarray
+    q: FloatArray
+    forces: FloatArray
+    residual: FloatArray
     contact: float
-    plates: np.ndarray
-    iterations: int
+    plates: FloatArray
+    norm: float
+    scale: float
+    iterations: int = 0
+
+    def within(self, tolerance: float) -> bool:
+        """Whether the residual is at most `tolerance` times the forces."""
+        return self.norm <= tolerance * self.scale
 
 
 class Newton:
-    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load to the next.
+    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load
+    to the next.
 
     Parameters
     ----------
@@ -87,26 +107,31 @@ class Newton:
         self.model = model
         self._solver: DirectSolver | None = None
         self._taken: list[FloatArray] = []  # steps since the last factorisation
-        self._latest = None  # the state that the model's contact search belongs to
+        # the state that the model's contact search belongs to
+        self._latest = None
 
     def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
-        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times the forces.
+        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times
+        the forces.
 
         Raises
         ------
         UnstableError : no convergence, a singular tangent, or an element that inverts
         """
-        state, iterations = self._evaluate(q, load), 0
+        state = self._evaluate(q, load)
         if not np.isfinite(state.norm):
             self._refuse("the first guess", q, load)
         shift = SHIFT * min(1.0, state.norm / state.scale / FAR)
+        iterations = 0
         self._taken = []
         while True:
             before = state.norm
             if state.norm < NEAR * state.scale and self._solver is not None:
                 state = self._reuse(state, load, tolerance)
-            if state.norm <= tolerance * state.scale:
-                return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
+            if state.within(tolerance):
+                # what the model's contact has found belongs to the state that is returned
+                state = self._at(state, load)
+                return replace(state, iterations=iterations)
             if iterations == MAX_ITERATIONS:
                 self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
             step = self._factor(state, load, shift).solve(-state.residual)
@@ -126,21 +151,24 @@ class Newton:
             state = found
 
     def approach(self, q: FloatArray, load: Any) -> Equilibrium:
-        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact, taken roughly.
+        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact,
+        taken roughly.
 
-        Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
-        several times over.
+        Slack yarns that a guess presses into each other are thrown apart by the full contact and
+        come back to it several times over.
 
         Raises
         ------
         UnstableError : as `solve`
         """
-        full, state, spent = self.model.numerics, self._evaluate(q, load), 0
-        if state.norm > FAR * state.scale:
+        full = self.model.numerics
+        spent = 0
+        if not self._evaluate(q, load).within(FAR):
             try:
                 self.model.numerics = full.softened(SOFTER)
                 found = self.solve(q, load, ROUGH)
-                q, spent = found.q, found.iterations
+                q = found.q
+                spent = found.iterations
             finally:
                 self.model.numerics = full
         found = self.solve(q, load)
@@ -152,7 +180,8 @@ class Newton:
         return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
 
     def linear_guess(self, q: FloatArray, before: Any, load: Any) -> FloatArray | None:
-        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.
+        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation;
+        None without one.
 
         The load's part of the tangent is a difference over a thousandth of the load's step.
         """
@@ -163,12 +192,15 @@ class Newton:
             self._evaluate(q, at).residual for at in (before, before.towards(load, part))
         )
         step = self._solver.solve((rest - moved) / part)
-        return None if step is None else q + step
+        if step is None:
+            return None
+        return q + step
 
     def linear_changes(
         self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]
     ) -> list[FloatArray]:
-        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium `q` at `load`.
+        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium
+        `q` at `load`.
 
         Raises
         ------
@@ -194,13 +226,16 @@ class Newton:
         norm = np.linalg.norm(residual)
         ends = [abs(model.constraints.end_force(forces, yarn)) for yarn in (0, 1)]
         scale = max(*ends, abs(contact), *plates, LEAST_FORCE)
-        self._latest = _State(q, forces, residual, contact, plates, norm, scale)
+        self._latest = Equilibrium(q, forces, residual, contact, plates, norm, scale)
         return self._latest
+
+    def _at(self, state, load):
+        """The state, evaluated again unless it was the last one that was."""
+        return state if state is self._latest else self._evaluate(state.q, load)
 
     def _factor(self, state, load, shift):
         model = self.model
-        if state is not self._latest:  # the tangent is laid out for the contact met last
-            self._evaluate(state.q, load)
+        self._at(state, load)  # the tangent is laid out for the contact met last
         if model.system(state.q, load) or self._solver is None:
             self.close()
             pattern = model.pattern
@@ -211,27 +246,31 @@ class Newton:
         return self._solver
 
     def _reuse(self, state, load, tolerance):
-        """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
-        best, slow = state, 0
-        while len(self._taken) < MOST_UPDATES and best.norm > tolerance * best.scale:
+        """The best state that steps with the last factorisation and Broyden's updates reach from
+        `state`."""
+        best = state
+        slow = 0
+        while len(self._taken) < MOST_UPDATES and not best.within(tolerance):
             step = self._solver.solve(-state.residual)
-            step = None if step is None else _corrected(step, self._taken)
+            if step is not None:
+                step = _corrected(step, self._taken)
             if step is None or np.abs(step).max() > LARGEST_STEP:
                 break
             found = self._evaluate(state.q + step, load)
             if not found.norm < GROWTH * state.norm:
                 break
             self._taken.append(step)
-            ratio, state = found.norm / state.norm, found
             if found.norm < best.norm:
                 best = found
-            slow += ratio > SLOW
+            slow += found.norm > SLOW * state.norm
+            state = found
             if slow > MOST_SLOW:
                 break
         return best
 
     def _move(self, state, step, load):
-        """The state after a step, shortened to the largest allowed, while an element inverts, and if it overshoots.
+        """The state after a step, shortened to the largest allowed, while an element inverts, and
+        if it overshoots.
 
         Returns
         -------
@@ -252,14 +291,18 @@ class Newton:
         return left, kept
 
     def _along(self, state, step, found, load):
-        """The state on the way from `state` to `found`, a `step` further, where the pull along it is gone; its share.
+        """The state on the way from `state` to `found`, a `step` further, where the pull along it
+        is gone; its share.
 
         `found` itself where the pull has not turned round by much, or where the step went uphill.
         """
-        pull, end = -(state.residual @ step), found.residual @ step
+        pull = -(state.residual @ step)
+        end = found.residual @ step
         if pull <= 0 or end <= OVERSHOT * pull:
             return found, 1.0
-        low, high, share = (0.0, -pull), (1.0, end), 1.0
+        low = (0.0, -pull)
+        high = (1.0, end)
+        share = 1.0
         for turn in range(LINE):
             # every other time in the middle: false position alone creeps up to a kink
             part = 0.5 if turn % 2 else np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
@@ -267,8 +310,13 @@ class Newton:
             trial = self._evaluate(state.q + at * step, load)
             there = np.inf
             if np.isfinite(trial.norm):
-                found, share, there = trial, at, trial.residual @ step
-            low, high = (low, (at, there)) if there > 0 else ((at, there), high)
+                found = trial
+                share = at
+                there = trial.residual @ step
+            if there > 0:
+                high = (at, there)
+            else:
+                low = (at, there)
             if abs(there) <= OVERSHOT * pull:
                 break
         return found, share
@@ -294,7 +342,8 @@ def _next_shift(shift, ratio):
 
 
 def _corrected(step, taken):
-    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it is singular."""
+    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it
+    is singular."""
     for before, after in pairwise(taken):
         step = step + after * (before @ step) / (before @ before)
     if taken:
@@ -304,14 +353,3 @@ def _corrected(step, taken):
             return None
         step = step / share
     return step
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    q: np.ndarray
-    forces: np.ndarray
-    residual: np.ndarray
-    contact: float
-    plates: np.ndarray
-    norm: float
-    scale: float

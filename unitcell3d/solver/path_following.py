@@ -1,196 +1,241 @@
-"""Following a path of loads with a row at each state that is requested, and the failure of fibres on the way.
+"""Following a path of loads from rest, with a row for each converged state, and the failure of
+fibres on the way.
 
-A path is a chain of straight legs, so it may turn round and come back. Where a quantity that is watched (the worst
-fibre's strain over its failure strain, or what ends the path) first passes 1 inside a step, the state at 1 is found by
-the secant and gets a row of its own. Where a state overstrains fibres, their damage is raised, those first that are
-overstrained by more than half as much as the worst, and the equilibrium at the same load is sought again, until no
-more fail: what they held is handed on to their neighbours, or lost, at one load.
+A path is a chain of straight legs, so it may turn round and come back. Its steps adapt, or lead to
+equal shares of each leg; one that finds no equilibrium is halved. Where a quantity that is watched
+(the worst fibre's strain over its failure strain, or what ends the path) passes 1 inside a step,
+the step is taken again up to where the secant says that it passes. Where a state overstrains
+fibres, their damage is raised, those first that are overstrained by more than half as much as the
+worst, and the equilibrium at the same load is sought again, until no more fail: what they held is
+handed on to their neighbours, or lost, at one load.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
+from fabrics.record import Record
 from unitcell3d.model.crossover import YarnsModel
-from unitcell3d.solver.load_stepping import Hook, continue_to, rest_state
+from unitcell3d.solver.load_stepping import Steps, advance, continue_to, rest_state
 from unitcell3d.solver.newton import Equilibrium, Newton
+from unitcell3d.solver.recorded import record
 
-CLOSE = 5e-4  # to the 1 of a watched quantity
-MOST_TRIALS = 12  # of a secant
+# called as hook(share of the path, row) after each step
+Hook: TypeAlias = Callable[[float, dict[str, Any]], object]
+CLOSE = 5e-4  # to the 1 of a watched quantity, on paths of given rows
+MOST_TRIALS = 12  # of a step that passes it
+SHORTEST = 1e-6  # of a leg, of such a step
 MOST_ROUNDS = 400  # of failing at one load
-
-
-@dataclass(frozen=True)
-class Followed:
-    """rows : list of dicts; x : (n, 3) [m] positions of the last state; q : its unknowns; failed : why it ended."""
-
-    rows: list
-    x: np.ndarray
-    q: np.ndarray
-    failed: str
 
 
 def follow(
     model: YarnsModel,
-    loads: Sequence[Any],
+    corners: Sequence[Any],
     row: Callable[[Equilibrium, Any], dict[str, Any]],
     *,
-    rows: int | Sequence[int] = 25,
+    steps: Steps | None = None,
+    rows: int | Sequence[int] | None = None,
     stop: Callable[[dict], float] | None = None,
+    facts: Mapping[str, Any] | None = None,
     hooks: Sequence[Hook] = (),
-) -> Followed:
+) -> Record:
     """Follow a path from rest.
 
     Parameters
     ----------
     model : model.crossover.YarnsModel
-    loads : corners of the path, the first of them at rest
-    row : function (state, load) giving a dict
-    rows : of the whole path, at least; a leg has its share of them by its number alone, or a sequence, one per leg
-    stop : function (row) giving a number that reaches 1 where the path is to end
-    hooks : called as hook(share of the path, row) after each row
+    corners : loads, the first of them at rest
+    row : function (state, load) giving a dict, whose keys are names of `recorded.MEANINGS`
+    steps : load_stepping.Steps, of each leg, if no rows are given
+    rows : of the whole path, at least; each leg has an equal share of them, or a sequence, one
+        number a leg
+    stop : function (row) giving a number that reaches 1 where the path is to end; that state is
+        solved for
+    facts : of the record, besides the fabric
+    hooks : called after each step
+
+    Returns
+    ------- Record, whose `failed` says why the path ended early if it did, and whose `last` has the
+    displacements u and, of one crossing, the gaps of the nodes of both contact faces
 
     Raises
     ------
     InputError : fewer than two loads
+    UnstableError : no equilibrium at rest
     """
-    if len(loads) < 2:
-        raise InputError(key="loads", value=len(loads), allowed="at least two, the first at rest")
-    legs = len(loads) - 1
-    counts = list(rows) if isinstance(rows, Sequence) else [max(1, -(-rows // legs))] * legs
+    if len(corners) < 2:
+        raise InputError(key="loads", value=len(corners), allowed="at least two, the first at rest")
+    steps = steps or Steps()
+    legs = len(corners) - 1
+    counts: list[int] = []
+    if isinstance(rows, int):
+        counts = [max(1, -(-rows // legs))] * legs
+    elif rows is not None:
+        counts = list(rows)
+    if counts:
+        steps = replace(steps, close=CLOSE)
     solver = Newton(model)
     try:
-        return _Walk(model, solver, row, stop, hooks).along(loads, counts)
+        walk = _Walk(model, solver, row, steps, stop, hooks)
+        failed = walk.along(corners, counts)
     finally:
         solver.close()
+    facts = {"fabric": model.fabric.name, **(facts or {})}
+    return record(walk.rows, facts, walk.last(), failed)
 
 
 class _Walk:
-    def __init__(self, model, solver, row, stop, hooks):
-        self.model, self.solver, self._row, self._stop, self._hooks = (
-            model,
-            solver,
-            row,
-            stop,
-            hooks,
-        )
-        self.rows, self.ended, self._met_overload = [], False, False
+    """A path on its way: the last state with its load, and the rows so far."""
 
-    def along(self, loads, counts):
-        begun = time.perf_counter()
-        rest, load, failed = rest_state(self.model, self.solver, loads[0]), loads[0], ""
-        state = rest
-        self._keep(state, load, 0.0, begun)
-        done, total = 0, sum(counts)
+    def __init__(self, model, solver, row, steps, stop, hooks):
+        self._model = model
+        self._solver = solver
+        self._row = row
+        self._stop = stop
+        self._hooks = hooks
+        self._steps = steps
+        self._met_overload = False
+        self.rows = []
+
+    def along(self, corners, counts):
+        """Walk from rest to the last corner; returns why the path ended before, or ""."""
+        self._begun = time.perf_counter()
+        self._load = corners[0]
+        self._state = rest_state(self._model, self._solver, self._load)
+        self._model.commit(self._state.q, self._load)
+        self._keep(self._measure(self._state, self._load, 0.0))
+        weights = counts or [1] * (len(corners) - 1)
+        done = 0
         try:
-            for start, end, count in zip(loads, loads[1:], counts):
-                for share, state, load in self._leg(state, start, end, count):  # noqa: B020
-                    self._keep(state, load, (done + share * count) / total, begun)
-                    begun = time.perf_counter()
-                    if self.ended:
-                        return self._result(state, load, "")
-                done += count
-        except UnstableError as problem:
-            failed = str(problem)
-        return self._result(state, load, failed)
-
-    def _leg(self, state, start, end, count):
-        """Yields (share of the leg, state, load) from the state at its start."""
-        at, shares = 0.0, list(np.arange(1, count + 1) / count)
-        while shares:
-            here = start.towards(end, at)
-            for inner in continue_to(
-                self.model, self.solver, state.q, here, end, [(s - at) / (1 - at) for s in shares]
-            ):
-                before, state = state, inner[1]
-                share = shares.pop(0)
-                load = start.towards(end, share)
-                located = self._locate(before, at, state, share, start, end)
-                if located is not None:
-                    shares.insert(0, share)
-                    share, state = located
-                    load = start.towards(end, share)
-                broken, state = self._fail(state, load)
-                yield share, state, load
-                if self.ended:
-                    return
-                at = share
-                if broken or located is not None:
+            for start, end, weight in zip(corners, corners[1:], weights):
+                part = (done / sum(weights), weight / sum(weights))
+                if self._leg(start, end, weight if counts else None, part):
                     break
+                done += weight
+        except UnstableError as problem:
+            return str(problem)
+        return ""
 
-    def _watched(self, state, load):
-        """Quantities whose passing of 1 is located: the fibres' overload until it is first met, and the end."""
-        watched = []
+    def _leg(self, start, end, count, part):
+        """Walk one leg, in `count` equal steps or in steps that adapt; returns whether the path has
+        come to its end.
+
+        part : (share of the path before this leg, share of this leg)
+        """
+        steps = self._steps
+        states = [(0.0, self._state.q)]
+        step = steps.first if count is None else 1.0
+        trials = 0
+        shortened = False
+        while states[-1][0] < 1:
+            at = states[-1][0]
+            target = 1.0 if count is None else (np.floor(at * count + 1e-9) + 1) / count
+            step = min(step, target - at)
+            goal = min(at + step, target)
+            if target - goal < 0.1 * step and not shortened:
+                goal = target  # no sliver of a step at the end
+            load = start.towards(end, goal)
+            try:
+                found = advance(
+                    self._model, self._solver, states, start, end, goal, step <= steps.least
+                )
+            except UnstableError:
+                if step <= steps.least:
+                    raise
+                step = max(0.5 * step, steps.least)
+                continue
+            row = self._measure(found, load, part[0] + part[1] * goal)
+            levels = self._levels(found, load, row)
+            if max(levels, default=0.0) > 1 + steps.close and trials < MOST_TRIALS:
+                step = max(self._length_to_pass(goal - at, levels), SHORTEST)
+                trials += 1
+                shortened = True
+                continue
+            trials = 0
+            states = [states[-1], (goal, found.q)]
+            if self._accept(found, load, row):
+                states = [(goal, self._state.q)]
+            if self._stop is not None and self._stop(self.rows[-1]) >= 1 - steps.close:
+                return True
+            if count is None and found.iterations <= steps.easy_iterations:
+                step = min(1.5 * step, steps.largest)
+            elif count is not None and goal == target:
+                step = 1.0
+        return False
+
+    def _measure(self, state, load, share):
+        """The row of a state."""
+        seconds = time.perf_counter() - self._begun
+        spent = {"iterations": state.iterations, "seconds": seconds}
+        return {"path": share, **self._row(state, load), **spent}
+
+    def _levels(self, state, load, row):
+        """Quantities whose passing of 1 is located: the fibres' overload until it is first met, and
+        the end."""
+        levels = []
         if not self._met_overload:
-            watched.append(
-                self.model.fibres.overload(
-                    self.model.fibre_strains(self.model.positions(state.q, load))[0]
-                )
-            )
+            levels.append(self._overload(state, load))
         if self._stop is not None:
-            watched.append(self._stop(self._row(state, load)))
-        return np.array(watched)
+            levels.append(self._stop(row))
+        return levels
 
-    def _locate(self, before, at, state, share, start, end):
-        """(share, state) where a watched quantity is 1, if it passes 1 between two states by more than `CLOSE`."""
-        low, high = (
-            self._watched(s, start.towards(end, where))
-            for s, where in ((before, at), (state, share))
+    def _overload(self, state, load):
+        strains, _ = self._model.fibre_strains(self._model.positions(state.q, load))
+        return self._model.fibres.overload(strains)
+
+    def _length_to_pass(self, length, levels):
+        """Length of the step that brings the first of the watched quantities to 1, by the
+        secant."""
+        before = self._levels(self._state, self._load, self.rows[-1])
+        return min(
+            length * (1 - low) / (high - low)
+            for low, high in zip(before, levels)
+            if high > 1 + self._steps.close
         )
-        if not high.size or high.max() < 1 - CLOSE:
-            return None
-        found, first, last = (share, state), (at, before, low), (share, high)
-        for _ in range(MOST_TRIALS):
-            if last[1].max() <= 1 + CLOSE:
-                break
-            crossing = last[1] > 1 + CLOSE
-            parts = (1 - first[2][crossing]) / (last[1][crossing] - first[2][crossing])
-            trial = first[0] + np.clip(parts.min(), 0.02, 0.98) * (last[0] - first[0])
-            here = start.towards(end, first[0])
-            _, inner = next(
-                continue_to(
-                    self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]
-                )
-            )
-            values = self._watched(inner, start.towards(end, trial))
-            if values.max() < 1 - CLOSE:
-                first = (trial, inner, values)
-            else:
-                found, last = (trial, inner), (trial, values)
-        self.ended = self._stop is not None and last[1][-1] >= 1 - CLOSE
-        if not self._met_overload and last[1][0] >= 1 - CLOSE:
+
+    def _accept(self, state, load, row):
+        """Take a state up as the last one; returns whether fibres have failed in it."""
+        if not self._met_overload and self._overload(state, load) >= 1 - self._steps.close:
             self._met_overload = True
-        return found if found[0] < share else None
+        settled = self._fail(state, load)
+        if settled is not state:
+            row = self._measure(settled, load, row["path"])
+        self._model.commit(settled.q, load)
+        self._state = settled
+        self._load = load
+        self._keep(row)
+        for hook in self._hooks:
+            hook(row["path"], row)
+        return settled is not state
 
     def _fail(self, state, load):
         """Damage the fibres that the state overstrains until equilibrium overstrains no more."""
-        broken = False
         for _ in range(MOST_ROUNDS):
-            if not self.model.fibres.fail(self.model.positions(state.q, load)):
-                return broken, state
-            broken = True
-            _, state = next(continue_to(self.model, self.solver, state.q, load, load, [1.0]))
+            if not self._model.fibres.fail(self._model.positions(state.q, load)):
+                return state
+            _, found = next(continue_to(self._model, self._solver, state.q, load, load, [1.0]))
+            state = replace(found, iterations=state.iterations + found.iterations)
         raise UnstableError("fibres go on failing at one load", when=str(load))
 
-    def _keep(self, state, load, share, begun):
-        self.model.commit(state.q, load)
-        row = self._row(state, load)
-        row |= {
-            "path": share,
-            "iterations": state.iterations,
-            "seconds": time.perf_counter() - begun,
-        }
+    def _keep(self, row):
         self.rows.append(row)
-        for hook in self._hooks:
-            hook(share, row)
+        self._begun = time.perf_counter()
 
-    def _result(self, state, load, failed):
-        model = self.model
-        model.forces(state.q, load)  # the gaps belong to the last state, not to the last trial
-        return Followed(self.rows, model.positions(state.q, load), state.q, failed)
+    def last(self):
+        """Displacements (n, 3) [m] of the last state, and the gaps [m] of the faces of a single
+        crossing."""
+        model = self._model
+        q = self._state.q
+        load = self._load
+        model.forces(q, load)  # the gaps belong to the last state, not to the last trial
+        u = model.constraints.displacement(q, load.drive)
+        last = {"u": u[: len(model.crossover.points)]}
+        if len(model.surfaces.gaps) == 2:
+            last |= dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
+        return last

@@ -20,12 +20,13 @@ from meshing import crossover
 from shellfabric.panel import quality
 from unitcell3d.cases import pull_out as pulling
 from unitcell3d.cases import single_yarn
-from unitcell3d.cases.biaxial_and_platens import plate_compression
+from unitcell3d.cases.biaxial_and_platens import plate_compression, row
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import Steps, solve_load_path
+from unitcell3d.solver.load_stepping import Steps
+from unitcell3d.solver.path_following import follow
 from validation.models.variants import scale_solids
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
@@ -92,13 +93,13 @@ def paths(
     for name, end in ends.items():
         model = CrossoverModel(mesh, fabric, numerics, integration=integration)
         load: Any = tuple(end)
-        history = solve_load_path(
-            model, Load(), Load(load), case=name, steps=replace(Steps(), **stepping)
+        history = follow(
+            model, [Load(), Load(load)], row(model), steps=replace(Steps(), **stepping)
         )
         if history.failed:
             raise UnstableError(f"{name}: {history.failed}")
         histories.append(history)
-        values |= {f"{force}, {name}": float(getattr(history, force)[-1]) for force in FORCES}
+        values |= {f"{force}, {name}": float(history[force][-1]) for force in FORCES}
         unknowns = model.size
     try:
         law = CompressionLaw.fit(

@@ -439,7 +439,7 @@ def released(fabric: str, *, plies: int, friction: float, closed: float) -> Simp
     """
     from unitcell3d.cases.stack import StackModel
     from unitcell3d.model.crossover import Load, Numerics
-    from unitcell3d.solver import path_following
+    from unitcell3d.solver.path_following import follow
 
     mesh, given = _meshed(fabric, size=(4, 3, 2))
     model = StackModel(mesh, given, plies, Numerics(friction=friction))
@@ -450,7 +450,7 @@ def released(fabric: str, *, plies: int, friction: float, closed: float) -> Simp
         return {"closure": 2 * (rest - load.plates), "pressure": force / area}
 
     loads = [Load(plates=share * rest) for share in (1.0, 1.0 - closed, 1.0)]
-    found = path_following.follow(model, loads, row, rows=(ROWS, ROWS))
-    branches = np.array([[row[key] for row in found.rows] for key in ("closure", "pressure")])
+    found = follow(model, loads, row, rows=(ROWS, ROWS))
+    branches = np.array([found["closure"], found["pressure"]])
     turn = int(np.argmax(branches[0]))
     return SimpleNamespace(loading=branches[:, : turn + 1], unloading=branches[:, turn:])

@@ -30,9 +30,9 @@ from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
 
 if TYPE_CHECKING:
+    from fabrics.record import Record
     from shellfabric.cell.biaxial_path import CellPath
     from shellfabric.cell.model import CellModel
-    from unitcell3d.solver.history import History
 
 __all__ = ["BiaxialResult", "biaxial"]
 
@@ -133,7 +133,7 @@ def _ratio(text):
 
 
 def _crossovers(fabric, paths, size):
-    """{ratio: History} of the 3D crossover along the same paths."""
+    """{ratio: Record} of the 3D crossover along the same paths."""
     from meshing import crossover
     from unitcell3d.cases import biaxial_and_platens
 
@@ -155,7 +155,7 @@ class BiaxialResult(Result):
     ----------
     model : CellModel, with its fabric
     paths : {ratio: `shellfabric.cell.biaxial_path.CellPath`}
-    solved : {ratio: `unitcell3d.solver.history.History`} of the 3D crossover; {} where it was not asked for
+    solved : {ratio: `fabrics.record.Record`} of the 3D crossover; {} where it was not asked for
     options : profile and toe of the cell
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None
@@ -170,7 +170,7 @@ class BiaxialResult(Result):
 
     model: CellModel
     paths: dict[str, CellPath]
-    solved: dict[str, History]
+    solved: dict[str, Record]
     options: dict[str, Any]
     source: str
     size: Any = None
@@ -207,8 +207,8 @@ class BiaxialResult(Result):
         if history is None:
             return end
         w1, w2 = self.fabric.weave.w
-        cell = self.model.solve(1 + history.d1 / w1, 1 + history.d2 / w2)
-        pairs = ((cell["T1"], history.T1), (cell["T2"], history.T2))
+        cell = self.model.solve(1 + history["d1"] / w1, 1 + history["d2"] / w2)
+        pairs = ((cell["T1"], history["T1"]), (cell["T2"], history["T2"]))
         return end | {"rms_from_3d": [sqrt(((own - other) ** 2).mean()) for own, other in pairs]}
 
     def _columns(self):
@@ -260,10 +260,10 @@ class BiaxialResult(Result):
             strains[f"strains {text}"] = tuple(path.strain.T)
             if history is not None:
                 strains[f"strains {text}"] = (
-                    history.d1 / w1,
-                    history.d2 / w2,
-                    history.T1,
-                    history.T2,
+                    history["d1"] / w1,
+                    history["d2"] / w2,
+                    history["T1"],
+                    history["T2"],
                 )
         label = "published law" if self.source == "published" else "law given"
         drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains, **self.options)

@@ -278,7 +278,7 @@ class CalibrationResult(Result):
 
     @property
     def _stretched(self):
-        """{path: History} without the plates."""
+        """{path: Record} without the plates."""
         done = self.calibration
         return {name: path for name, path in done.histories.items() if path is not done.plates}
 
@@ -293,7 +293,7 @@ class CalibrationResult(Result):
         return (
             {name: samples(path) for name, path in self._stretched.items()},
             laws,
-            (done.plates.F_c, done.plates.d_c),
+            (done.plates["F_c"], done.plates["d_c"]),
         )
 
     def plot(self) -> Figure:
@@ -380,7 +380,7 @@ class CalibrationResult(Result):
         for name, path in done.histories.items():
             if path.failed:
                 lines.append(
-                    (name, f"ended at {100 * path.path[-1]:.1f} % of its path: {path.failed}")
+                    (name, f"ended at {100 * path['path'][-1]:.1f} % of its path: {path.failed}")
                 )
         return "\n".join(f"{name:<13} {text}" for name, text in lines)
 
@@ -420,7 +420,7 @@ class CalibrationResult(Result):
         fabric, (_, laws, _) = self.mesh.fabric, self._drawn()
         w1, w2 = fabric.weave.w
         paths = {
-            name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2)
+            name: (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
             for name, path in self._stretched.items()
         }
         cell = chapters.cell(
@@ -534,7 +534,9 @@ def _ended(name, path):
     if name != "plates":
         return f"at {BEYOND:g} times the failure strain" if name == BOTH else "at fibre failure"
     return (
-        "at the test's pressure" if path.path[-1] < 1 else "with the plates at half their distance"
+        "at the test's pressure"
+        if path["path"][-1] < 1
+        else "with the plates at half their distance"
     )
 
 

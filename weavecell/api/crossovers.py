@@ -54,7 +54,6 @@ def crossover(
     bars: int | None = None,
     reduced_integration: bool = False,
     plies: int | None = None,
-    shift: str | tuple[float, float] | None = None,
     pressure: float | str | list[float] | None = None,
     end_displacement: float | str | list[float] | None = None,
     shear_angle: float | str | None = None,
@@ -84,7 +83,6 @@ def crossover(
     bars : yarn: fibre lines that carry bars; all if not given
     reduced_integration : yarn: one integration point, to see the zero-energy modes
     plies : stack: number of plies; 2 if not given
-    shift : stack: offset of each ply from the one below, in crossovers along x and y, such as 0.5,0
     pressure : platens, stack: pressure at the end [Pa]; by default the highest of the thesis. pull-out: of platens that
         press the yarns together in place of end_displacement, one for each transverse load
     end_displacement : biaxial, shear: displacement of each yarn end, of both or of warp and weft [m]; pull-out: of the
@@ -118,7 +116,7 @@ def crossover(
     if law is not None:  # refused before anything is computed
         build.laws_of(fabric, law)
     run = kind.run(fabric, **options)
-    part = _domain(case, domain, shift)
+    part = _domain(case, domain)
     with out_folder.held(out) as folder:
         built = meshes.build(fabric, part, size=meshes.size(mesh), section=section, gap=gap)
         with progress.bar(f"{fabric.name}, {case}") as advance:
@@ -162,11 +160,9 @@ def _checked(case, options):
     return CASES[case], options
 
 
-def _domain(case, domain, shift):
+def _domain(case, domain):
     """The part of the weave that is meshed: the one that was given, or the first that the case allows."""
     domains = CASES[case].domains
-    if case == "stack":
-        domains = ("periodic",) if any(_shift(shift)) else ("quarter",)
     if domain not in (None, *domains):
         raise InputError(
             key="domain", value=domain, allowed=f"{' or '.join(domains)} for this case"
@@ -282,20 +278,15 @@ def _yarn(fabric, yarn="warp", bars=None, failure=False, reduced_integration=Fal
     return partial(single_yarn.pull, fabric=fabric, family=FAMILIES.index(yarn), **options)
 
 
-def _shift(shift):
-    return quantities.pair(shift or 0.0, "", "shift", "along x and y")
-
-
-def _stack(fabric, plies=2, shift=None, pressure=None, friction=0.0):
+def _stack(fabric, plies=2, pressure=None, friction=0.0):
     from unitcell3d.cases import stack
 
     end = (
         stack.PLATEN_PRESSURE if pressure is None else quantities.number(pressure, "Pa", "pressure")
     )
-    offset = _shift(shift)
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    options = {"plies": plies, "shift": offset, "pressure": end, "numerics": _numerics(friction)}
+    options = {"plies": plies, "pressure": end, "numerics": _numerics(friction)}
     return partial(stack.stack_compression, fabric=fabric, **options)
 
 
@@ -381,9 +372,7 @@ CASES = {
         _yarn, ("quarter", "whole"), ("failure", "yarn", "bars", "reduced_integration"), *_YARN
     ),
     "platens": Case(partial(_stack, plies=1), ("quarter",), ("friction", "pressure"), *_STACK),
-    "stack": Case(
-        _stack, ("quarter", "periodic"), ("friction", "plies", "shift", "pressure"), *_STACK
-    ),
+    "stack": Case(_stack, ("quarter",), ("friction", "plies", "pressure"), *_STACK),
     "biaxial": Case(
         _biaxial, ("whole", "periodic"), ("failure", "friction", "end_displacement"), *_TENSIONS
     ),

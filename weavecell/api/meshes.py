@@ -244,16 +244,16 @@ class MeshResult(Result):
         return self._export(Path(folder), "vtu")
 
     def _export(self, folder, suffix):
-        from meshing.formats import export
+        from weavecell.decks import mesh_files
 
         path = folder / (f"{self.stem}_0000.rad" if suffix == "rad" else f"{self.stem}.{suffix}")
         path.parent.mkdir(parents=True, exist_ok=True)
-        export.write(self.mesh, path)
+        mesh_files.write(self.mesh, self.fabric, path)
         return path
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
-        from meshing import pictures, pictures_patch, pictures_quality
+        from weavecell.report import pictures_mesh, pictures_patch, pictures_quality
         from weavecell.results import json_file, provenance
 
         out = Path(out)
@@ -262,7 +262,7 @@ class MeshResult(Result):
             for suffix in self.formats:
                 self._export(out, suffix)
             advance(0.6, "drawing")
-            draw = pictures_patch if self.stem == "patch" else pictures
+            draw = pictures_patch if self.stem == "patch" else pictures_mesh
             draw.picture(self.mesh, out / f"{self.stem}.png")
             pictures_quality.picture(self.mesh, out / "quality.png")
             json_file.write(

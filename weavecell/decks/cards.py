@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.checks import IntArray
-from meshing.formats.deck import lines, wrapped
 
 
 def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
@@ -41,3 +41,24 @@ def numbers(mark: str, name: str, values: Sequence[int] | IntArray, per_line: in
     """Whole numbers in fields of 10 columns; their name is followed by the number of the field."""
     names = (f"{name}{n}" for n in range(1, 1 + min(per_line, len(values))))
     return heading(mark, names, [10] * per_line) + wrapped(values, per_line)
+
+
+def lines(template: str, *columns: ArrayLike) -> str:
+    """Text with one line of the %-template for each row of the columns side by side."""
+    arrays = [np.asarray(column) for column in columns]
+    flat = [c.reshape(len(c), -1) for c in arrays]
+    rows = zip(*(part for c in flat for part in c.T.tolist()))
+    return "".join(template % row + "\n" for row in rows)
+
+
+def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
+    """Numbers in lines of at most `per_line`."""
+    texts = [template % n for n in numbers]
+    return "".join(
+        between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line)
+    )
+
+
+def fields(template: str, *values: float | str) -> str:
+    """One line of values, each in the format `template`, such as "{:10d}"."""
+    return "".join(map(template.format, values)) + "\n"

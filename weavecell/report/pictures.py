@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from meshing.pictures_style import (
+from weavecell.report.pictures_figure import plots
+from weavecell.report.pictures_style import (
     BLUE,
     COLOURS,
     DASHES,
@@ -24,7 +25,6 @@ from meshing.pictures_style import (
     WARP,
     WEFT,
 )
-from weavecell.report.pictures_figure import plots
 from weavecell.results.display import US
 
 UM = 1e6

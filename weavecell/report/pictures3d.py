@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray
-from meshing.pictures_style import RED, STEEL, tension_map
+from weavecell.report.pictures_style import RED, STEEL, tension_map
 
 SIZE = (1120, 612)  # [pixels] width and height of an image
 _CLOTH_DEPTH = 1e-3  # [m] by which the projectile lies behind fabric that it touches

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import BLUE, FAINT, INK, RED
+from weavecell.report.pictures_style import BLUE, FAINT, INK, RED
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:

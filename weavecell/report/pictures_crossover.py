@@ -12,7 +12,7 @@ import numpy as np
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from meshing.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
+from weavecell.report.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
 
 if TYPE_CHECKING:
     from fabrics.record import Record
@@ -78,7 +78,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
             axes.semilogy(closed, MPA * law.pressure, color=ORANGE, ls="--", label=label)
     axes.set_ylim(bottom=1e-3)
     axes.set(xlabel="closure of the plates per ply [µm]", ylabel="mean pressure [MPa]")
-    plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
+    plural = "one ply" if plies == 1 else f"{plies} plies"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure
@@ -211,8 +211,8 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     import pyvista
 
     from fabrics.files import replace_whole
-    from meshing.pictures import COLOURS, plotter
     from unitcell3d.model import submeshes
+    from weavecell.report.pictures_mesh import COLOURS, plotter
 
     bodies, images = _bodies(mesh, record, submeshes)
     scene, looks = (
@@ -244,13 +244,8 @@ def _bodies(mesh, record, yarns):
     elif record.facts["case"].startswith("yarn"):
         of = yarns.single_yarn_mesh(mesh, int(record.facts["yarn"]))
     else:
-        plies, shift = int(record.facts["plies"]), record.facts["shift"]
-        pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)
-        step = [2 * w * part for w, part in zip(mesh.w, shift)]
-        of = yarns.stacked(
-            mesh,
-            [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)],
-        )
+        plies = int(record.facts["plies"])
+        of = yarns.stacked(mesh, plies, record["distance"][0] / plies)
     x = of.points + record.last["u"]
     bodies = [(family, grid, x) for family, grid in zip(of.families, of.grids)]
     quarter = getattr(mesh, "domain", "") == "quarter"
@@ -261,12 +256,6 @@ def _bodies(mesh, record, yarns):
     if "crossings" not in record.facts or hasattr(mesh, "count"):
         return bodies, lambda points, grid: (points,)
     return bodies, _glides(mesh, x)
-
-
-def _nested(mesh, record):
-    """Pitch [m] of shifted plies at rest, from the distance of the plates."""
-    plies = int(record.facts["plies"])
-    return (record["distance"][0] - np.ptp(mesh.points[:, 2])) / max(plies - 1, 1)
 
 
 def _glides(mesh, x):

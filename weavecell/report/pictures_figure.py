@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from meshing.pictures_style import FAINT, INK
+from weavecell.report.pictures_style import FAINT, INK
 
 __all__ = ["Normalize", "StyledFigure", "cm", "figure", "plots", "subplots"]
 

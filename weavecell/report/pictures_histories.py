@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, ORANGE, RED, WARP, WEFT, tension_map
+from weavecell.report.pictures_style import (
+    COLOURS,
+    DASHES,
+    FAINT,
+    INK,
+    ORANGE,
+    RED,
+    WARP,
+    WEFT,
+    tension_map,
+)
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.surface import ResponseSurface
-from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
+from weavecell.report.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
 
 UM = 1e6
 FORCES = (("T1", "warp tension"), ("T2", "weft tension"), ("F_c", "contact force"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
+from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
 from weavecell.studies import probit
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from fabrics.record import Record
 from unitcell3d.cases import pull_out
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
+from unitcell3d.solver.path_following import follow
 
 MU = 0.2
 
@@ -64,8 +65,14 @@ def test_the_pull_is_in_equilibrium(whole, s720):
     """What the pulled yarn takes from the crossing yarn is what the ends of that take from the fabric."""
     model = PullOutModel(whole, s720, Numerics(friction=MU))
     loads = [PullLoad(), PullLoad((0.0, 6e-6)), PullLoad((0.0, 6e-6), 2e-6)]
-    found = pull_out.path_following.follow(model, loads, lambda state, load: {}, rows=[3, 1])
-    forces, _, _ = model.forces(found.q, loads[-1])
+    states = []
+
+    def row(state, load):
+        states.append(state)
+        return {}
+
+    follow(model, loads, row, rows=[3, 1])
+    forces, _, _ = model.forces(states[-1].q, loads[-1])
     weft = np.unique(whole.grids[1])
     P = model.axial_force(forces)
     assert P > 1e-2

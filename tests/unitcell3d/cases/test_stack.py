@@ -1,11 +1,9 @@
-"""Plies between plates: one as the crossover's own case, two in balance, packs beside the pressure law, shifted."""
+"""Plies between plates: one as the crossover's own case, two in balance, packs beside the pressure law."""
 
 import numpy as np
 import pytest
 
-from meshing import patch
 from unitcell3d.cases import biaxial_and_platens, stack
-from unitcell3d.model.shifted_stack import ShiftedModel
 
 PRESSURE = 0.3e6
 
@@ -21,7 +19,7 @@ def test_one_ply_is_the_crossover_between_plates(one, tiny, s720):
     assert one.failed == ""
     assert one["pressure"][-1] == pytest.approx(PRESSURE, rel=1e-3)
     distance = np.interp(
-        PRESSURE * s720.weave.cell_area, history.F_plate.mean(axis=1), 2 * history.plates
+        PRESSURE * s720.weave.cell_area, history["F_plate"].mean(axis=1), 2 * history["plates"]
     )
     assert one["distance"][-1] == pytest.approx(distance, abs=1e-6)
 
@@ -43,27 +41,3 @@ def test_pressure_law_stands_beside(one, s720):
     assert closure.shape == law.shape
     assert np.all(np.diff(law) > 0)
     assert np.all(np.diff(closure) > 0)
-
-
-def test_shifted_plies_nest(s720):
-    """Half a crossing along both yarns: a ply's crests over the holes of the next, 14 % thinner than crest on crest."""
-    mesh = patch.build(s720, (2, 2), size=(3, 2, 2))
-    aligned, nested = (ShiftedModel(mesh, s720, 2, shift) for shift in ((0.0, 0.0), (0.5, 0.5)))
-    tops = [mesh.points[grid, 2].max() for grid in mesh.grids]
-    crests = max(tops[:2]) + max(
-        tops[2:]
-    )  # of a warp and of a weft, which meet where plies are aligned
-    assert 2 * aligned.plates.at_rest == pytest.approx(crests + 2 * max(tops), rel=1e-6)
-    assert nested.plates.at_rest == pytest.approx(0.86 * aligned.plates.at_rest, rel=0.02)
-    # each exposed crossing of the upper ply lies over four of the lower one
-    assert len(aligned.surfaces.pairs) == 8 + 4
-    assert len(nested.surfaces.pairs) == 8 + 16
-
-
-@pytest.mark.slow(35)
-def test_shifted_plies_under_pressure(s720):
-    mesh = patch.build(s720, (2, 2), size=(3, 2, 2))
-    record = stack.stack_compression(mesh, s720, 2, shift=(0.5, 0.5), pressure=0.05e6)
-    assert record.failed == ""
-    assert np.all(np.diff(record["force"]) > 0)
-    assert record["F_between"][-1, 0] >= 0.98 * record["force"][-1]

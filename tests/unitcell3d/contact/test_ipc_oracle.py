@@ -30,4 +30,4 @@ def test_barrier_and_penalty_give_one_answer(s720):
             "the barrier's own iteration finds no equilibrium on this machine: nothing to compare with"
         )
     assert barrier.distance == pytest.approx(0.42e-6, rel=0.1)
-    assert found == pytest.approx((penalty.T1[-1], penalty.T2[-1], penalty.F_c[-1]), rel=0.01)
+    assert found == pytest.approx([penalty[name][-1] for name in ("T1", "T2", "F_c")], rel=0.01)

@@ -11,13 +11,14 @@ import pytest
 from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
+from fabrics.record import Record
 from meshing.mesh_plan import Plan, with_room
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
+from unitcell3d.cases.biaxial_and_platens import first_reached
 from unitcell3d.identify.assumed_range import _packed_later
 from unitcell3d.identify.calibrate import BEYOND, BOTH, PATHS, calibrate, calibrate_all
 from unitcell3d.identify.calibration import ONE_LAW
-from unitcell3d.solver.history import History
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_the_laws_of_the_coarse_mesh_stay(found):
 
 def test_the_fitted_range_holds_the_forces_of_shots(found, s720):
     """Both yarns of the panel's cell at their strength press less on each other than those of the last path."""
-    strain = found.histories[BOTH].fibre_strain_mean[-1] / [
+    strain = found.histories[BOTH]["fibre_strain_mean"][-1] / [
         yarn.failure_strain for yarn in s720.weave.yarns
     ]
     assert strain == pytest.approx(BEYOND, rel=0.01)
@@ -63,7 +64,7 @@ def test_each_path_has_its_own_law_near_the_joint_one(found):
         assert found.residuals[name] < 2e-6
         assert found.ratio_residuals[name] < 1.5e-6
         history = found.histories[name]
-        between = 2 * history.d_c - history.d_yarns.sum(axis=1)
+        between = 2 * history["d_c"] - history["d_yarns"].sum(axis=1)
         assert -1e-6 < between.min() <= between.max() < 12e-6, name
     for key in ("a", "b"):
         of_paths = [getattr(law, key) for law in found.path_laws.values()]
@@ -81,7 +82,7 @@ def test_one_law_is_chosen_unless_it_leaves_too_much(found):
 
 def test_plates_give_another_curve(found):
     """Section 4.3.4.2: platen and biaxial calibration differ; at the same compression plates need less force."""
-    force = found.plates.at(found.plates.F_c, found.plates.d_c, 30e-6)
+    force = first_reached(found.plates["F_c"], found.plates["d_c"], 30e-6)
     assert force < 0.1 * float(found.law.F(30e-6))
 
 
@@ -95,7 +96,7 @@ def test_files_hold_it_all(calibrated):
     assert summary["failure"]["warp only"][0]["criterion"] == "worst bar"
     assert summary["ended_early"] == {}
     assert np.array_equal(
-        History.read(folder / "warp-only.h5").F_c, found.histories["warp only"].F_c
+        Record.read(folder / "warp-only.h5")["F_c"], found.histories["warp only"]["F_c"]
     )
 
 
@@ -107,7 +108,7 @@ def test_every_fabric_calibrates_unattended(name):
     assert not any(history.failed for history in found.histories.values())
     for path in PATHS:  # conforming sections leave nothing to close but the penetration
         history = found.histories[path]
-        assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, path
+        assert (2 * history["d_c"] - history["d_yarns"].sum(axis=1)).max() < 5e-6, path
     assert found.ratio_law.residual_rms < 1e-6
     if name == "S-745" and found.law.residual_rms >= 1.6e-6:
         pytest.xfail(
@@ -196,7 +197,9 @@ def test_friction_reaches_the_law_and_is_reported(small, s720, tmp_path):
     without = small[0]
     with_it = calibrate(s720, executor=Here(), out=tmp_path, friction=0.3, **SMALL)
     for name in SMALL["paths"]:
-        assert 1.01 < with_it.histories[name].F_c[-1] / without.histories[name].F_c[-1] < 1.15, name
+        assert (
+            1.01 < with_it.histories[name]["F_c"][-1] / without.histories[name]["F_c"][-1] < 1.15
+        ), name
     assert with_it.law.provenance.endswith("friction 0.3")
     assert "friction" not in without.law.provenance
     assert json.loads((tmp_path / "calibration.json").read_text())["friction"] == 0.3

@@ -5,34 +5,28 @@ import pytest
 
 from fabrics.errors import UnstableError
 from fabrics.plate_curve import PlateCurve
+from fabrics.record import Record
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 
 
-class Pressed:
-    """A stand-in history: plates that close by 10 um per e-fold of pressure, up to 1 MPa."""
-
-    pressure = np.geomspace(1e3, 1e6, 50)
-    F_plate = (
-        np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
-    )  # the mean of both plates counts
-    plates = 2e-4 - 5e-6 * np.log(pressure)
+def history(pressure, plates):
+    """A stand-in record of platens at half distances [m]; the mean of both platens' forces counts."""
+    forces = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
+    return Record({"F_plate": forces, "plates": plates}, {})
 
 
-class Snapped(Pressed):
-    """The force falls for a step."""
-
-    pressure = np.concatenate(
-        [Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]]
-    )
-    F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
-    plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
+PRESSURES = np.geomspace(1e3, 1e6, 50)
+PLACES = 2e-4 - 5e-6 * np.log(PRESSURES)  # plates close by 10 um per e-fold of pressure
+PRESSED = history(PRESSURES, PLACES)
+# the force falls for a step
+SNAPPED = history(np.insert(PRESSURES, 25, PRESSURES[20]), np.insert(PLACES, 25, PLACES[24] - 1e-9))
 
 
-@pytest.mark.parametrize("history", [Pressed, Snapped])
-def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end(history):
+@pytest.mark.parametrize("record", [PRESSED, SNAPPED], ids=["pressed", "snapped"])
+def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end(record):
     pressure = np.geomspace(1e4, 1e7, 9)
     measured = 1e-5 * np.log(pressure) + 3e-3
-    assert closures(history, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+    assert closures(record, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
 
 
 def curve_of(shift=0.0, factor=1.0):
@@ -43,7 +37,7 @@ def curve_of(shift=0.0, factor=1.0):
 
 def test_an_offset_is_no_misfit_and_on_a_straight_curve_neither_is_a_factor_on_the_pressure():
     for curve in (curve_of(shift=3e-3), curve_of(factor=1.3)):
-        found = platen_misfit(Pressed, 1e-6, curve)
+        found = platen_misfit(PRESSED, 1e-6, curve)
         assert found.closure < 1e-12
         assert found.pressure < 1e-5
 
@@ -53,7 +47,7 @@ def test_a_slope_that_is_wrong_is_a_misfit_of_both():
     pressure = np.geomspace(1e4, 1e7, 40)
     curve = PlateCurve(pressure, 2e-5 * np.log(pressure), "twice as soft")
     at = np.geomspace(1e4, 1e7, 16)
-    found = platen_misfit(Pressed, 1e-6, curve, at)
+    found = platen_misfit(PRESSED, 1e-6, curve, at)
     assert found.closure == pytest.approx(1e-5 * np.std(np.log(at)), rel=1e-3)
     # P computed / P measured = c P with the c that makes the rms of c P - 1 least
     c = at.sum() / (at**2).sum()
@@ -61,9 +55,6 @@ def test_a_slope_that_is_wrong_is_a_misfit_of_both():
 
 
 def test_platens_that_never_press():
-    class Untouched(Pressed):
-        F_plate = np.zeros((50, 2))
-        failed = ""
-
+    untouched = history(np.zeros(50), PLACES)
     with pytest.raises(UnstableError, match="never met"):
-        platen_misfit(Untouched, 1e-6, curve_of())
+        platen_misfit(untouched, 1e-6, curve_of())

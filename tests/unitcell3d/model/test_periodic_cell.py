@@ -36,7 +36,7 @@ def test_one_with_glides_and_four_with_repetition_equal_the_quarter(whole, four,
     """Biaxial tensions and contact force within 1e-6 (found 3e-9): the end conditions say the same."""
     quarter = mesher.build(s720, size=SIZE, section="conforming")
     history = biaxial_and_platens.biaxial(quarter, s720, (1, 1), max_displacement=REACH)
-    expected = [history.T1[-1], history.T2[-1], history.F_c[-1]]
+    expected = [history[name][-1] for name in ("T1", "T2", "F_c")]
     for mesh in (whole, four):
         record = periodic_cell.biaxial(mesh, s720, (REACH, REACH), rows=4)
         assert record.failed == ""
@@ -79,7 +79,7 @@ def test_tangent_is_the_derivative(model):
     warp = np.unique(model.constraints.unknown[3 * model.crossover.grids[0].ravel() + 2])
     q[warp[warp >= 0]] -= 2e-6
     model.forces(q, load)
-    assert np.all(model.surfaces.forces[: model.surfaces.crossings] != 0)
+    assert np.all(model.surfaces.forces[: model.crossings] != 0)
     model.system(q, load)
     model.forces(q, load)
     model.system(q, load)
@@ -112,7 +112,7 @@ def test_stick_state_is_that_of_the_crossings_alone(model):
     """Edges slide without friction: they keep no anchors."""
     before = model.stick_state
     assert before.size == sum(
-        anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors
+        side.anchors.size for pair in model.surfaces.pairs[: model.crossings] for side in pair
     )
     model.stick_state = before + 0.25
     assert np.array_equal(model.stick_state, before + 0.25)

@@ -89,7 +89,7 @@ def test_a_kink_met_from_its_soft_side_is_found():
     class Kinked(newton.Newton):
         def _evaluate(self, q, load):
             r = np.array([q[0] - 1.0 + 1e4 * max(q[0] - 0.9, 0.0)])
-            return newton._State(q, None, r, 0.0, np.zeros(2), abs(r[0]), 1.0)
+            return newton.Equilibrium(q, None, r, 0.0, np.zeros(2), abs(r[0]), 1.0)
 
     solver = Kinked(model=None)
     state = solver._evaluate(np.zeros(1), None)

@@ -284,12 +284,12 @@ def fitted(*paths: Any) -> CompressionLaw:
 def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> dict[str, Any]:
     """The cell with its published law, or another, along a warp extension of the crossover: largest differences of the
     tensions over their peaks, and of the energy from the work of the ends, 2 T1 dd1, over that at the end."""
-    given, d, T = catalogue.load(fabric), path.d1, path.T1
+    given, d, T = catalogue.load(fabric), path["d1"], path["T1"]
     cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
     work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
     return {
         "warp": float(np.abs(cell["T1"] - T).max() / T.max()),
-        "weft": float(np.abs(cell["T2"] - path.T2).max() / path.T2.max()),
+        "weft": float(np.abs(cell["T2"] - path["T2"]).max() / path["T2"].max()),
         "energy": (np.abs(cell["W"] - work) / work.max()).max(),
     }
 
@@ -299,8 +299,8 @@ def cell_error(path: Any, fabric: str, profile: str) -> float:
     strengths, along a path of the crossover up to the cell's first failure."""
     given = catalogue.load(fabric)
     cell = CellModel(given, form="equilibrium", profile=profile)
-    found = cell.solve(*(1 + d / w for d, w in zip((path.d1, path.d2), given.weave.w)))
-    both = list(zip((found["T1"], found["T2"]), (path.T1, path.T2), given.weave.yarns))
+    found = cell.solve(*(1 + d / w for d, w in zip((path["d1"], path["d2"]), given.weave.w)))
+    both = list(zip((found["T1"], found["T2"]), (path["T1"], path["T2"]), given.weave.yarns))
     sound = np.all([T <= yarn.strength for T, _, yarn in both], axis=0)
     return float(
         np.sqrt(

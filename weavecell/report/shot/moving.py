@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import RED, STEEL, tension_map
 from weavecell.report import pictures3d
 from weavecell.report.page import Figure, Report, Section
+from weavecell.report.pictures_style import RED, STEEL, tension_map
 from weavecell.report.shot import chapters_shot
 from weavecell.results import vtk
 from weavecell.results.display import text

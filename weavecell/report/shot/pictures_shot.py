@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
 from weavecell.report.pictures import ENERGIES, place
+from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:

@@ -22,9 +22,9 @@ from fabrics import files
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report import page, pictures, pictures3d
 from weavecell.report.pictures_figure import plots
+from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
@@ -138,7 +138,7 @@ def show(
         raise InputError(
             "there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif"
         )
-    from meshing.pictures import plotter, save
+    from weavecell.report.pictures_mesh import plotter, save
 
     scene = plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
     add(scene, file, panel)

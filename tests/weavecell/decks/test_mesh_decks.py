@@ -11,13 +11,15 @@ from types import SimpleNamespace
 import meshio
 import numpy as np
 import pytest
-from hexahedra import volumes
 
 from fabrics import catalogue
+from fabrics.errors import InputError
 from meshing import patch
-from meshing.formats import export
-from meshing.formats.abaqus import SIDES
+from tests.meshing.hexahedra import volumes
 from tests.weavecell.decks.deck_readers import blocks
+from weavecell.decks import mesh_files
+from weavecell.decks.linear_material import linearise
+from weavecell.decks.mesh_abaqus import SIDES
 
 
 def check_elements(mesh, read):
@@ -53,8 +55,12 @@ def check_sets(mesh, sets, unions):
     }
 
 
+def materials(mesh):
+    return linearise(catalogue.load(mesh.fabric), mesh.Vf0)
+
+
 def written(mesh, path):
-    export.write(mesh, path)
+    mesh_files.write(mesh, catalogue.load(mesh.fabric), path)
     text = path.read_text(encoding="ascii")
     assert any("Units: m, kg, s, N, Pa" in line for line in text.splitlines()[:8])
     return text
@@ -135,7 +141,7 @@ def test_dyna_is_read_back(mesh, tmp_path):
     ]
     solids = [lines for header, lines in found if "ORTHOTROPIC" in header]
     for lines, name, material, number in zip(
-        solids, ("warp", "weft"), mesh.materials, (1, 4), strict=True
+        solids, ("warp", "weft"), materials(mesh), (1, 4), strict=True
     ):
         expected = [number, material.solid_density, material.axial, *[material.transverse] * 2]
         assert columns(lines[1], [10] * 8)[:5] == pytest.approx(expected, rel=1e-4)
@@ -268,7 +274,7 @@ def test_radioss_is_read_back(mesh, tmp_path):
     for name, prop, material in part.values():
         assert prop in properties
         assert name.startswith(laws[material][0].split()[0])
-    for material, number in zip(mesh.materials, (1, 4)):
+    for material, number in zip(materials(mesh), (1, 4)):
         density, moduli, _, shear = (
             columns(line, [20] * (len(line) // 20)) for line in laws[number][1:5]
         )
@@ -287,10 +293,29 @@ def test_bars_and_solids_together_have_the_mass_of_the_yarns():
     mesh = patch.build(fabric, (2, 2), size=(16, 12, 2))
     volume = volumes(mesh.points, mesh.hexes)
     for number, family in enumerate(mesh.families):
-        material = mesh.materials[family]
+        material = materials(mesh)[family]
         lengths = np.linalg.norm(np.diff(mesh.points[mesh.bars[number]], axis=1)[:, 0], axis=1)
         mass = material.bar_density * (lengths * mesh.bar_area[number]).sum()
         mass += material.solid_density * volume[mesh.yarn == number].sum()
         assert mass == pytest.approx(
             2 * mesh.S0[family] * fabric.weave.yarns[family].linear_density, rel=2e-3
         )
+
+
+def test_a_failed_file_leaves_the_old_one(tmp_path, monkeypatch):
+    path = tmp_path / "a.msh"
+    path.write_text("old")
+
+    def fails(mesh, fabric, beside):
+        beside.write_text("half a mesh")
+        raise OSError("disk full")
+
+    monkeypatch.setitem(mesh_files.WRITERS, ".msh", fails)
+    with pytest.raises(OSError, match="disk full"):
+        mesh_files.write(None, None, path)
+    assert path.read_text() == "old"
+    with pytest.raises(
+        InputError, match=r"mesh file = '.*a.stl': must be named \*.msh or \*.vtu or"
+    ):
+        mesh_files.write(None, None, tmp_path / "a.stl")
+    assert list(tmp_path.iterdir()) == [path]

@@ -13,8 +13,8 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.files import replace_whole
 from meshing.crossover import Crossover
 from meshing.inputs import YARNS
-from meshing.pictures_style import INK
-from meshing.pictures_style import TINTS as COLOURS
+from weavecell.report.pictures_style import INK
+from weavecell.report.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
 FOOT, MARGIN = (

@@ -1,7 +1,4 @@
-"""One palette for all pictures, which is distinct for colour-blind readers (Okabe and Ito, 2008).
-
-In the lowest package that draws, for all above it.
-"""
+"""One palette for all pictures, which is distinct for colour-blind readers (Okabe and Ito, 2008)."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from fabrics.checks import FilePath
 from fabrics.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
-from meshing.pictures import COLOURS, INK, VIEWS, aim, plotter
+from weavecell.report.pictures_mesh import COLOURS, INK, VIEWS, aim, plotter
 
 MAP = "cividis"  # distinct for colour-blind readers, and in grey
 STEPS = (

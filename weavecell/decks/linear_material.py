@@ -10,10 +10,10 @@ linear density times length and neither time step collapses.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fabrics.solid import SolidLaw
-from fabrics.yarn import Yarn
+from fabrics.fabric import Fabric
 
 BAR_SHARE = 0.5  # of the mass
 
@@ -40,8 +40,13 @@ class RestMaterial:
     failure_strain: float
 
 
-def linearise(yarn: Yarn, solid: SolidLaw, Vf0: float) -> RestMaterial:
-    """Material of a yarn meshed with the fibre volume fraction `Vf0`."""
+def linearise(fabric: Fabric, Vf0: Sequence[float]) -> tuple[RestMaterial, ...]:
+    """Materials of warp and weft, meshed with the fibre volume fractions `Vf0` : (2,)."""
+    assert fabric.solid_laws is not None  # else it has no mesh
+    return tuple(map(_material, fabric.weave.yarns, fabric.solid_laws, Vf0))
+
+
+def _material(yarn, solid, Vf0):
     return RestMaterial(
         fibre=yarn.E,
         axial=solid.E_a * Vf0,

@@ -8,7 +8,8 @@ pytest.importorskip("pyvista")
 import pyvista
 
 from fabrics import catalogue
-from meshing import crossover, patch, pictures, pictures_patch, pictures_quality
+from meshing import crossover, patch
+from weavecell.report import pictures_mesh, pictures_patch, pictures_quality
 
 SINE = {"size": (5, 4, 2), "section": "sine"}
 
@@ -24,8 +25,14 @@ def in_shades_of(pixels, colour):
 @pytest.mark.parametrize(
     ("draw", "size", "build", "choices", "ink"),
     [
-        (pictures.picture, pictures.WINDOW, crossover.build, SINE, 0.05),
-        (pictures.picture, pictures.WINDOW, crossover.build, SINE | {"domain": "whole"}, 0.05),
+        (pictures_mesh.picture, pictures_mesh.WINDOW, crossover.build, SINE, 0.05),
+        (
+            pictures_mesh.picture,
+            pictures_mesh.WINDOW,
+            crossover.build,
+            SINE | {"domain": "whole"},
+            0.05,
+        ),
         (
             pictures_patch.picture,
             (1600, 900),
@@ -51,7 +58,7 @@ def test_both_yarns_are_drawn_inside_the_frame(draw, size, build, choices, ink, 
         pixels = pixels[:, width * 2 // 3 :]
     else:
         assert (width, height) == size
-    assert all(in_shades_of(pixels, colour) > ink for colour in pictures.COLOURS.values())
+    assert all(in_shades_of(pixels, colour) > ink for colour in pictures_mesh.COLOURS.values())
     if build is patch.build and size is not None:
         across, down = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
         filled = max(np.ptp(across) / width, np.ptp(down) / height)

@@ -10,7 +10,7 @@ import pyvista
 from fabrics.checks import FilePath
 from meshing.inputs import YARNS
 from meshing.patch import Patch
-from meshing.pictures import COLOURS, INK, plotter, save
+from weavecell.report.pictures_mesh import COLOURS, INK, plotter, save
 
 WINDOW = (1600, 900)
 TOWARD = np.array([-0.8, -1.0, 0.72])  # from the patch to the camera

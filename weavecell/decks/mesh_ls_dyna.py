@@ -7,16 +7,18 @@ one-point elements have modes without energy. Bars are trusses (ELFORM 3). Colum
 from __future__ import annotations
 
 from fabrics.checks import FilePath
-from meshing.formats.deck import MATERIALS, deck, fields, lines, material_number, set_lines
+from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
+from weavecell.decks.cards import fields, lines
+from weavecell.decks.mesh_deck import MATERIALS, deck, material_number, set_lines
 
 ELEMENTS = {"hex": "SOLID", "bar": "BEAM", "shell": "SHELL"}
 
 
-def write(mesh: YarnMesh, path: FilePath) -> None:
+def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     """Write the keyword file."""
-    numbered = deck(mesh)
+    numbered = deck(mesh, fabric)
     with open(path, "w", encoding="ascii") as file:
         file.write("*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header))
         file.write(f"*TITLE\n{numbered.header[0]}\n")

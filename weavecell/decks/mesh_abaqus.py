@@ -10,9 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.checks import FilePath
-from meshing.formats.deck import deck, lines, wrapped
+from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
+from weavecell.decks.cards import lines, wrapped
+from weavecell.decks.mesh_deck import deck
 
 TYPES = {"hex": "C3D8", "bar": "T3D2", "shell": "S4"}
 # Nodes (from 0) of the sides S1 .. S6.
@@ -21,9 +23,9 @@ SIDES = np.array(
 )
 
 
-def write(mesh: YarnMesh, path: FilePath) -> None:
+def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     """Write the input file."""
-    numbered = deck(mesh)
+    numbered = deck(mesh, fabric)
     with open(path, "w", encoding="ascii") as file:
         file.write("".join(f"** {line}\n" for line in numbered.header))
         file.write(f"*HEADING\n{numbered.header[0]}; SI units\n")

@@ -7,17 +7,19 @@ Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GR
 from __future__ import annotations
 
 from fabrics.checks import FilePath
-from meshing.formats.deck import deck, fields, lines, material_number, set_lines
+from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
+from weavecell.decks.cards import fields, lines
+from weavecell.decks.mesh_deck import deck, material_number, set_lines
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
 FULL, FULL_PRESSURE, COROTATIONAL, EDGE_12 = 17, 3, 2, 20  # Isolid, Icpre, Iframe, Ip
 
 
-def write(mesh: YarnMesh, path: FilePath) -> None:
+def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     """Write the starter file."""
-    numbered = deck(mesh)
+    numbered = deck(mesh, fabric)
     with open(path, "w", encoding="ascii") as file:
         file.write("#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in numbered.header))
         file.write(f"/BEGIN\n{mesh.fabric}\n" + _ids(2022, 0) + 2 * _texts("kg", "m", "s"))

@@ -10,14 +10,16 @@ Units are SI: m, kg, s, N, Pa.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import SURFACES, YarnMesh
+from weavecell.decks.cards import wrapped
+from weavecell.decks.linear_material import linearise
 
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
@@ -119,8 +121,8 @@ def set_lines(
     yield from union(surface_unions, numbered.surface_unions, numbered.surfaces)
 
 
-def deck(mesh: YarnMesh) -> Deck:
-    """Number the parts, elements and sets of a mesh."""
+def deck(mesh: YarnMesh, fabric: Fabric) -> Deck:
+    """Number the parts, elements and sets of a mesh of a fabric."""
     groups = {name: nodes + 1 for name, nodes in mesh.groups.items() if name in mesh.faces}
     unions = {name: members for name, members in mesh.collected.items() if name not in mesh.faces}
     surfaces = {name: quads for name, quads in groups.items() if _is_surface(name)}
@@ -139,7 +141,7 @@ def deck(mesh: YarnMesh) -> Deck:
         surfaces=surfaces,
         node_unions={name: members for name, members in unions.items() if not _is_surface(name)},
         surface_unions={name: members for name, members in unions.items() if _is_surface(name)},
-        materials=mesh.materials,
+        materials=linearise(fabric, mesh.Vf0),
     )
 
 
@@ -197,24 +199,3 @@ def _shells(mesh):
             mesh.end_shells,
         )
         first += len(quads)
-
-
-def lines(template: str, *columns: ArrayLike) -> str:
-    """Text with one line of the %-template for each row of the columns side by side."""
-    arrays = [np.asarray(column) for column in columns]
-    flat = [c.reshape(len(c), -1) for c in arrays]
-    rows = zip(*(part for c in flat for part in c.T.tolist()))
-    return "".join(template % row + "\n" for row in rows)
-
-
-def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
-    """Numbers in lines of at most `per_line`."""
-    texts = [template % n for n in numbers]
-    return "".join(
-        between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line)
-    )
-
-
-def fields(template: str, *values: float | str) -> str:
-    """One line of values, each in the format `template`, such as "{:10d}"."""
-    return "".join(map(template.format, values)) + "\n"

@@ -1,1 +1,0 @@
-"""Mesh files: the formats of solvers and of ParaView."""

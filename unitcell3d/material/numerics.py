@@ -1,0 +1,45 @@
+"""The numbers of the method: how stiff contact is, and what a slack fibre keeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fabrics.errors import InputError
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numbers that belong to the method, not to the fabric. How results converge:
+    docs/reports/mesh-and-cost.md.
+
+    Parameters
+    ----------
+    penalty : [Pa/m] contact stiffness, both passes together
+    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more
+        tangents
+    slack_width : [-] fibre strain over which a fibre becomes taut
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns
+        from collapsing; where it is large, slack yarn tips buckle
+    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
+    slip : [m] over which friction sets in
+    """
+
+    penalty: float = 1e15
+    toe: float = 0.5e-6
+    slack_width: float = 1e-4
+    slack_stiffness: float = 1e-3
+    friction: float = 0.0
+    slip: float = 0.5e-6
+
+    def __post_init__(self):
+        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="positive")
+        if not 0 <= self.friction < np.inf:
+            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
+
+    def softened(self, factor: float) -> Numerics:
+        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
+        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)

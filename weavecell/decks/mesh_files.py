@@ -1,0 +1,47 @@
+"""Files of a mesh, by their suffix: .msh, .vtu (`meshing.files`), and the input files of other solvers.
+
+.k    LS-DYNA keyword file (`mesh_ls_dyna`)
+.inp  Abaqus input file (`mesh_abaqus`)
+.rad  OpenRadioss starter file (`mesh_radioss`), which that program wants named NAME_0000.rad
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.files import replace_whole
+from meshing import files
+from meshing.mesh import YarnMesh
+from weavecell.decks import mesh_abaqus, mesh_ls_dyna, mesh_radioss
+
+WRITERS = {
+    ".msh": lambda mesh, fabric, path: files.write_msh(mesh, path),
+    ".vtu": lambda mesh, fabric, path: files.write_vtu(mesh, path),
+    ".k": mesh_ls_dyna.write,
+    ".inp": mesh_abaqus.write,
+    ".rad": mesh_radioss.write,
+}
+
+
+def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
+    """Write a `Crossover` or `Patch` whole, or not at all, in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    mesh : YarnMesh
+    fabric : Fabric that was meshed, whose linear materials the input files hold
+    path : of the file, which ends in .msh, .vtu, .k, .inp or .rad
+
+    Raises
+    ------
+    InputError : there is no such format; nothing is written
+    """
+    path = Path(path)
+    if path.suffix not in WRITERS:
+        allowed = " or ".join(f"*{suffix}" for suffix in WRITERS)
+        raise InputError(key="mesh file", value=str(path), allowed=f"named {allowed}")
+    with replace_whole(path) as beside:
+        WRITERS[path.suffix](mesh, fabric, beside)
