@@ -18,18 +18,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import isnan, nan, sqrt
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.richardson import extrapolate
 from validation.study import Record, Row, Study, evaluated, merged, record
+from validation.values import Values
 
-Solver: TypeAlias = Callable[[Sequence[Row]], list[tuple[dict[str, Any], dict[str, Any]]]]
+Solver: TypeAlias = Callable[[Sequence[Row]], list[tuple[Values, Values]]]
 
-STABLE, WRONG, FAILED = "stable", "wrong", "failed"
-ABOVE, BELOW = "above", "below"
+STABLE = "stable"
+WRONG = "wrong"
+FAILED = "failed"
+ABOVE = "above"
+BELOW = "below"
 HALVINGS = 5  # of the ratio between a stable value and one that is not
 GAIN = 0.1  # of the error, that a dearer method has to take off
 ALIKE = 1e-4  # [-] errors below are all alike
@@ -43,7 +47,8 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     study, rows : Study, and its cases
     solver : gives a pair (result, result of the reference) for each of some rows
     """
-    entry, records = study.content["map"], list[Record]()
+    entry = study.content["map"]
+    records = list[Record]()
 
     def judge(row, result, reference):
         found = record(row, result, reference)
@@ -53,7 +58,8 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
         )
         return records[-1]["outcome"]
 
-    x, y = entry["x"], entry["y"]
+    x = entry["x"]
+    y = entry["y"]
     start, home = entry.get("default", (None, None))
     outcomes = {
         (row.labels[x], row.labels[y]): judge(row, *pair) for row, pair in zip(rows, solver(rows))
@@ -65,7 +71,9 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
             outcomes[place, line] = judge(row, *solver([row])[0])
         return outcomes[place, line]
 
-    lines = dict.fromkeys(line for _, line in outcomes) if entry.get("every_row") else [home]
+    lines = [home]
+    if entry.get("every_row"):
+        lines = dict.fromkeys(line for _, line in outcomes)
     edges = []
     for side in entry.get("sides", ()):
         for line in lines:
@@ -84,7 +92,9 @@ def _edge(places, start, side, at):
         (v for v in places if (v > start if side == ABOVE else v < start)), reverse=side == BELOW
     )
     count = next((n for n, value in enumerate(further) if at(value) != STABLE), len(further))
-    inside = further[count - 1] if count else start
+    inside = start
+    if count:
+        inside = further[count - 1]
     if count == len(further):
         return inside, "none on the axis"
     outside = further[count]
@@ -94,7 +104,8 @@ def _edge(places, start, side, at):
         if at(middle) == STABLE:
             inside = middle
         else:
-            outside, beyond = middle, at(middle)
+            outside = middle
+            beyond = at(middle)
     return inside, beyond
 
 
@@ -104,7 +115,8 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     Parameters as of `mapped`; results have "cpu_s".
     """
     entry = study.content["cost"]
-    first, quantities = next(iter(rows[0].labels)), rows[0].quantities
+    first = next(iter(rows[0].labels))
+    quantities = rows[0].quantities
     records = [
         record(row, *pair) | {"CPU [s]": pair[0].get("cpu_s", nan)}
         for row, pair in zip(rows, solver(rows))
@@ -117,7 +129,8 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
         values, known = _reference(study, entry, quantities, solver)
     last = {first: "reference"} | {name: values[name] for name in quantities}
     for group, names in entry["groups"].items():
-        column, least = f"error of {group} [%]", max(ALIKE, *(known[name] for name in names))
+        column = f"error of {group} [%]"
+        least = max(ALIKE, *(known[name] for name in names))
         for found in records:
             off = [
                 nan if found[name] is None else abs(found[name] / values[name] - 1)
@@ -141,7 +154,8 @@ def _reference(study, entry, quantities, solver):
     coarsest = merged(base, entry["meshes"][0][1])
     finer = [study.row_of(merged(coarsest, changes)) for changes in entry.get("finer", ())]
     found = [record(row, *pair) for row, pair in zip([*meshes, *finer], solver([*meshes, *finer]))]
-    limits, known = {}, {}
+    limits = {}
+    known = {}
     for name in quantities:
         values = [one[name] for one in found[: len(meshes)]]
         limit = extrapolate([size for size, _ in entry["meshes"]], values)
@@ -165,9 +179,11 @@ def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> lis
     -------
     list of int, from the cheapest to that of the lowest error
     """
-    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    cost = np.asarray(cost, float)
+    error = np.asarray(error, float)
     good = [int(i) for i in np.flatnonzero(np.isfinite(cost) & np.isfinite(error))]
-    kept, least = [], np.inf
+    kept = []
+    least = np.inf
     for i in sorted(good, key=lambda i: (cost[i], error[i])):
         if error[i] < least:
             kept.append(i)

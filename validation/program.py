@@ -80,11 +80,14 @@ def _values(parameter):
     kind = parameter.annotation
     if NoneType in get_args(kind):
         [kind] = (one for one in get_args(kind) if one is not NoneType)
-    origin, parts = get_origin(kind), get_args(kind)
+    origin = get_origin(kind)
+    parts = get_args(kind)
     if origin is Literal:
         return {"choices": parts}
     if origin is tuple:
         return {"nargs": len(parts), "type": parts[0]}
     if origin is Sequence:
         return {"nargs": "*", "type": parts[0]}
-    return {"action": "store_true"} if kind is bool else {"type": kind}
+    if kind is bool:
+        return {"action": "store_true"}
+    return {"type": kind}

@@ -19,13 +19,12 @@ from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from validation import cases, judges, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
+from validation.values import Values
 from weavecell.results import provenance
 
 KEPT = Path("results/studies")
-LONG_ENOUGH, MOST_RUNS = (
-    0.6,
-    5,
-)  # [s] of CPU, after which a run that is timed is not repeated; most repeats
+LONG_ENOUGH = 0.6  # [s] of CPU, after which a run that is timed is not repeated
+MOST_RUNS = 5
 NOTES = {
     "names": "of studies, or all",
     "quick": "few and short cases; the CSV goes to results/studies",
@@ -33,7 +32,7 @@ NOTES = {
 }
 
 
-def solve(run: str, keywords: dict[str, Any], warm: dict[str, Any] | None = None) -> dict[str, Any]:
+def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
     """What a function of validation/cases returns, or its error as "problem".
 
     With keywords of a `warm` run, which compiles what the case needs, it has "cpu_s" [s] as well: CPU time, the median
@@ -64,9 +63,10 @@ class Solver:
     """
 
     def __init__(self, study: Study, **options: Any) -> None:
-        self.study, self.options = study, options
+        self.study = study
+        self.options = options
 
-    def __call__(self, rows: Sequence[Row]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    def __call__(self, rows: Sequence[Row]) -> list[tuple[Values, Values]]:
         content = self.study.content
         warm = content.get("cost", {}).get("warm")
         tables = {
@@ -94,14 +94,18 @@ class Solver:
 
 def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
     """The rows of a study's CSV; `options` of `Solver`."""
-    content, rows, solver = study.content, study.rows(quick), Solver(study, **options)
+    content = study.content
+    rows = study.rows(quick)
+    solver = Solver(study, **options)
     if "map" in content:
         records = judges.mapped(study, rows, solver)
     elif "cost" in content:
         records = judges.charted(study, rows, solver)
     else:
         records = [record(row, *pair) for row, pair in zip(rows, solver(rows))]
-    fits = {} if quick else content.get("fits", {})
+    fits = {}
+    if not quick:
+        fits = content.get("fits", {})
     first = next(iter(records[0]))
     lookup = of(records)
     return records + [
@@ -125,10 +129,13 @@ def main(
     """Run studies and write their CSVs; returns 1 where one does not come out as its file expects, else 0."""
     failed = 0
     for name in study.all_names() if list(names) == ["all"] else names:
-        chosen, stamp = study.load(name), provenance.stamp()
+        chosen = study.load(name)
+        stamp = provenance.stamp()
         records = run(chosen, quick=quick, jobs=jobs, executor=executor)
         path = (out or (KEPT if quick else DATA)) / f"{name}.csv"
-        words = " --quick" if quick else ""
+        words = ""
+        if quick:
+            words = " --quick"
         command = f"python -m validation study {name}{words}"
         made = f"{command}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
         study.write(path, records, made, chosen.content.get("columns"))

@@ -50,7 +50,7 @@ _NUMPY = (
     "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan "
     "polyfit sqrt std sum"
 )
-NAMES: dict[str, Any] = {name: getattr(np, name) for name in _NUMPY.split()} | {
+NAMES: Record = {name: getattr(np, name) for name in _NUMPY.split()} | {
     "__builtins__": {
         "__import__": __import__
     },  # numpy imports parts of itself when they are first used
@@ -71,9 +71,9 @@ Record = dict[str, Any]  # {column: value} of a row of the CSV
 class Row:
     """One case: what stands in the table, the keywords of its run and of its reference, and its quantities."""
 
-    labels: dict[str, Any]
-    keywords: dict[str, Any]
-    reference: dict[str, Any] | None
+    labels: Record
+    keywords: Record
+    reference: Record | None
     quantities: dict[str, str]
 
 
@@ -82,25 +82,26 @@ class Study:
     """A study by its name and the content of its file."""
 
     name: str
-    content: dict[str, Any]
+    content: Record
 
     def rows(self, quick: bool = False) -> list[Row]:
         """All cases, or those of a short look."""
-        content, short = self.content, dict(self.content.get("quick", {})) if quick else {}
+        content = self.content
+        short = dict(self.content.get("quick", {})) if quick else {}
         most = short.pop("most", 2 if quick else None)
         base = merged(content.get("base", {}), short)
         rows = [row for case in content.get("case", [{}]) for row in self._rows_of(case, base)]
         return rows[:most]
 
-    def row_at(self, chosen: Mapping[str, Any]) -> Row:
+    def row_at(self, chosen: Record) -> Row:
         """The case at other values {key of `each`: value}, of a study without [[case]]."""
         return self._row({}, self.content.get("base", {}), self.content["each"], dict(chosen))
 
-    def row_of(self, changes: Mapping[str, Any]) -> Row:
+    def row_of(self, changes: Record) -> Row:
         """The case of [base] with changes."""
         return Row({}, merged(self.content["base"], changes), None, self.content["quantities"])
 
-    def _rows_of(self, case: Mapping[str, Any], base: Mapping[str, Any]) -> Iterator[Row]:
+    def _rows_of(self, case: Record, base: Record) -> Iterator[Row]:
         varied = {**self.content.get("each", {}), **case.get("each", {})}
         choices = [
             [dict(zip(keys(key), values(key, one))) for one in entries]
@@ -113,15 +114,17 @@ class Study:
 
     def _row(
         self,
-        case: Mapping[str, Any],
-        base: Mapping[str, Any],
-        varied: Mapping[str, Any],
+        case: Record,
+        base: Record,
+        varied: Record,
         chosen: Record,
     ) -> Row:
         other = None
         if "reference" in self.content:
             other = self._keywords(case, base, varied, chosen | self.content["reference"])
-        shown = {"name": filled(case["name"], chosen)} if "name" in case else {}
+        shown = {}
+        if "name" in case:
+            shown = {"name": filled(case["name"], chosen)}
         quantities = self.content.get("quantities", {}) | case.get("quantities", {})
         return Row(shown | chosen, self._keywords(case, base, varied, chosen), other, quantities)
 
@@ -150,10 +153,12 @@ def keys(heading: str) -> list[str]:
 
 def values(heading: str, entry: Any) -> Sequence[Any]:
     """The values of an entry under a heading."""
-    return entry if "," in heading else [entry]
+    if "," in heading:
+        return entry
+    return [entry]
 
 
-def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def merged(first: Record, changes: Record) -> Record:
     """A table with changes; tables in it are merged as well."""
     both = dict(first)
     for key, value in changes.items():
@@ -168,7 +173,7 @@ def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
 
 def filled(
     entry: Any,
-    chosen: Mapping[str, Any],
+    chosen: Record,
     used: set[str] | None = None,
     shown: Callable[[Any], str] | None = None,
 ) -> Any:
@@ -213,9 +218,7 @@ def load(name: str) -> Study:
     return Study(name, content)
 
 
-def evaluated(
-    expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None
-) -> Any:
+def evaluated(expression: str, result: Record, reference: Record | None = None) -> Any:
     """Value of a quantity of a result."""
     known = (
         NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
@@ -223,7 +226,7 @@ def evaluated(
     return eval(expression, known)  # of a file of ours
 
 
-def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) -> Record:
+def record(row: Row, result: Record, reference: Record) -> Record:
     """The row of the CSV of a case."""
     problem = result.get("problem") or reference.get("problem", "")
     if problem:
@@ -237,14 +240,16 @@ def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) ->
 def of(records: Sequence[Record]) -> Callable[..., Any]:
     """of(column, where={}): the values of a column, where others have these values; numbers as an array."""
 
-    def values_of(column: str, where: Mapping[str, Any] | None = None) -> Any:
+    def values_of(column: str, where: Record | None = None) -> Any:
         chosen = [
             one
             for one in records
             if all(one.get(key) == value for key, value in (where or {}).items())
         ]
         found = [one[column] for one in chosen if one.get(column) not in (None, "")]
-        return np.array(found) if all(isinstance(value, (int, float)) for value in found) else found
+        if all(isinstance(value, (int, float)) for value in found):
+            return np.array(found)
+        return found
 
     return values_of
 
@@ -262,12 +267,14 @@ def text(value: Any) -> str:
     if value is None or (isinstance(value, float) and isnan(value)):
         return ""
     if isinstance(value, (bool, np.bool_)):
-        return "yes" if value else "no"
+        if value:
+            return "yes"
+        return "no"
     if isinstance(value, (float, np.floating)):
         return f"{value:.5g}"
-    return (
-        " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
-    )
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return " / ".join(map(text, value))
+    return str(value)
 
 
 def write(

@@ -14,6 +14,7 @@ from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
 from validation.models import variants as comparison
 from validation.published.bias_extension import coupon_fabric, measured
+from validation.values import Values
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -37,7 +38,7 @@ def bias(
     table: int = 201,
     crossovers: int = 1,
     **options: Any,
-) -> dict[str, Any]:
+) -> Values:
     """Bias extension of balanced S-728.
 
     Parameters
@@ -58,7 +59,8 @@ def bias(
     """
     fabric, own, trellis = coupon_fabric(name)
     if factor is not None:
-        shear, trellis = fabric.shear, factor > 0
+        shear = fabric.shear
+        trellis = factor > 0
         if trellis:
             fabric = variants.with_shear(
                 fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1)

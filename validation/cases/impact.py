@@ -23,6 +23,7 @@ from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
+from validation.values import Values
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
@@ -81,7 +82,8 @@ def changed(
     fabric = fabric.with_yarns(
         **{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()}
     )
-    weave, gap = fabric.weave, fabric.interlayer_gap
+    weave = fabric.weave
+    gap = fabric.interlayer_gap
     warp, weft = (
         replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ()
     )
@@ -99,17 +101,19 @@ def changed(
         fabric = fabric.with_yarns(crimp=variants.NEARLY_STRAIGHT)
     if failure_length is not None:
         fabric = with_failure_length(fabric, failure_length)
-    return variants.homogenised(fabric, crossovers) if crossovers > 1 else fabric
+    if crossovers > 1:
+        return variants.homogenised(fabric, crossovers)
+    return fabric
 
 
 def setup(
     fabric: str | None = None,
     velocity: float | str = 100.0,
     *,
-    change: Mapping[str, Any] | None = None,
+    change: Values | None = None,
     mesh: str = "default",
-    unchecked: Mapping[str, Any] | None = None,
-    contact: Mapping[str, Any] | None = None,
+    unchecked: Values | None = None,
+    contact: Values | None = None,
     **keywords: Any,
 ) -> ImpactSetup:
     """The set-up of a shot.
@@ -140,10 +144,12 @@ def setup(
         made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
-    return mesh_uncertainty.finer(made, made.plain_table()) if mesh == "finer" else made
+    if mesh == "finer":
+        return mesh_uncertainty.finer(made, made.plain_table())
+    return made
 
 
-def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> dict[str, Any]:
+def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> Values:
     """One shot: keys of its summary.json, histories, and what only studies read.
 
     Parameters
@@ -161,8 +167,11 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, 1 if plies cross at a sample;
     force_peak, force_jumps [N] (`rough`)
     """
-    this, crossing = setup(**keywords), [0]
-    hooks = (lambda solver: crossing.append(int(plies_cross(solver))),) if crossings else ()
+    this = setup(**keywords)
+    crossing = [0]
+    hooks = ()
+    if crossings:
+        hooks = (lambda solver: crossing.append(int(plies_cross(solver))),)
     began = time.process_time()
     table = this.table()
     result = simulation.run(
@@ -173,10 +182,11 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     )
 
 
-def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
+def found(result: ImpactResult, keywords: Values) -> Values:
     """The dict of `shot`."""
     yarns = dict(keywords.get("change") or {}).get("crossovers", 1)
-    energies, late = result.energies, result.t > 0.5 * result.t[-1]
+    energies = result.energies
+    late = result.t > 0.5 * result.t[-1]
     stored = energies["yarn_strain"] + energies["shear"]
     late &= stored > 0
     speeds = {
@@ -206,14 +216,14 @@ def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
     )
 
 
-def ends(result: ImpactResult) -> dict[str, Any]:
+def ends(result: ImpactResult) -> Values:
     """How far the ends of the yarns of a quarter panel of one ply have come in, and where they are along the clamps."""
     panel = result.panel
     if panel.symmetry != "quarter" or len(result.panels) > 1:
         return {}
     X, Y = panel.coordinates()
     nodes = result.last[0].nodes
-    found: dict[str, Any] = {
+    found: Values = {
         "slip_warp": X[-1] - nodes[-1, :, 0],
         "slip_weft": Y[:, -1] - nodes[:, -1, 1],
     }
@@ -227,7 +237,8 @@ def ends(result: ImpactResult) -> dict[str, Any]:
 def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     """How the force on the projectile jumps: the highest mean over 2 us, and the rms of its difference from the mean
     over 20 us up to a time [s]."""
-    t, force = history[:, 0], -history[:, 3]
+    t = history[:, 0]
+    force = -history[:, 3]
     if len(t) < 3 or t[-1] < 20e-6:
         return {}
     smooth, slow = (
@@ -242,7 +253,7 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
 
 def stepped(
     *, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any
-) -> dict[str, Any]:
+) -> Values:
     """A shot with a time step over its bound, and a contact whose stiffness does not depend on it.
 
     The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
@@ -261,7 +272,7 @@ def stepped(
     return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
 
 
-def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> dict[str, Any]:
+def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Values:
     """Shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of each.
 
     Raises
@@ -285,7 +296,7 @@ def limit(
     step: float = ballistic_limit.STEP,
     multiples: Sequence[float] = (),
     **keywords: Any,
-) -> dict[str, Any]:
+) -> Values:
     """The critical velocity, and residual velocities above it.
 
     Parameters
@@ -339,7 +350,7 @@ def limit(
     }
 
 
-def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict[str, Any]:
+def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Values:
     """Means over a window of strike velocities about one (`weavecell.studies.window`).
 
     Parameters
@@ -354,18 +365,21 @@ def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict
     of a shot, the median; viscous [-], the largest share of viscous energy; with `search` critical and half_width [m/s]
     """
     search = keywords.pop("search", None)
-    rows, costs, shares = [], [], []
+    rows = []
+    costs = []
+    shares = []
     for factor in factors:
         this = setup(
             velocity=round(factor * velocity, 3), end_time=ballistic_limit.UNDECIDED, **keywords
         )
-        table, began = this.table(kept=True), time.process_time()
+        table = this.table(kept=True)
+        began = time.process_time()
         result, problem = simulation.fired(this, table=table)
         costs.append(time.process_time() - began)
         shares.append(next(check.value for check in result.checks if check.name == VISCOUS))
         rows.append({"strike_velocity_m_s": this.strike_velocity} | sweep.row_of(result, problem))
     of_window = Window(velocity, tuple(rows))
-    summary: dict[str, Any] = {name: of_window.mean(name) for name in QUANTITIES} | {
+    summary: Values = {name: of_window.mean(name) for name in QUANTITIES} | {
         "not_perforated": len(rows) - of_window.outcomes["perforated"],
         "cpu": median(costs),
         "viscous": max(shares),

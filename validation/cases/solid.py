@@ -27,6 +27,7 @@ from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from validation.models.variants import scale_solids
+from validation.values import Values
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
 FORCES = ("T1", "T2", "F_c")
@@ -55,7 +56,7 @@ def paths(
     friction: float = 0.0,
     steps: Mapping[str, float] | None = None,
     solids: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
+) -> Values:
     """A crossover of S-720 meshed, formulated and stepped in one way, pulled along paths.
 
     Parameters
@@ -78,16 +79,19 @@ def paths(
     UnstableError : a path that does not reach its end
     """
     fabric = scale_solids(catalogue.load(FABRIC), dict(solids or {}))
-    options: dict[str, Any] = {} if tip is None else {"tip_thickness_ratio": tip}
+    options: Values = {} if tip is None else {"tip_thickness_ratio": tip}
     mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
     if equal_bars:
         mesh = replace(
             mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
         )
-    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
+    integration = solid_law.FULL
+    if one_point:
+        integration = solid_law.ONE_POINT
     numerics = _numerics(factors or {}, friction=friction)
     stepping: Any = dict(steps or {})
-    histories, unknowns = [], 0
+    histories = []
+    unknowns = 0
     values: dict[str, float] = {}
     for name, end in ends.items():
         model = CrossoverModel(mesh, fabric, numerics, integration=integration)
@@ -114,7 +118,7 @@ def _yarn() -> crossover.Crossover:
     return crossover.build(catalogue.load(FABRIC), size=(8, 10, 3))
 
 
-def bars(*, bars: int, reduced: bool) -> dict[str, Any]:
+def bars(*, bars: int, reduced: bool) -> Values:
     """The warp alone, 8 x 10 x 3 hexahedra in half its width and length, pulled straight and on to its failure strain.
 
     Parameters
@@ -149,11 +153,11 @@ def bars(*, bars: int, reduced: bool) -> dict[str, Any]:
 
 def platens(
     *,
-    mesh: Mapping[str, Any] | None = None,
-    solids: Mapping[str, Any] | None = None,
+    mesh: Values | None = None,
+    solids: Values | None = None,
     lowest: float = 0.0,
     numerics: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
+) -> Values:
     """S-720 between platens beside its platen law (thesis section 3.4.3.2), from its published solid constants.
 
     Parameters
@@ -181,7 +185,8 @@ def platens(
         steps=Steps(first=0.004, largest=0.02),
     )
     assert file.areal_density_measured is not None
-    target, area = PlateCurve.pressure_law(file.areal_density_measured), file.weave.cell_area
+    target = PlateCurve.pressure_law(file.areal_density_measured)
+    area = file.weave.cell_area
     pressure = np.geomspace(max(lowest, target.pressure[0]), target.pressure[-1], POINTS)
     law = target.at(pressure)
     computed = closures(history, area, pressure, law)
@@ -210,7 +215,7 @@ def pull_out(
     rows: int = pulling.ROWS,
     slip: float = Numerics.slip,
     pressures: Sequence[float] = (),
-) -> dict[str, Any]:
+) -> Values:
     """A yarn of S-720 pulled through a whole crossover under transverse loads.
 
     Parameters
@@ -228,7 +233,8 @@ def pull_out(
     share of Coulomb's limit; P [N], the largest axial force; c0 [N], mu_eff [-] of the law through them, nan of a
     single one; tangents for each state; seconds
     """
-    fabric, family = catalogue.load(FABRIC), ("warp", "weft").index(pulled)
+    fabric = catalogue.load(FABRIC)
+    family = ("warp", "weft").index(pulled)
     largest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
     record = pulling.pull_out(
         crossover.build(fabric, domain="whole", size=tuple(size)),
@@ -242,7 +248,9 @@ def pull_out(
     if record.failed:
         raise UnstableError(record.failed)
     F_c, T_f = pulling.thresholds(record)
-    law = PullOutLaw.fit(F_c, T_f, friction=friction) if len(F_c) > 1 else None
+    law = None
+    if len(F_c) > 1:
+        law = PullOutLaw.fit(F_c, T_f, friction=friction)
     each = [record["load"] == number for number in np.unique(record["load"])]
     return {
         "F_c": F_c,
@@ -257,9 +265,7 @@ def pull_out(
     }
 
 
-def calibrated(
-    *, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0
-) -> dict[str, Any]:
+def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> Values:
     """The compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside the published one.
 
     Returns
@@ -271,15 +277,19 @@ def calibrated(
     found = wc.calibrate(
         fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False
     )
-    done, law, nan = found.calibration, found.law, float("nan")
+    done = found.calibration
+    law = found.law
+    nan = float("nan")
     interval: Any = found.interval
-    around = interval.around(law) if fit_solid and not isinstance(interval, Exception) else {}
+    around = {}
+    if fit_solid and not isinstance(interval, Exception):
+        around = interval.around(law)
     own = {
         f"{key}_{name}": nan if one is None else getattr(one, key)
         for name, one in zip(("warp", "weft"), done.yarn_laws)
         for key in "ab"
     }
-    summary: dict[str, Any] = own | {
+    summary: Values = own | {
         "a": law.a,
         "b": law.b,
         "a_interval": around.get("a", law.a_interval),

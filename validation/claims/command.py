@@ -69,7 +69,8 @@ def main(
             resume=resume,
             report=lambda done, total: advance(done / max(total, 1)),
         )
-    table, stamp = pages.rows(claims, records), provenance.stamp()
+    table = pages.rows(claims, records)
+    stamp = provenance.stamp()
     study.write(out / "ledger.csv", table)
     if page is not None:
         options = " --slow" * slow + " --no-variants" * no_variants
@@ -86,4 +87,6 @@ def main(
         print(
             f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
         )
-    return 1 if changed else 0
+    if changed:
+        return 1
+    return 0

@@ -8,10 +8,17 @@ from typing import Any
 import numpy as np
 
 from validation.claims.claims import UNITS, Claim, Condition
+from validation.values import Values
 
-REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
-DATA, NOT_COMPARABLE = "data", "not comparable"
-NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
+REPRODUCED = "reproduced"
+MISSED = "missed"
+WRONG = "source is wrong"
+DATA = "data"
+NOT_COMPARABLE = "not comparable"
+NOT_TESTABLE = "not testable"
+NOT_BUILT = "not built"
+LEFT_OUT = "left out"
+BROKEN = "broken"
 VERDICTS = {
     REPRODUCED: "within the tolerance",
     MISSED: "outside the tolerance",
@@ -41,13 +48,13 @@ class Record:
 
     id: str
     verdict: str
-    found: dict[str, Any] = field(default_factory=dict)
+    found: Values = field(default_factory=dict)
     miss: str = ""
     note: str = ""
     variants: dict[str, str] = field(default_factory=dict)
 
 
-def judge(claim: Claim, found: dict[str, Any]) -> Record:
+def judge(claim: Claim, found: Values) -> Record:
     """Record of a claim of which {name: value} were found; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
     missed = [
@@ -75,14 +82,16 @@ def plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(part) for part in value]
-    return (
-        float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-    )
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return float(value)
+    return value
 
 
 def expected(condition: Condition) -> str:
     """A condition in words: "0.12 ± 0.005 mm"."""
-    unit = f" {condition.unit}" if condition.unit else ""
+    unit = ""
+    if condition.unit:
+        unit = f" {condition.unit}"
     if condition.test == "is":
         return _words(condition.target)
     if condition.test != "=":
@@ -105,8 +114,12 @@ def _words(value):
     if isinstance(value, list):
         return ", ".join(map(_words, value))
     if isinstance(value, bool):
-        return "yes" if value else "no"
-    return "none" if value is None else str(value)
+        if value:
+            return "yes"
+        return "no"
+    if value is None:
+        return "none"
+    return str(value)
 
 
 def holds(condition: Condition, value: Any) -> bool:
@@ -119,4 +132,6 @@ def holds(condition: Condition, value: Any) -> bool:
     if condition.test == "=":
         allowed = condition.tolerance * (abs(condition.target) if condition.relative else 1)
         return abs(off) <= allowed * (1 + 1e-12)
-    return off > 0 if condition.test == ">" else off < 0
+    if condition.test == ">":
+        return off > 0
+    return off < 0

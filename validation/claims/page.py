@@ -66,7 +66,9 @@ def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Table:
 def _row(claim, record):
     why = claim.against or claim.data or claim.incomparable or record.note
     if record.verdict in (MISSED, REPRODUCED):
-        why = (claim.cause or record.note) if record.verdict == MISSED else ""
+        why = ""
+        if record.verdict == MISSED:
+            why = claim.cause or record.note
     found = [judge.computed(c, record.found[c.name]) for c in claim.conditions if record.found]
     texts = (
         claim.id,
@@ -94,7 +96,9 @@ def _in_variants(record):
     ]
     held = sum(verdict in (REPRODUCED, judge.WRONG) for verdict in (record.verdict, *of_all))
     text = f"holds in {held} of {1 + len(of_all)}"
-    return f"{text}; {', '.join(changed)}" if changed else text
+    if changed:
+        return f"{text}; {', '.join(changed)}"
+    return text
 
 
 def counts(table: Table) -> Counter[str]:
@@ -111,13 +115,15 @@ def of_thesis(table: Table, own: bool = True) -> Table:
 def variants_sentence(table: Table) -> str:
     """In how many claims on shots a variant changes the result, in words, as validation.md has it."""
     varied = [row["variants"] for row in table if row["variants"]]
-    whole, changed = varied.count("holds in 5 of 5"), sum("; " in text for text in varied)
+    whole = varied.count("holds in 5 of 5")
+    changed = sum("; " in text for text in varied)
     return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {changed}"
 
 
 def lines(table: Table, command: str, commit: str, date: str) -> str:
     """The page."""
-    thesis, others = counts(of_thesis(table)), counts(of_thesis(table, False))
+    thesis = counts(of_thesis(table))
+    others = counts(of_thesis(table, False))
     told = [["verdict", "of the thesis", "additional", "meaning"]]
     told += [
         [name, str(thesis[name]), str(others[name]), VERDICTS[name]]

@@ -23,10 +23,9 @@ from validation.claims import checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
+from validation.values import Values
 
-VARIANTS: dict[
-    str, dict[str, Any]
-] = {  # name: what is merged into the keywords of shots at one ply
+VARIANTS: dict[str, Values] = {  # name: what is merged into the keywords of shots at one ply
     "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
     "nominal denier": {"change": {"denier": "nominal"}},
     "2 elements per crossover": {"elements_per_crossover": 2},
@@ -73,7 +72,9 @@ def validate(
     One record a claim, in the order of the claims.
     """
     chosen = [claim for claim in claims if slow or not claim.slow]
-    every = VARIANTS if vary else ()
+    every = ()
+    if vary:
+        every = VARIANTS
     variants = {
         claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen
     }
@@ -107,7 +108,9 @@ def compute(run: Run) -> Any:
 def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Record:
     """The record of a claim, from what its runs have come to; `variant` of VARIANTS, or None for it as it stands."""
     if not claim.conditions:
-        verdict = NOT_BUILT if claim.unbuilt else NOT_TESTABLE
+        verdict = NOT_TESTABLE
+        if claim.unbuilt:
+            verdict = NOT_BUILT
         return Record(claim.id, verdict, note=claim.unbuilt or claim.untestable)
     try:
         specs = runs_of(claim, variant)
@@ -129,19 +132,19 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
 
 
-def values(claim: Claim, results: dict[str, Any]) -> dict[str, Any]:
+def values(claim: Claim, results: Values) -> Values:
     """{name: what is found for it} of the conditions; Python evaluates the expressions, which are our own files'."""
     names = checks.names() | {"__builtins__": __builtins__} | results
     for name, expression in claim.let.items():
         names[name] = eval(in_si(expression), names)
-    found: dict[str, Any] = {}
+    found: Values = {}
     for condition in claim.conditions:
         if condition.expression:
             found[condition.name] = eval(condition.expression, names)
     return found
 
 
-def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
+def runs_of(claim: Claim, variant: str | None = None) -> Values:
     """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
     names = checks.names()
     return {
@@ -160,11 +163,11 @@ def _specified(spec, names, changes):
         return _varied(run_of(spec, names), changes)
     rows = names[spec["for"]] if isinstance(spec["for"], str) else spec["for"]
     spec = {key: value for key, value in spec.items() if key != "for"}
-    found: dict[str, Any] = {}
+    found: Values = {}
     for row in rows:
-        chosen = (
-            {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}
-        )
+        chosen = {"": row}
+        if isinstance(row, list):
+            chosen = {f"{k}": part for k, part in enumerate(row)}
         run = run_of(filled(spec, chosen, shown=str), names)
         found[tuple(row) if isinstance(row, list) else row] = _varied(run, changes)
     return found
@@ -182,7 +185,7 @@ def _varied(run, changes):
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
 
 
-def _flat(specs: dict[str, Any]) -> Iterator[Run]:
+def _flat(specs: Values) -> Iterator[Run]:
     for spec in specs.values():
         yield from spec.values() if isinstance(spec, dict) else (spec,)
 
@@ -194,4 +197,6 @@ def _is_long(run):
 def _missing(run):
     """The package that a run needs and that is not installed, or ""."""
     package = NEEDS.get(run.kind, "")
-    return package if package and find_spec(package) is None else ""
+    if package and find_spec(package) is None:
+        return package
+    return ""

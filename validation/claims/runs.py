@@ -33,6 +33,7 @@ from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
+from validation.values import Values
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
@@ -69,18 +70,20 @@ def changed_fabric(
         fabric = with_straight_yarns(fabric)
     elif crimps:
         fabric = fabric.with_yarns(crimp=crimps)
-    return variants.with_shear(fabric, **shear) if shear else fabric
+    if shear:
+        return variants.with_shear(fabric, **shear)
+    return fabric
 
 
 def setup(
     fabric: str,
     velocity: float,
     *,
-    change: dict[str, Any] | None = None,
-    struck: dict[str, Any] | None = None,
+    change: Values | None = None,
+    struck: Values | None = None,
     wider: float | None = None,
-    projectile: dict[str, Any] | str | None = None,
-    history: dict[str, Any] | None = None,
+    projectile: Values | str | None = None,
+    history: Values | None = None,
     **keywords: Any,
 ) -> simulation.ImpactSetup:
     """`weavecell.setup` of a shot.
@@ -95,7 +98,8 @@ def setup(
     history : keys beside those of HISTORY
     **keywords : of `weavecell.setup`
     """
-    used, plies = changed_fabric(fabric, **change or {}), keywords.get("plies", 1)
+    used = changed_fabric(fabric, **change or {})
+    plies = keywords.get("plies", 1)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
@@ -138,7 +142,9 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
     failure_time : [s] over which tensions are low-passed before they are held against the strength, in place of the
         time that follows from the failure length; 0 leaves that
     """
-    made, times, beside = setup(fabric, velocity, **scene), np.full(2, np.nan), []
+    made = setup(fabric, velocity, **scene)
+    times = np.full(2, np.nan)
+    beside = []
 
     def watch(solver):
         tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
@@ -223,7 +229,9 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     """The bias extension test on one of its fabrics, by load steps."""
     fabric, model, trellis = bias_extension.coupon_fabric(cloth)
     # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
-    options = {"steps": 2, "max_iterations": 6000} if cloth == "none" else {"steps": steps}
+    options = {"steps": steps}
+    if cloth == "none":
+        options = {"steps": 2, "max_iterations": 6000}
     table = CellModel(fabric, model=model).table(201)
     try:  # at 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
         result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
@@ -247,7 +255,8 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     result = quasistatic.picture_frame(
         table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
     )
-    stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
+    stress = quasistatic.frame_stress(result)
+    weave = table.model.fabric.weave
     side = np.array([2 * cells * w for w in weave.w])
     slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
     force = stress * side[0] * side[1] * weave.thickness / slope
@@ -282,7 +291,8 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
     made = simulation.ImpactSetup(
         changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1
     )
-    shell, cable = [], []
+    shell = []
+    cable = []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)
         cable.append(CableNet(made).run().wall_time)
@@ -316,10 +326,12 @@ def stretched(
 
     mesh, given = _meshed(fabric)
     found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
-    x, lines = mesh.points + found.last["u"], []
+    x = mesh.points + found.last["u"]
+    lines = []
     for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
         # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
-        low, high = x[grid[:, 0, 0]], x[grid[:, 0, -1]]
+        low = x[grid[:, 0, 0]]
+        high = x[grid[:, 0, -1]]
         lines.append(np.stack([0.5 * (low + high)[:, axis], sign * 0.5 * (low + high)[:, 2]]))
     thickness = [
         np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
@@ -344,8 +356,12 @@ def lone(
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
 
-    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
-    strain = 0.06 if bars == 0 else None
+    integration = solid_law.FULL
+    if one_point:
+        integration = solid_law.ONE_POINT
+    strain = None
+    if bars == 0:
+        strain = 0.06
     mesh, given = _meshed(fabric)
     found = single_yarn.pull(mesh, given, family, bars=bars, integration=integration, strain=strain)
     return SimpleNamespace(strain=found.columns["strain"], T=found.columns["T"])
@@ -355,7 +371,8 @@ def sections(fabric: str) -> SimpleNamespace:
     """Sections of whole yarns, warp and weft: `area` (2,) [m2] their volume over the length of their centreline,
     `fibre` (2,) [m2] of the bars that cut the section at the crossing."""
     mesh, _ = _meshed(fabric)
-    area, fibre = [], []
+    area = []
+    fibre = []
     for number, (grid, pairs, bars, S0) in enumerate(
         zip(mesh.grids, mesh.bars, mesh.bar_area, mesh.S0)
     ):
@@ -367,7 +384,8 @@ def sections(fabric: str) -> SimpleNamespace:
 
 def _volume(corners):
     """[m3] of bricks (m, 8, 3) in VTK order: six tetrahedra each, about the diagonal from corner 0 to corner 6."""
-    first, last = corners[:, 0], corners[:, 6]
+    first = corners[:, 0]
+    last = corners[:, 6]
     sixths = [
         np.einsum("ij,ij->i", np.cross(corners[:, a] - first, corners[:, b] - first), last - first)
         for a, b in itertools.pairwise((1, 2, 3, 7, 4, 5, 1))
@@ -380,10 +398,11 @@ def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
     over that at the crest [-], deepest point of the weft in the warp [m]; and the yarns of each domain."""
     from meshing import patch
 
-    found: dict[str, Any] = {}
+    found: Values = {}
     for section in sections:
         mesh, given = _meshed(fabric, section=section)
-        errors, spread = [], []
+        errors = []
+        spread = []
         for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
             middle = 0.5 * (mesh.points[grid[:, 0, 0]] + mesh.points[grid[:, 0, -1]])
             errors.append(
@@ -400,7 +419,8 @@ def _overlap(mesh):
     from scipy.interpolate import LinearNDInterpolator
 
     warp, weft = (mesh.points[grid] for grid in mesh.grids)
-    lower, upper = warp[:, :, 0].reshape(-1, 3), weft[:, :, -1].reshape(-1, 3)
+    lower = warp[:, :, 0].reshape(-1, 3)
+    upper = weft[:, :, -1].reshape(-1, 3)
     below = LinearNDInterpolator(lower[:, :2], lower[:, 2])(upper[:, :2])
     return float(max(np.nanmax(upper[:, 2] - below), 0.0))
 
@@ -443,7 +463,8 @@ def released(fabric: str, *, plies: int, friction: float, closed: float) -> Simp
 
     mesh, given = _meshed(fabric, size=(4, 3, 2))
     model = StackModel(mesh, given, plies, Numerics(friction=friction))
-    rest, area = model.plates.at_rest, given.weave.cell_area
+    rest = model.plates.at_rest
+    area = given.weave.cell_area
 
     def row(state, load):
         force = model.copies[1] * float(np.mean(state.plates))

@@ -5,18 +5,18 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from itertools import product
-from typing import Any
 
 import numpy as np
 
 from shellfabric.sliding.model import grid
 from shellfabric.solver.pack_solver import PackSolver
 from validation.measured.rows import HERE, Case, case_of
+from validation.values import Values
 
 END_TIME = "3 ms"
 
 
-def shots() -> list[tuple[dict[str, Any], Case]]:
+def shots() -> list[tuple[Values, Case]]:
     """(what is varied with the outcome of the test, the case) of all shots."""
     found = []
     for group in tomllib.loads((HERE / "clamps.toml").read_text("utf-8"))["shots"]:
@@ -46,7 +46,7 @@ def shots() -> list[tuple[dict[str, Any], Case]]:
     return found
 
 
-def fire(case: Case) -> dict[str, Any]:
+def fire(case: Case) -> Values:
     """One shot: outcome, residual velocity, largest slip of warp and weft at the clamps, deflection, energy error."""
     setup = case.setup()
     solver = PackSolver(setup.target(), setup.strike_velocity, setup.end_time).run()
@@ -59,17 +59,15 @@ def fire(case: Case) -> dict[str, Any]:
     }
 
 
-def settings(
-    varied: Sequence[dict[str, Any]], shots: Sequence[dict[str, Any]]
-) -> list[dict[str, Any]]:
+def settings(varied: Sequence[Values], shots: Sequence[Values]) -> list[Values]:
     """A row a setting: tests met, energy error, and of each velocity outcome and slip at the clamps."""
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, Values] = {}
     for row, shot in zip(varied, shots):
         setting = {key: row[key] for key in ("input", "friction", "clamp [N]", "struck")}
         one = found.setdefault(repr(setting), setting | {"tests met": 0})
-        left = (
-            f", {shot['residual_velocity']:.0f} m/s left" if shot["outcome"] == "perforated" else ""
-        )
+        left = ""
+        if shot["outcome"] == "perforated":
+            left = f", {shot['residual_velocity']:.0f} m/s left"
         one["tests met"] += shot["outcome"] == row["tested"]
         one[f"{row['velocity']} m/s"] = f"{shot['outcome']}{left}"
         one[f"slip at {row['velocity']} m/s, warp / weft [mm]"] = [

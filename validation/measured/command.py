@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import hypot, isnan
 from pathlib import Path
-from typing import Any
 
 from fabrics import run_cache
 from validation import study
 from validation.measured import clamps, statistics
 from validation.measured.rows import Row, compute, number, read
+from validation.values import Values
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
 from weavecell.results import provenance
 
@@ -33,9 +33,11 @@ VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
 def main(
     parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None
 ) -> None:
-    parts, stamp, rows = parts or PARTS[: -1 if quick else None], provenance.stamp(), read()
+    parts = parts or PARTS[: -1 if quick else None]
+    stamp = provenance.stamp()
+    rows = read()
     folder = out or (KEPT if quick else study.DATA)
-    runs: dict[str, Any] = {"folder": KEPT / "runs", "jobs": jobs}
+    runs: Values = {"folder": KEPT / "runs", "jobs": jobs}
     cases = {
         row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts
     }
@@ -61,32 +63,36 @@ def main(
 def _ran(found, case, coarse, commit):
     """The columns of RUN from the results of a row's two cases."""
     value, error, balance = found[case or coarse]
-    cheap = None if coarse is None else found[coarse][0]
+    cheap = None
+    if coarse is not None:
+        cheap = found[coarse][0]
     return {
         key: study.text(cell)
         for key, cell in zip(RUN, (None if case is None else value, cheap, error, balance, commit))
     }
 
 
-def held(row: Row, ran: Mapping[str, str]) -> dict[str, Any]:
+def held(row: Row, ran: Mapping[str, str]) -> Values:
     """A row of measured.csv: with E, u_num, u_input and u_val where a number is computed.
 
     u_num is the difference of the two runs of the row and its standard error, where both runs are there.
     """
-    known: dict[str, Any] = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
+    known: Values = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
     known |= {"measured": row.value, "sigma": row.sigma} | {key: ran.get(key, "") for key in RUN}
     known |= dict.fromkeys(VALIDATION, "")
-    computed, measured = number(known["computed"] or known["coarse"]), number(row.value)
+    computed = number(known["computed"] or known["coarse"])
+    measured = number(row.value)
     if not isnan(computed - measured):
         step = abs(number(known["computed"]) - number(known["coarse"]))
         u_num = hypot(number(known["error"]), 0.0 if isnan(step) else step)
         u_input = float(row.u_input or 0) * abs(computed)
-        E, u_val = computed - measured, hypot(u_num, u_input, float(row.sigma))
+        E = computed - measured
+        u_val = hypot(u_num, u_input, float(row.sigma))
         known |= dict(zip(VALIDATION, map(study.text, (E, u_num, u_input, u_val, E / u_val))))
     return known | {"source": row.source, "assumed": row.assumed}
 
 
-def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
+def summary(table: Sequence[Mapping[str, str]]) -> list[Values]:
     """A row a quantity that is computed: what --uncertainty prints, n, rows within 2 u_val, bias, sigmas.
 
     An outcome is within where it is the same. Numbers that may be 0 have no bias.
@@ -101,7 +107,7 @@ def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
             row["measured"] == value or abs(number(row["E_over_u_val"])) <= 2
             for row, value in zip(rows, values)
         ]
-        one: dict[str, Any] = {
+        one: Values = {
             "level": rows[0]["level"],
             "quantity": name,
             "words": f"{sum(met)} within the uncertainty",

@@ -34,13 +34,16 @@ def iterate(
 
     `below` : share by which it starts below them, for what rounding can do
     """
-    weave, law = catalogue.load(fabric).weave, catalogue.load(fabric).laws[0]
-    w, h = [w0 + d for w0, d in zip(weave.w, (d1, d2))], np.array(weave.h0) * (1 - below)
+    weave = catalogue.load(fabric).weave
+    law = catalogue.load(fabric).laws[0]
+    w = [w0 + d for w0, d in zip(weave.w, (d1, d2))]
+    h = np.array(weave.h0) * (1 - below)
     full = sum(weave.h0)
     with np.errstate(all="ignore"):
         for step in range(1, MOST + 1):
             F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
-            F, slope = np.array(F), np.array(slope)  # type: ignore[assignment]
+            F = np.array(F)  # type: ignore[assignment]
+            slope = np.array(slope)
             d = law.a - law.b / np.cbrt(F)
             compliance = law.b / 3 / np.cbrt(F) ** 4
             f = np.array([F[0] - F[1], h.sum() + d.sum() - full])

@@ -24,6 +24,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
 from validation.claims.readers import KEVLAR
 from validation.models.cell_equations import departure
+from validation.values import Values
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -48,10 +49,8 @@ def printed(name: str, a: float | None = None) -> CellModel:
 
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
-    table, (a, b) = (
-        CellModel(catalogue.load(name), form="variational").table(size),
-        np.broadcast_to(half, 2),
-    )
+    table = CellModel(catalogue.load(name), form="variational").table(size)
+    a, b = np.broadcast_to(half, 2)
     return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
 
 
@@ -112,19 +111,21 @@ def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> fl
     )
 
 
-def equilibrium() -> dict[str, Any]:
+def equilibrium() -> Values:
     """F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at rest; random states."""
     force = closing = 0.0
     for name in catalogue.list_names():
         model = cell(name)
         s1, s2 = random_states(name)
-        found, weave = model.solve(s1, s2), model.fabric.weave
+        found = model.solve(s1, s2)
+        weave = model.fabric.weave
         contact = found["F"] > 0
         for T, h, w, s in zip(("T1", "T2"), ("h1", "h2"), weave.w, (s1, s2)):
             k = np.pi * found[h] / (2 * w * s)
             F = 2 * found[T] * k / np.sqrt(1 + k * k)
             force = max(force, np.abs(F / found["F"] - 1)[contact].max())
-        sum_h, d = found["h1"] + found["h2"], model.fabric.laws[0].d(found["F"])
+        sum_h = found["h1"] + found["h2"]
+        d = model.fabric.laws[0].d(found["F"])
         closing = max(closing, np.abs((sum_h + 2 * d - sum(weave.h0)) / sum_h)[contact].max())
     return {"equilibrium": force, "compatibility": closing}
 
@@ -168,8 +169,10 @@ def sine_slope_error() -> float:
 
 def off_lone_yarns(name: str, **changes: Any) -> float:
     """Tensions of the cell less those of lone yarns, over EA; of random states at which the yarns would touch."""
-    stretches, weave = random_states(name), catalogue.load(name).weave
-    found, worst = cell(name, **changes).solve(*stretches), 0.0
+    stretches = random_states(name)
+    weave = catalogue.load(name).weave
+    found = cell(name, **changes).solve(*stretches)
+    worst = 0.0
     for T, s, w, S0, yarn in zip(("T1", "T2"), stretches, weave.w, weave.S0, weave.yarns):
         lone = yarn.EA * np.maximum(2 * w * s / S0 - 1, 0)
         worst = max(worst, np.abs(found[T] - lone).max() / yarn.EA)
@@ -188,16 +191,18 @@ def stress_resultant_error() -> float:
         coupon = rectangle(name, 8.000001 * np.array(weave.w), 201)
         stretch = [1 + 0.6 * (stretch_at_failure(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
-        state, width = coupon.table.model.solve(*stretch), 2 * np.array(weave.w[::-1])
+        state = coupon.table.model.solve(*stretch)
+        width = 2 * np.array(weave.w[::-1])
         for axis in (0, 1):
             rim = coupon.points[:, axis] > coupon.points[:, axis].max() - 0.1 * weave.w[axis]
-            across, pulled = np.ptp(coupon.points[rim, 1 - axis]), abs(forces[rim, axis].sum())
+            across = np.ptp(coupon.points[rim, 1 - axis])
+            pulled = abs(forces[rim, axis].sum())
             layer = float(state[f"N{axis + 1}"]) / (0.5 * weave.thickness * width[axis])
             worst = max(worst, abs(0.5 * layer * weave.thickness * across / pulled - 1))
     return worst
 
 
-def lone_yarn() -> dict[str, Any]:
+def lone_yarn() -> Values:
     """A yarn whose partner is gone, in a coupon of warp alone; and the slack of steps 11 and 25 as printed."""
     worst = 0.0
     for name in ("S-720", "S-731"):
@@ -214,7 +219,7 @@ def lone_yarn() -> dict[str, Any]:
     return {"difference over strength": worst, "as printed, at failure": as_printed}
 
 
-def surfaces(fabric: str) -> dict[str, Any]:
+def surfaces(fabric: str) -> Values:
     """Stored energies of the bounds and of the cell between, over all pairs of strains at which no yarn fails."""
     models = [cell(fabric, model) for model in BOUNDED]
     pairs = grid(models[0], 41)
@@ -244,16 +249,18 @@ def displacement_at_strength(model: CellModel, family: int, away: float) -> floa
 
 def curve_change(curve: CellPath, family: int, shift: float) -> float:
     """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
-    strain, tension = curve.strain[:, family], curve.tension[:, family]
+    strain = curve.strain[:, family]
+    tension = curve.tension[:, family]
     common = strain > shift
     off = np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2)
     return np.sqrt(off) / np.sqrt(np.mean(tension[common] ** 2))
 
 
-def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
+def look_up(fabric: str, n: int, samples: int) -> Values:
     """Bilinear table of tensions against the cell itself, over all states up to failure; and their speed."""
     model = cell(fabric)
-    table, rng = model.table(n), np.random.default_rng(4)
+    table = model.table(n)
+    rng = np.random.default_rng(4)
     s1, s2 = (rng.uniform(axis[0], axis[-1], samples) for axis in (table.stretch1, table.stretch2))
     begun = time.perf_counter()
     exact = model.solve(s1, s2)
@@ -262,11 +269,14 @@ def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
         (s - axis[0]) / d
         for s, axis, d in zip((s1, s2), (table.stretch1, table.stretch2), table.steps)
     )
-    i, j = np.minimum(x.astype(int), n - 2), np.minimum(y.astype(int), n - 2)
-    x, y = x - i, y - j
+    i = np.minimum(x.astype(int), n - 2)
+    j = np.minimum(y.astype(int), n - 2)
+    x = x - i
+    y = y - j
     read = lambda c: c[:, 0] + c[:, 1] * x + c[:, 2] * y + c[:, 3] * x * y  # noqa: E731
     T1 = read(table.tension1[i, j])
-    reading, safe = time.perf_counter() - solved, unfailed(model, exact)
+    reading = time.perf_counter() - solved
+    safe = unfailed(model, exact)
     pairs = zip(
         (T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns
     )
@@ -281,10 +291,12 @@ def fitted(*paths: Any) -> CompressionLaw:
     return CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, paths))))
 
 
-def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> dict[str, Any]:
+def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Values:
     """The cell with its published law, or another, along a warp extension of the crossover: largest differences of the
     tensions over their peaks, and of the energy from the work of the ends, 2 T1 dd1, over that at the end."""
-    given, d, T = catalogue.load(fabric), path.d1, path.T1
+    given = catalogue.load(fabric)
+    d = path.d1
+    T = path.T1
     cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
     work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
     return {

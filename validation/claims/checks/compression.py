@@ -8,7 +8,6 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +21,7 @@ from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import crossover_kernels
 from validation.claims.readers import KEVLAR
+from validation.values import Values
 
 
 @cache
@@ -66,7 +66,8 @@ def gap(fabric: str, start: float, plies: int = 4) -> float:
 def refitted_exponent(noise: float, seed: int) -> float:
     """The exponent of the pressure law, fitted to a curve of the law with noise on it."""
     curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
-    P0, scale = curve.pressure[0], curve.closure[-1]
+    P0 = curve.pressure[0]
+    scale = curve.closure[-1]
     measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(
         curve.closure.size
     )
@@ -78,7 +79,8 @@ def refitted_exponent(noise: float, seed: int) -> float:
 
 def areal_density_floor() -> float:
     """[kg/m2] below which there is no pressure law."""
-    low, high = 0.05, 0.3
+    low = 0.05
+    high = 0.3
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
         try:
@@ -97,7 +99,9 @@ def in_the_cell(law: CompressionLaw, F: ArrayLike) -> FloatArray:
 
 
 def _shift(law):
-    return law.F0 if law.form == "regularised" else 0.0
+    if law.form == "regularised":
+        return law.F0
+    return 0.0
 
 
 def compliance_error() -> float:
@@ -121,7 +125,7 @@ def compliance_error() -> float:
 
 def layers_taken_off(
     fabric: str, layer_modulus: float, layer_thickness: float, rows: int
-) -> dict[str, Any]:
+) -> Values:
     """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.
