@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from validation.values import rms
 
 LOWEST = 0.5
 HIGHEST = 2.1
@@ -118,6 +119,6 @@ def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extr
     for order, name in ((1, "first order"), (2, "second order")):
         A = np.column_stack([np.ones_like(h), h**order])
         solution = np.linalg.lstsq(A, f, rcond=None)[0]
-        fits.append((float(np.sqrt(np.mean((A @ solution - f) ** 2))), float(solution[0]), name))
+        fits.append((rms(A @ solution - f), float(solution[0]), name))
     scatter, limit, name = min(fits)
     return Extrapolation(limit, p, name, remark, scatter)

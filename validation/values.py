@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable, Iterable
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from fabrics import run_cache
 
 Values: TypeAlias = dict[str, Any]  # {name: number, text, array or table}
 
@@ -18,3 +21,11 @@ def largest(values: ArrayLike) -> float:
 def rms(values: ArrayLike) -> float:
     """The root of the mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def compute_each(
+    function: Callable[[Any], Any], cases: Iterable[Hashable], **options: Any
+) -> dict[Any, Any]:
+    """{case: what the function makes of it}, each case once; options of `run_cache.results`."""
+    unique = list(dict.fromkeys(cases))
+    return dict(zip(unique, run_cache.results(function, [(case,) for case in unique], **options)))

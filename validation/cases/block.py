@@ -24,7 +24,7 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models import bare_impact
-from validation.values import Values
+from validation.values import Values, largest
 
 VELOCITY = 300.0
 PROJECTILE = Projectile(mass=8.1e-3)
@@ -122,7 +122,7 @@ def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) 
         "crater": block.depth,
         "half_width": block.half_width,
         "wall": float(np.degrees(block.steepness)),
-        "error": float(np.abs(energies["error"]).max()) / PROJECTILE.energy(VELOCITY),
+        "error": largest(energies["error"]) / PROJECTILE.energy(VELOCITY),
         "eroded": eroded,
         "hourglass": float(hourglass[-1] / (lost[0] - lost[-1])),
     }

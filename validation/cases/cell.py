@@ -19,7 +19,7 @@ from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
 from validation.published.biaxial_glass import free_edge
-from validation.values import Values
+from validation.values import Values, rms
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -160,6 +160,9 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> di
     one, two = (
         np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves)
     )
-    rms = float(np.sqrt(np.mean((two - one) ** 2)))
-    off = float((two - one)[np.argmax(np.abs(two - one))])
-    return {"rms": rms, "largest": off, "share": rms / weave.weave.yarns[family].strength}
+    off = two - one
+    return {
+        "rms": rms(off),
+        "largest": float(off[np.argmax(np.abs(off))]),
+        "share": rms(off) / weave.weave.yarns[family].strength,
+    }

@@ -23,7 +23,7 @@ from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
-from validation.values import Values
+from validation.values import Values, rms
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
@@ -247,7 +247,7 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     )
     return {
         "force_peak": float(smooth.max()),
-        "force_jumps": float(np.sqrt(np.mean((smooth - slow)[t < until] ** 2))),
+        "force_jumps": rms((smooth - slow)[t < until]),
     }
 
 

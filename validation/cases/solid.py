@@ -235,11 +235,11 @@ def pull_out(
     """
     fabric = catalogue.load(FABRIC)
     family = ("warp", "weft").index(pulled)
-    largest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
+    longest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
     record = pulling.pull_out(
         crossover.build(fabric, domain="whole", size=tuple(size)),
         fabric,
-        [] if pressures else [share * largest for share in loads],
+        [] if pressures else [share * longest for share in loads],
         pressures=tuple(pressures),
         pulled=family,
         numerics=Numerics(friction=friction, slip=slip),
@@ -255,8 +255,8 @@ def pull_out(
     return {
         "F_c": F_c,
         "T_f": T_f,
-        "P": float(np.abs(record["P"]).max()),
-        "largest": [float(np.abs(record["P_geometric"][of]).max()) for of in each],
+        "P": largest(record["P"]),
+        "largest": [largest(record["P_geometric"][of]) for of in each],
         "mobilised": [float(record["mobilised"][of].max()) for of in each],
         "c0": np.nan if law is None else law.c0,
         "mu_eff": np.nan if law is None else law.mu_eff,

@@ -22,7 +22,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.output import wave_fronts
 from shellfabric.output.snapshots import pyramid
 from shellfabric.panel.model import Panel
-from validation.values import Values
+from validation.values import Values, largest, rms
 
 FAMILIES = ("warp", "weft")
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
@@ -101,7 +101,7 @@ def apart(
     first: Any, second: Any, start: float = 0.0, stop: float = 250e-6, count: int = 300
 ) -> float:
     """Largest difference of velocity between two runs."""
-    return float(np.abs(lead(first, second, start, min(stop, end(first, second)), count)).max())
+    return largest(lead(first, second, start, min(stop, end(first, second)), count))
 
 
 def lead(
@@ -216,7 +216,7 @@ def smooth(t: FloatArray, y: FloatArray) -> FloatArray:
 def noise(t: FloatArray, y: FloatArray, start: float = -np.inf, stop: float = np.inf) -> float:
     """RMS of what is faster than QUIET in a part of a record."""
     part = (t > start) & (t < stop)
-    return float(np.sqrt(np.mean((y[part] - smooth(t[part], y[part])) ** 2)))
+    return rms(y[part] - smooth(t[part], y[part]))
 
 
 def unevenness(run: Any, beside: float = 10e-3) -> float:

@@ -28,7 +28,7 @@ from unitcell3d.cases.biaxial_and_platens import plate_compression
 from unitcell3d.identify.platen_misfit import closures
 from unitcell3d.solver.load_stepping import Steps
 from validation.models.bare_impact import Strike, strike
-from validation.values import Values
+from validation.values import Values, largest
 from weavecell.scenes import honoured, target
 
 HERE = Path(__file__).parent
@@ -161,8 +161,8 @@ def compute(case: Case) -> tuple[Any, float, float]:
         return OF_SHOTS[case.measure](shot), 0.0, shot.energy_error_max
     if case.measure in OF_BLOCKS:
         found = _strike(case)
-        error = np.abs(found.energies["error"]).max() / found.energies["projectile"][0]
-        return OF_BLOCKS[case.measure](found), 0.0, float(error)
+        error = largest(found.energies["error"]) / found.energies["projectile"][0]
+        return OF_BLOCKS[case.measure](found), 0.0, error
     if case.measure in ("limit", "growth"):
         if case.measure == "limit":
             return _limit(case)

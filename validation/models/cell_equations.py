@@ -44,7 +44,7 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     found = model.solve(*stretches)
     F = found["F"]
     touching = found["F"] > 0
-    largest = max(float(F.max()), 1e-12)
+    scale = max(float(F.max()), 1e-12)
     worst = 0.0
     W = np.zeros_like(F)
     heights = np.zeros_like(F)
@@ -69,8 +69,8 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
         )  # a yarn that touches nothing keeps its length, or is straight
         worst = max(
             worst,
-            float(np.abs(tension - T).max()) / yarn.strength,
-            float(np.abs(force - F)[touching].max(initial=0.0)) / largest,
+            largest(tension - T) / yarn.strength,
+            float(np.abs(force - F)[touching].max(initial=0.0)) / scale,
             float(free[~touching].max(initial=0.0)),
         )
         W = W + 0.5 * yarn.EA * np.maximum(S - S0, 0) ** 2 / S0
@@ -90,4 +90,4 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
         worst = max(
             worst, float(-closed[~touching].min(initial=0.0))
         )  # contact is lost only where there is room
-    return max(worst, float(np.abs(W - found["W"]).max()) / max(float(W.max()), 1e-30))
+    return max(worst, largest(W - found["W"]) / max(float(W.max()), 1e-30))

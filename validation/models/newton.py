@@ -13,6 +13,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
+from validation.values import largest
 
 TOLERANCE = 1e-3  # K_tol of App. B.3
 MOST = 500
@@ -53,7 +54,7 @@ def iterate(
                 return Iteration(float(F.mean()), step, True)  # type: ignore[attr-defined]
             J = np.array([[slope[0], -slope[1]], 1 + compliance * slope])
             h = h - (np.linalg.solve(J, f) if invert else J @ f)
-            if np.abs(h).max() > 1e3 * full:
+            if largest(h) > 1e3 * full:
                 return Iteration(float("nan"), step, False)
     return Iteration(float(F.mean()), MOST, False)  # type: ignore[attr-defined]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from validation.models.variants import with_straight_yarns
-from validation.values import Values
+from validation.values import Values, largest
 from weavecell.results import coupon
 
 if TYPE_CHECKING:
@@ -64,5 +64,5 @@ def asymmetry(result: Result) -> float:
     keys = {tuple(key): k for k, key in enumerate(np.round(1e7 * rest).astype(int))}
     for sign in ((-1, 1), (1, -1)):
         image = [keys[tuple(key)] for key in np.round(1e7 * rest * sign).astype(int)]
-        worst = max(worst, float(np.abs(x[image] - x * sign).max()))
+        worst = max(worst, largest(x[image] - x * sign))
     return worst / width

@@ -24,7 +24,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
 from validation.claims.readers import KEVLAR
 from validation.models.cell_equations import departure
-from validation.values import Values
+from validation.values import Values, largest, rms
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -175,7 +175,7 @@ def off_lone_yarns(name: str, **changes: Any) -> float:
     worst = 0.0
     for T, s, w, S0, yarn in zip(("T1", "T2"), stretches, weave.w, weave.S0, weave.yarns):
         lone = yarn.EA * np.maximum(2 * w * s / S0 - 1, 0)
-        worst = max(worst, np.abs(found[T] - lone).max() / yarn.EA)
+        worst = max(worst, largest(found[T] - lone) / yarn.EA)
     return worst
 
 
@@ -213,7 +213,7 @@ def lone_yarn() -> Values:
         for stretch in (1.01, stretch_at_failure(weave.warp) - 0.005):
             T = coupon.tensions(coupon.points * [stretch, 1.0])[0][lone]
             alone = weave.warp.EA * max(2 * weave.w1 * stretch - weave.S01, 0) / weave.S01
-            worst = max(worst, np.abs(T - alone).max() / weave.warp.strength)
+            worst = max(worst, largest(T - alone) / weave.warp.strength)
         # the printed w for 2w leaves it slack whatever the stretch
         as_printed = max(weave.w1 * stretch_at_failure(weave.warp) - weave.S01, 0)
     return {"difference over strength": worst, "as printed, at failure": as_printed}
@@ -300,9 +300,9 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
     cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
     work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
     return {
-        "warp": float(np.abs(cell["T1"] - T).max() / T.max()),
-        "weft": float(np.abs(cell["T2"] - path.T2).max() / path.T2.max()),
-        "energy": (np.abs(cell["W"] - work) / work.max()).max(),
+        "warp": largest(cell["T1"] - T) / T.max(),
+        "weft": largest(cell["T2"] - path.T2) / path.T2.max(),
+        "energy": largest(cell["W"] - work) / work.max(),
     }
 
 
@@ -325,4 +325,4 @@ def off_cosine(line: Any) -> float:
     """RMS distance of a deformed centreline from the cosine of its height and length, over the height."""
     x, z = line
     h = z[0] - z[-1]
-    return float(np.sqrt(np.mean((z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) ** 2)) / h)
+    return rms(z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) / h

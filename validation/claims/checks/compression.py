@@ -21,7 +21,7 @@ from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import crossover_kernels
 from validation.claims.readers import KEVLAR
-from validation.values import Values
+from validation.values import Values, largest
 
 
 @cache
@@ -146,6 +146,6 @@ def layers_taken_off(
     off = (both - alone) - (own.at(P) - own.at(P[0]))
     end = own.closure[-1]
     return {
-        "largest difference over the end": float(np.abs(off).max() / end),
+        "largest difference over the end": largest(off) / end,
         "layers over the ply": float(alone[-1] / end),
     }

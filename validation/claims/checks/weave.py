@@ -23,7 +23,7 @@ from shellfabric.panel.model import Panel
 from validation.claims.checks.cell import rectangle
 from validation.claims.readers import FAMILIES, KEVLAR
 from validation.published.bias_extension import coupon_fabric
-from validation.values import Values
+from validation.values import Values, largest
 
 
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
@@ -126,7 +126,7 @@ def law_shape() -> Values:
     for law in (catalogue.load(name).shear for name in KEVLAR):
         g = np.linspace(-1.2, 1.2, 24001)
         tau = law.stress(g)
-        odd = max(odd, float(np.abs(tau + tau[::-1]).max() / tau.max()))
+        odd = max(odd, largest(tau + tau[::-1]) / tau.max())
         for corner in (law.gamma1, law.gamma2):
             sides = law.stress(np.array([corner * (1 - 1e-14), corner * (1 + 1e-14)]))
             step = max(step, float(np.ptp(sides) / tau.max()))
@@ -155,7 +155,7 @@ def tension_change_in_shear(stretch: float, gamma: float) -> float:
         coupon.tensions(stretch * coupon.points),
         coupon.tensions(stretch * in_trellis(coupon, gamma)),
     )
-    return max(np.abs(square - sheared).max() / square.max() for square, sheared in both)
+    return max(largest(square - sheared) / square.max() for square, sheared in both)
 
 
 def bias_load_of_zones(length: float, width: float, elongation: float) -> float:

@@ -28,6 +28,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from shellfabric.projectile import contact
 from validation.models.cable import net_kernels as kernels
+from validation.values import largest
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -67,9 +68,7 @@ class NetResult:
     @property
     def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
-        return float(
-            np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0]
-        )
+        return largest(self.energies["error"]) / self.energies["kinetic_projectile"][0]
 
 
 class CableNet:
