@@ -27,7 +27,7 @@ from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from validation.models.variants import scale_solids
-from validation.values import Values
+from validation.values import Values, largest
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
 FORCES = ("T1", "T2", "F_c")

@@ -173,13 +173,12 @@ def members(entry: Values) -> list[Values]:
     if "each" not in entry:
         return [entry]
     rest = {key: value for key, value in entry.items() if key != "each"}
-    rows = [
-        dict(zip(entry["each"], values)) for values in zip(*entry["each"].values(), strict=True)
-    ]
-    return [
-        filled(rest, row | {"tag": str(row.get("fabric")).replace("S-", "s")}, shown=str)
-        for row in rows
-    ]
+    claims = []
+    for values in zip(*entry["each"].values(), strict=True):
+        row = dict(zip(entry["each"], values))
+        tag = str(row.get("fabric")).replace("S-", "s")
+        claims.append(filled(rest, row | {"tag": tag}, shown=str))
+    return claims
 
 
 def condition_of(text: str) -> Condition:
@@ -196,11 +195,15 @@ def condition_of(text: str) -> Condition:
         )
     name, _, expression = found["said"].partition(": ")
     expression = in_si(expression)
-    if equal := found["equal"]:
-        literal = equal.startswith("[") or equal in ("True", "False")
-        return Condition(name, expression, "is", ast.literal_eval(equal) if literal else equal)
+    equal = found["equal"]
+    if equal:
+        if equal.startswith("[") or equal in ("True", "False"):
+            equal = ast.literal_eval(equal)
+        return Condition(name, expression, "is", equal)
+    tolerance = float(found["tolerance"] or 0)
     relative = found["of"] == "%" != found["unit"]
-    tolerance = float(found["tolerance"] or 0) * (0.01 if relative else 1)
+    if relative:
+        tolerance *= 0.01
     return Condition(
         name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative
     )

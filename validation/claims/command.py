@@ -78,15 +78,10 @@ def main(
         pages.write(page, table, command=command, commit=stamp["commit"], date=stamp["date"])
     print(", ".join(f"{count} {verdict}" for verdict, count in pages.counts(table).items()))
     print(f"written to {out}/ledger.csv", flush=True)
-    changed = [
-        (claim, record)
-        for claim, record in zip(claims, records)
-        if judge.changed(claim, record.verdict)
-    ]
-    for claim, record in changed:
-        print(
-            f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
-        )
-    if changed:
-        return 1
-    return 0
+    code = 0
+    for claim, record in zip(claims, records):
+        if judge.changed(claim, record.verdict):
+            told = f"{record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
+            print(f"{claim.id}: {told}")
+            code = 1
+    return code

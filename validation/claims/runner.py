@@ -17,13 +17,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from validation.claims import checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
-from validation.values import Values
+from validation.values import Values, compute_each
 
 VARIANTS: dict[str, Values] = {  # name: what is merged into the keywords of shots at one ply
     "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
@@ -71,30 +70,29 @@ def validate(
     -------
     One record a claim, in the order of the claims.
     """
-    chosen = [claim for claim in claims if slow or not claim.slow]
-    every = ()
-    if vary:
-        every = VARIANTS
-    variants = {
-        claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen
-    }
-    tasks = [(claim, name) for claim in chosen for name in (None, *variants[claim.id])]
-    wanted = {run for task in tasks for run in _flat(runs_of(*task)) if not _missing(run)}
-    runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
-    done = dict(
-        zip(
-            runs,
-            run_cache.results(
-                compute, [(run,) for run in runs], folder=folder, report=report, **pool
-            ),
-        )
-    )
-    records = [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in claims]
-    for place, claim in enumerate(claims):
-        if claim.id in variants:
-            verdicts = {name: check(claim, done, name).verdict for name in variants[claim.id]}
-            records[place] = replace(check(claim, done), variants=verdicts)
-    return records
+    tasks: list[tuple[Claim, str | None]] = []
+    for claim in claims:
+        if claim.slow and not slow:
+            continue
+        tasks.append((claim, None))
+        for name in VARIANTS:
+            if vary and runs_of(claim, name) != runs_of(claim):
+                tasks.append((claim, name))
+    wanted: set[Run] = set()
+    for task in tasks:
+        wanted.update(run for run in _flat(runs_of(*task)) if not _missing(run))
+    # the long ones first, so that no core waits for one at the end
+    ordered = sorted(wanted, key=lambda run: (not _is_long(run), run))
+    done = compute_each(compute, ordered, folder=folder, report=report, **pool)
+    left_out = "slow: run with --slow"
+    records = {claim.id: Record(claim.id, LEFT_OUT, note=left_out) for claim in claims}
+    for claim, name in tasks:
+        record = check(claim, done, name)
+        if name is None:
+            records[claim.id] = record
+        else:
+            records[claim.id].variants[name] = record.verdict
+    return list(records.values())
 
 
 def compute(run: Run) -> Any:
@@ -119,12 +117,12 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
                 return Record(claim.id, NOT_TESTABLE, note=f"{package} is not installed")
             if isinstance(done[run], WeavecellError):
                 raise done[run]
-        results = {
-            name: {key: done[run] for key, run in spec.items()}
-            if isinstance(spec, dict)
-            else done[spec]
-            for name, spec in specs.items()
-        }
+        results = {}
+        for name, spec in specs.items():
+            if isinstance(spec, dict):
+                results[name] = {key: done[run] for key, run in spec.items()}
+            else:
+                results[name] = done[spec]
         return judge.judge(claim, values(claim, results))
     except WeavecellError as problem:
         return Record(claim.id, MISSED, miss=str(problem), note=str(problem))
@@ -147,10 +145,8 @@ def values(claim: Claim, results: Values) -> Values:
 def runs_of(claim: Claim, variant: str | None = None) -> Values:
     """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
     names = checks.names()
-    return {
-        name: _specified(spec, names, VARIANTS.get(variant or "", {}))
-        for name, spec in claim.run.items()
-    }
+    changes = VARIANTS.get(variant or "", {})
+    return {name: _specified(spec, names, changes) for name, spec in claim.run.items()}
 
 
 def is_long(claim: Claim) -> bool:
@@ -161,15 +157,18 @@ def is_long(claim: Claim) -> bool:
 def _specified(spec, names, changes):
     if "for" not in spec:
         return _varied(run_of(spec, names), changes)
-    rows = names[spec["for"]] if isinstance(spec["for"], str) else spec["for"]
-    spec = {key: value for key, value in spec.items() if key != "for"}
+    rows = spec["for"]
+    if isinstance(rows, str):
+        rows = names[rows]
+    rest = {key: value for key, value in spec.items() if key != "for"}
     found: Values = {}
     for row in rows:
+        key = row
         chosen = {"": row}
         if isinstance(row, list):
-            chosen = {f"{k}": part for k, part in enumerate(row)}
-        run = run_of(filled(spec, chosen, shown=str), names)
-        found[tuple(row) if isinstance(row, list) else row] = _varied(run, changes)
+            key = tuple(row)
+            chosen = {f"{place}": part for place, part in enumerate(row)}
+        found[key] = _varied(run_of(filled(rest, chosen, shown=str), names), changes)
     return found
 
 
@@ -180,8 +179,10 @@ def _varied(run, changes):
         keywords = changes.get("change", {}) | keywords
     elif run.kind in SHOTS and keywords.get("plies", 1) == 1:
         for name, value in changes.items():
-            own = keywords.get(name)
-            keywords[name] = value | (own or {}) if name == "change" else own or value
+            own = keywords.get(name) or {}
+            keywords[name] = own or value
+            if name == "change":
+                keywords[name] = value | own
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
 
 

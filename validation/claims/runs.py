@@ -98,23 +98,21 @@ def setup(
     history : keys beside those of HISTORY
     **keywords : of `weavecell.setup`
     """
-    used = changed_fabric(fabric, **change or {})
-    plies = keywords.get("plies", 1)
+    change = change or {}
+    used = changed_fabric(fabric, **change)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
-    own = {} if isinstance(projectile, str) else projectile or {}
-    made = wc.setup(
-        used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords
-    )
+    keywords["projectile"] = PROJECTILE
+    if isinstance(projectile, dict):
+        keywords["projectile"] = PROJECTILE | projectile
+    made = wc.setup(used, velocity, history=HISTORY | (history or {}), **keywords)
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
-        rest = (simulation.Ply(used),) * (plies - 1)
-        made = replace(
-            made, lay_up=(simulation.Ply(changed_fabric(fabric, **(change or {}) | struck)), *rest)
-        )
-        made = replace(made, fabric=made.lay_up[0].fabric, laws=made.lay_up[0].laws)
+        first = simulation.Ply(changed_fabric(fabric, **change | struck))
+        rest = [simulation.Ply(used)] * (made.plies - 1)
+        made = replace(made, lay_up=(first, *rest), fabric=first.fabric, laws=first.laws)
     return made
 
 
@@ -156,17 +154,16 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
 
     if failure_time:
         solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
-        for lines in (
-            lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)
-        ):
-            lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
+        factor = -np.expm1(-solver.const.dt / failure_time)
+        for const in solver.consts:
+            const.warp_lines.filter_factor[:] = factor
+            const.weft_lines.filter_factor[:] = factor
         solver.run((watch,))
         result = simulation.collect_result(made, solver)
     else:
         result = simulation.run(made, hooks=(watch,))
-    plain = made.target(
-        made.plain_table()
-    )  # whose table of the cell, which takes 15 MB, is not needed any more
+    # the table of the cell takes 15 MB and is not needed any more
+    plain = made.target(made.plain_table())
     return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
 
 
@@ -233,16 +230,14 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     if cloth == "none":
         options = {"steps": 2, "max_iterations": 6000}
     table = CellModel(fabric, model=model).table(201)
-    try:  # at 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
+    try:
+        # at a tolerance of 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
         result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
     except UnstableError as found:
         result = found.result
     values = bias_extension.measured(result)
-    values |= {
-        "angles": np.radians(values["angles"]),
-        "asymmetry": bias_extension.asymmetry(result),
-    }
-    return SimpleNamespace(**values)
+    values["angles"] = np.radians(values["angles"])
+    return SimpleNamespace(**values, asymmetry=bias_extension.asymmetry(result))
 
 
 def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleNamespace:
@@ -255,12 +250,14 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     result = quasistatic.picture_frame(
         table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
     )
-    stress = quasistatic.frame_stress(result)
     weave = table.model.fabric.weave
-    side = np.array([2 * cells * w for w in weave.w])
-    slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
-    force = stress * side[0] * side[1] * weave.thickness / slope
-    return SimpleNamespace(gamma=result.prescribed, stress=stress, force=force, side=side)
+    gamma = result.prescribed
+    stress = quasistatic.frame_stress(result)
+    side = 2 * cells * np.array(weave.w)
+    area = side[0] * side[1]
+    slope = np.sqrt(area) * np.cos(0.25 * np.pi + 0.5 * gamma)
+    force = stress * area * weave.thickness / slope
+    return SimpleNamespace(gamma=gamma, stress=stress, force=force, side=side)
 
 
 def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -> SimpleNamespace:
@@ -302,7 +299,8 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
 def pencil(plies: int, **target: Any) -> SimpleNamespace:
     """A run of Table 6-2 before its block, or the bare block without plies (`cases.block.target`); wall in rad."""
     found = block.target(plies, **target)
-    return SimpleNamespace(**found | {"wall": np.radians(found["wall"])})
+    found["wall"] = np.radians(found["wall"])
+    return SimpleNamespace(**found)
 
 
 def _meshed(fabric, size=SIZE, **options):
@@ -328,18 +326,21 @@ def stretched(
     found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
     x = mesh.points + found.last["u"]
     lines = []
-    for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
+    for axis, (grid, sign) in enumerate(zip(mesh.grids, (1, -1))):
         # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
-        low = x[grid[:, 0, 0]]
-        high = x[grid[:, 0, -1]]
-        lines.append(np.stack([0.5 * (low + high)[:, axis], sign * 0.5 * (low + high)[:, 2]]))
-    thickness = [
-        np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
-        for points in (mesh.points, x)
-    ]
+        middle = 0.5 * (x[grid[:, 0, 0]] + x[grid[:, 0, -1]])
+        lines.append(np.stack([middle[:, axis], sign * middle[:, 2]]))
     return SimpleNamespace(
-        **_columns(found), lines=lines, thickness=thickness[0], thickness_end=thickness[1]
+        **_columns(found),
+        lines=lines,
+        thickness=_thickness(mesh, mesh.points),
+        thickness_end=_thickness(mesh, x),
     )
+
+
+def _thickness(mesh, points):
+    """(2,) [m] height of the first section of each yarn."""
+    return np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
 
 
 def plates(fabric: str) -> SimpleNamespace:

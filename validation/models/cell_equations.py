@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
+from validation.values import largest
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
