@@ -29,3 +29,8 @@ def compute_each(
     """{case: what the function makes of it}, each case once; options of `run_cache.results`."""
     unique = list(dict.fromkeys(cases))
     return dict(zip(unique, run_cache.results(function, [(case,) for case in unique], **options)))
+
+
+def flags(checks: Iterable[Any]) -> str:
+    """Names of the quality checks whose limit is passed."""
+    return ", ".join(check.name for check in checks if not check.ok)

@@ -19,7 +19,7 @@ from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
 from validation.published.biaxial_glass import free_edge
-from validation.values import Values, rms
+from validation.values import Values, flags, rms
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -99,7 +99,7 @@ def printed_law(*, d1: float, d2: float) -> Values:
         "off": off,
         "F": float(ours["F"]),
         "F_printed": float(theirs["F"]),
-        "flags": ", ".join(check.name for check in checks if not check.ok),
+        "flags": flags(checks),
     }
 
 

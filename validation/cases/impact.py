@@ -16,14 +16,14 @@ import weavecell as wc
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
-from fabrics.variants import with_failure_length
+from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
 from shellfabric.output.wave_fronts import fronts
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
-from validation.values import Values, rms
+from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
@@ -79,21 +79,15 @@ def changed(
     failure_length : [m]
     """
     factors = {"linear_density": mass} | dict(yarns or {})
-    fabric = fabric.with_yarns(
-        **{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()}
-    )
+    fabric = scale_yarns(fabric, **factors)
     weave = fabric.weave
     gap = fabric.interlayer_gap
-    warp, weft = (
-        replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ()
-    )
     fabric = replace(
-        fabric,
+        scale_laws(fabric, size, size * mass ** (1 / 3)),
         weave=replace(
             weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size
         ),
-        laws=(warp, weft),
-        interlayer_gap=None if gap is None else size * gap,
+        interlayer_gap=gap and size * gap,
     )
     if law != "regularised":
         fabric = variants.with_law_form(fabric, law)
@@ -102,7 +96,7 @@ def changed(
     if failure_length is not None:
         fabric = with_failure_length(fabric, failure_length)
     if crossovers > 1:
-        return variants.homogenised(fabric, crossovers)
+        fabric = variants.homogenised(fabric, crossovers)
     return fabric
 
 
@@ -208,7 +202,7 @@ def found(result: ImpactResult, keywords: Values) -> Values:
             "peak": np.array(result.peak_tension) / yarns,
             "fronts": speeds,
             "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
-            "flags": ", ".join(check.name for check in result.checks if not check.ok),
+            "flags": flags(result.checks),
             "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
             if late.any()
             else nan,
@@ -317,7 +311,7 @@ def limit(
     slowest = min(
         (one for one in bracket.shots if one.perforated), key=lambda one: one.strike_velocity
     )
-    flags = {check.name for one in bracket.ends for check in one.checks if not check.ok}
+    beyond = {check.name for one in bracket.ends for check in one.checks if not check.ok}
     summary = {
         "low": bracket.low,
         "high": bracket.high,
@@ -325,7 +319,7 @@ def limit(
         "half_width": bracket.half_width,
         "shots": len(bracket.shots),
         "error": max(one.balance for one in bracket.shots),
-        "flags": ", ".join(sorted(flags)),
+        "flags": ", ".join(sorted(beyond)),
         "cut_yarns": slowest.cut_yarns,
         "window": nan,
     }
@@ -335,13 +329,13 @@ def limit(
     if not multiples:
         return summary
     shots = ballistic_limit.shoot(target, [one * bracket.velocity for one in multiples])
-    strikes, residuals = zip(
-        *((one.strike_velocity, one.residual_velocity) for one in shots if one.perforated)
-    )
-    fit = lambert_jonas.fit(strikes, residuals, limit=bracket.velocity)
+    strikes = np.array([one.strike_velocity for one in shots])
+    residuals = np.array([one.residual_velocity for one in shots])
+    passed = np.array([one.perforated for one in shots])
+    fit = lambert_jonas.fit(strikes[passed], residuals[passed], limit=bracket.velocity)
     return summary | {
-        "strikes": [one.strike_velocity for one in shots],
-        "residuals": [one.residual_velocity for one in shots],
+        "strikes": strikes.tolist(),
+        "residuals": residuals.tolist(),
         "a": fit.a,
         "p": fit.p,
         "a_interval": fit.intervals["a"],

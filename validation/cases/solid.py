@@ -27,7 +27,7 @@ from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from validation.models.variants import scale_solids
-from validation.values import Values, largest
+from validation.values import Values, flags, largest
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
 FORCES = ("T1", "T2", "F_c")
@@ -147,8 +147,7 @@ def bars(*, bars: int, reduced: bool) -> Values:
         raise UnstableError(record.failed)
     thickness = 2 * catalogue.load(FABRIC).weave.h01
     checks = quality.of_yarn(record["astray"], thickness)
-    flags = ", ".join(check.name for check in checks if not check.ok)
-    return {"astray": float(max(record["astray"])) / thickness, "flags": flags}
+    return {"astray": float(max(record["astray"])) / thickness, "flags": flags(checks)}
 
 
 def platens(

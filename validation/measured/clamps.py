@@ -76,7 +76,7 @@ def settings(shots: Sequence[tuple[Values, Values]]) -> list[Values]:
         row[velocity] = outcome
         if outcome == "perforated":
             row[velocity] += f", {shot['residual_velocity']:.0f} m/s left"
-        slips = np.round(shot["slip"], 2)
-        row[f"slip at {velocity}, warp / weft [mm]"] = slips.tolist()
+        slips = [round(slip, 2) for slip in shot["slip"]]
+        row[f"slip at {velocity}, warp / weft [mm]"] = slips
         row["energy error [%]"] = max(shot["error"], row.get("energy error [%]", 0.0))
     return list(found.values())
