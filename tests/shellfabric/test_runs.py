@@ -203,7 +203,8 @@ def target(kind):
 
 def begun(kind, struck=None):
     """(solver of a run of this kind, its hooks), which record histories and take snapshots."""
-    setup, request = setup_of(kind), HistoryRequest(2e-6)
+    setup = setup_of(kind)
+    request = HistoryRequest(2e-6)
     solver = PackSolver(struck or target(kind), setup.strike_velocity, setup.end_time)
     solver.history_request = request
     return solver, (Recorder([panel for panel, _, _ in solver.parts], request), Snapshots(6e-6))
@@ -286,10 +287,9 @@ def energy(kind):
 
 def impulse(kind):
     """The contact force, summed over the steps, is the momentum lost; at the end alone where it is told a step late."""
-    run, late = (
-        ended(kind),
-        {"bar": 1e-2, "backing": 2e-3}.get(kind),
-    )  # of an elastic tip, of a block
+    # the impulse of an elastic tip or of a block is known less well
+    run = ended(kind)
+    late = {"bar": 1e-2, "backing": 2e-3}.get(kind)
     lost = -run.projectile.mass * (run.sample("v") - run.sample("v")[0])[1:]
     given = np.cumsum(run.contact_force[1:] * np.diff(run.sample("t")))
     assert run.contact_force.max() > 100.0
@@ -323,7 +323,8 @@ def resume(kind, tmp_path):
         if solver.time > 0.7 * solver.end_time:
             raise Interrupted
 
-    (first, hooks), (second, more) = begun(kind), begun(kind)
+    first, hooks = begun(kind)
+    second, more = begun(kind)
     with pytest.raises(Interrupted):
         first.run((*hooks, interrupt))
     checkpoint.write(first, tmp_path / "run.h5")
@@ -341,7 +342,8 @@ def threads(kind):
 
 def symmetry(kind):
     """A quarter, a half and the whole are one run; packs until they tear: then the last digit decides what touches."""
-    quarter, E = ended(kind), ended(kind).strike_energy
+    quarter = ended(kind)
+    E = ended(kind).strike_energy
     same = slice(None if len(quarter.parts) == 1 else np.argmax(quarter.sample("cut_yarns") > 0))
     assert len(quarter.samples[same]) > 1
     for part in ("half", "whole")[kind == "backing" :]:  # of which no half is modelled
@@ -351,14 +353,16 @@ def symmetry(kind):
             other.sample("cut_yarns")[same], quarter.sample("cut_yarns")[same], rtol=1e-9
         )
         for name in quarter.energy_names:
-            mine, theirs = quarter.sample(name)[same], other.sample(name)[same]
+            mine = quarter.sample(name)[same]
+            theirs = other.sample(name)[same]
             np.testing.assert_allclose(theirs, mine, rtol=0, atol=1e-9 * E, err_msg=name)
 
 
 def window(kind):
     """Working only where motion has come gives the very numbers of working everywhere."""
     wide = setup_of(kind, opening=0.06).target()
-    (near, _), (everywhere, _) = begun(kind, wide), begun(kind, wide)
+    near, _ = begun(kind, wide)
+    everywhere, _ = begun(kind, wide)
     everywhere.stack.awake[:] = True
     for const, state in zip(everywhere.consts, everywhere.states):
         state.active_rows[:] = 0, const.ni
@@ -468,8 +472,10 @@ def test_it_holds(kind, invariant, tmp_path):
     invariant(kind, tmp_path) if invariant is resume else invariant(kind)
 
 
-PINNED, STUCK = {"crossovers": None}, {"crossovers": CrossoverFriction(inf)}
-THREE, IDLE = {"plies": 3}, RateLaw((1.0, 1000.0), (1.0, 1.0))
+PINNED = {"crossovers": None}
+STUCK = {"crossovers": CrossoverFriction(inf)}
+THREE = {"plies": 3}
+IDLE = RateLaw((1.0, 1000.0), (1.0, 1.0))
 SAME = {  # kind, and the changes that make one run of it in two ways
     "a threshold that nothing reaches": ("sliding", PINNED, STUCK),
     "the same, whole": ("sliding", {"symmetry": "whole"} | PINNED, {"symmetry": "whole"} | STUCK),

@@ -140,7 +140,8 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch,
 @pytest.mark.parametrize("plies", [1, 2])
 def test_deflection_is_that_of_the_last_ply(shoot, plies):
     result = shoot(60.0, plies=plies, **OFTEN)
-    nodes, rest = result.last[-1].nodes, 0.0 if plies == 1 else result.target.places[-1]
+    nodes = result.last[-1].nodes
+    rest = 0.0 if plies == 1 else result.target.places[-1]
     assert result.deflection[-1] == pytest.approx(nodes[..., 2].max() - rest, rel=1e-12)
     assert result.deflection[0] == 0.0
     assert result.max_deflection == result.deflection.max()
@@ -160,8 +161,11 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
     result = shoot(60.0, plies=plies, **OFTEN | {"end_time": 40e-6})
     setup = result.setup
     last = result.peaks[-1]
-    peaks, times, places = last[:, 0], last[:, 1], last[:, 2:]
-    dt, middle = result.step_history[0, 0], 0.25 * 0.0508
+    peaks = last[:, 0]
+    times = last[:, 1]
+    places = last[:, 2:]
+    dt = result.step_history[0, 0]
+    middle = 0.25 * 0.0508
     for family in range(2):
         assert 0 < times[family] <= setup.end_time + dt
         assert np.all((places[family] >= 0) & (places[family] <= 2 * middle))
@@ -176,21 +180,28 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
 
 def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     """A block, at rest at first, on a belt that moves at `belt`, pulled by a force: velocities and energies."""
-    stuck, v, taken, held, path = np.zeros(6), 0.0, 0.0, 0.0, []
+    stuck = np.zeros(6)
+    v = 0.0
+    taken = 0.0
+    held = 0.0
+    path = []
     force = pull
     for _ in range(steps):
         v += dt * force / mass
         t_x, _, _, work, held = friction_kernels.friction_force(
             stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3
         )
-        taken, force = taken + work, t_x + pull
+        taken = taken + work
+        force = t_x + pull
         path.append(v)
     return np.array(path), taken, held
 
 
 def test_block_on_a_belt_slips_then_sticks():
     """It gains mu N / m until it goes with the belt, which costs m V^2 / 2, whatever the friction."""
-    mass, belt, dt = 2e-3, 3.0, 1e-6
+    mass = 2e-3
+    belt = 3.0
+    dt = 1e-6
     k = 0.05 * mass / dt**2
     for limit in (0.5, 2.0):
         slip = mass * belt / limit
@@ -207,8 +218,12 @@ def test_block_on_a_belt_slips_then_sticks():
 
 def test_block_sticks_up_to_its_friction():
     """Pulled by half of mu N it gives by the elastic slip alone; by 1.5 mu N it speeds up by the rest."""
-    mass, limit, dt, steps = 2e-3, 1.0, 1e-6, 2000
-    k, c = 0.05 * mass / dt**2, 0.2 * mass / dt
+    mass = 2e-3
+    limit = 1.0
+    dt = 1e-6
+    steps = 2000
+    k = 0.05 * mass / dt**2
+    c = 0.2 * mass / dt
     held = slide(k, c, limit, mass, 0.0, steps, dt, pull=0.5)[0]
     assert abs(held[-1]) < 1e-12
     assert dt * held.sum() == pytest.approx(0.5 / k, rel=1e-6)
@@ -217,7 +232,8 @@ def test_block_sticks_up_to_its_friction():
 
 
 def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
-    rng, stuck = np.random.default_rng(0), np.zeros(6)
+    rng = np.random.default_rng(0)
+    stuck = np.zeros(6)
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)

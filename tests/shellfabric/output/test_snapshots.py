@@ -22,7 +22,8 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
     """At the instants of snapshots, tensions and deflections are those of the whole panel's snapshot."""
     measure = HistoryRequest(1e-6, (0.0, 6e-3), (0.0, 10e-3))
     result = shoot(symmetry=symmetry, history=measure, snapshot_interval=20e-6)
-    panel, (recorded,) = result.panel, result.histories
+    panel = result.panel
+    (recorded,) = result.histories
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
     for (shot,) in result.snapshots:
@@ -57,7 +58,8 @@ PARTS = {
 @pytest.mark.parametrize("part", PARTS)
 def test_reactions_take_up_the_momentum(shoot, part):
     """The lift of the edges, summed over the steps, is what projectile and plies have lost: to the last digits."""
-    momentum, start = [], 60.0 * Projectile().mass
+    momentum = []
+    start = 60.0 * Projectile().mass
 
     def weigh(solver):
         loose = [(state, state.inverse_mass > 0) for state in solver.states]
@@ -70,7 +72,8 @@ def test_reactions_take_up_the_momentum(shoot, part):
     result = shoot(
         60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part]
     )
-    t, edges = result.histories[0].t, [ply.edges for ply in result.histories]
+    t = result.histories[0].t
+    edges = [ply.edges for ply in result.histories]
     lift = sum(ply[name][:, LIFT] for ply in edges for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
@@ -134,7 +137,8 @@ def made_up(tension, place, deflection):
 def test_fronts_of_made_up_waves():
     """A ramp that runs at 3000 m/s and a triangle that spreads at 250 m/s come back to the last digits."""
     t = 1e-6 * np.arange(1, 31)
-    middles, nodes = 1e-3 * (np.arange(100) + 0.5), 1e-3 * np.arange(101)
+    middles = 1e-3 * (np.arange(100) + 0.5)
+    nodes = 1e-3 * np.arange(101)
     tension = 1e7 * np.maximum(t[:, None] - middles / 3000, 0)
     late = 10 * t
     deflection = np.maximum(0.1 * (250 * late[:, None] - nodes), 0)
@@ -176,7 +180,8 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
         **STRIP,
     )
     (recorded,) = run(setup).histories
-    yarn, warp = recorded.through("warp"), fabric.weave.warp
+    yarn = recorded.through("warp")
+    warp = fabric.weave.warp
     heavy = replace(
         warp,
         linear_density=warp.linear_density * (1 + crossing),
@@ -205,7 +210,8 @@ def test_front_of_a_crimped_yarn_is_a_shock(fabric):
         **STRIP | {"table_size": 201},
     )
     (recorded,) = run(setup).histories
-    yarn, weave = recorded.through("warp"), fabric.weave
+    yarn = recorded.through("warp")
+    weave = fabric.weave
     front = wave_fronts.longitudinal(yarn, recorded.t)
     kink = wave_fronts.transverse(yarn, recorded.t)
     T = np.median(

@@ -12,8 +12,10 @@ SYMMETRIES = ("quarter", "half", "whole")
 def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
     """Areal density and yarns per metre times the area; nodes and yarns on rims and planes of symmetry by half."""
     panel = make_panel(symmetry=symmetry)
-    const, state = panel.constants(), panel.state(50.0)
-    mass, corner = grid(const, state.mass), 0.25 * panel.weave.areal_density * const.dx * const.dy
+    const = panel.constants()
+    state = panel.state(50.0)
+    mass = grid(const, state.mass)
+    corner = 0.25 * panel.weave.areal_density * const.dx * const.dy
     area = (
         np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share
     )  # of 24 x 24 crossovers as a whole
@@ -35,7 +37,8 @@ def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
 @pytest.mark.parametrize("edge", [("clamped", "clamped"), ("free", "free"), ("clamped", "free")])
 def test_held_nodes_have_no_inverse_mass(symmetry, edge):
     panel = make_panel(symmetry=symmetry, edge=edge)
-    const, state = panel.constants(), panel.state(50.0)
+    const = panel.constants()
+    state = panel.state(50.0)
     free = np.ones((const.ni + 1, const.nj + 1), bool)
     for axis, (side, mirrored) in enumerate(zip(edge, panel.mirrors)):
         if side == "clamped":

@@ -28,7 +28,8 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     """At the weft's ends alone: u_y = - length (1 - |x| / (zone / 2)) (t - start) / (end - start)."""
     panel = make_panel(edge=("clamped", SLIP), symmetry=symmetry)
     solver = solver_at_rest(panel, 50.0)
-    state, const = solver.state, solver.const
+    state = solver.state
+    const = solver.const
     triangle = SLIP.length * np.maximum(1 - np.abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(
@@ -63,7 +64,8 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
     the share of F that their line has in a yarn."""
     changes = {"symmetry": symmetry, "elements_per_crossover": elements}
     panel = make_panel(edge=(Grip(20.0), "clamped"), failure=False, **changes)
-    const, held = panel.constants(), np.full(panel.counts[1], 20.0 / elements)
+    const = panel.constants()
+    held = np.full(panel.counts[1], 20.0 / elements)
     held[0] *= 0.5 if symmetry == "quarter" else 1.0  # a plane of symmetry halves a yarn
     for strain in (0.002, 0.02):
         state = panel.state(1.0)
@@ -116,10 +118,8 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
 
 def test_grips_are_struck_off_the_middle():
     """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
-    x, sides = (
-        4.3 * 2 * make_panel().weave.w[0],
-        {"symmetry": "whole", "edge": (Grip(5.0), "clamped")},
-    )
+    x = 4.3 * 2 * make_panel().weave.w[0]
+    sides = {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
     right, left = (
         PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x)
     )
@@ -167,7 +167,8 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
 def test_what_is_shown_ends_at_the_opening(changes):
     """Nodes within it are shown where they are, and those that lie in the clamp on the edge."""
     panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
-    held, shown = ~boundary.loose(panel), np.array(boundary.shown(panel))
+    held = ~boundary.loose(panel)
+    shown = np.array(boundary.shown(panel))
     assert np.array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
     place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(
         *panel.impact_point
@@ -202,7 +203,8 @@ def test_an_edge_is_felt_by_its_distance_from_the_impact():
         solver = PackSolver(panel, 90.0, 16e-6).run()
         return solver.sample("reaction_warp")[-1], solver.sample("v")[-1]
 
-    near, far = pull(46, 8.0), pull(46, -8.0)
+    near = pull(46, 8.0)
+    far = pull(46, -8.0)
     assert near[0] == pytest.approx(pull(30)[0], rel=1e-7)
     assert near[0] > 20.0
     assert abs(far[0]) < 0.1
@@ -215,7 +217,8 @@ def test_edge_forces_of_a_round_opening():
     for symmetry in ("quarter", "half", "whole"):
         panel = make_panel(0.04, symmetry=symmetry, round=True)
         state = PackSolver(panel, 90.0, 30e-6).run().state
-        sides, force = histories.edge_nodes(panel), np.add(state.f_int, state.f_int_above)
+        sides = histories.edge_nodes(panel)
+        force = np.add(state.f_int, state.f_int_above)
         total = [(weights * force[:, nodes]).sum(axis=1) for nodes, weights, _ in sides]
         pulls.append(
             [

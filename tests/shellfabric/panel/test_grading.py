@@ -124,7 +124,8 @@ def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
 
 def reflected(table, zones, wavelength):
     """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
-    edge, numerics = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
+    edge = ("clamped", "free")
+    numerics = Numerics(stretch_viscosity=0.0)
     panel = make_panel(
         table=table,
         opening=(0.6, 0.0203),
@@ -134,17 +135,23 @@ def reflected(table, zones, wavelength):
         numerics=numerics,
     )
     solver = solver_at_rest(panel, 1.0)
-    state, const = solver.state, solver.const
-    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
-    x, weave, d = rest(panel), panel.weave, panel.spacing[0]
+    state = solver.state
+    const = solver.const
+    state.projectile_position[2] = -1.0
+    state.active_rows[:] = (0, const.ni)
+    x = rest(panel)
+    weave = panel.weave
+    d = panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
-    length, k = wavelength * d, np.pi / (wavelength * d)
+    length = wavelength * d
+    k = np.pi / (wavelength * d)
 
     def within(X):
         return np.clip(X - 40 * d, -0.5 * length, 0.5 * length)
 
     # taut cloth, and a pulse u = f(X - c t) on it
-    X, along = x[..., 0], np.array([1.0, 0.0, 0.0])
+    X = x[..., 0]
+    along = np.array([1.0, 0.0, 0.0])
     set_nodal(state.u, (0.01 * X + 1e-6 * np.cos(k * within(X)) ** 2)[..., None] * along)
     set_nodal(
         state.v,
@@ -172,10 +179,8 @@ def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
 
 def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
     """Against a plain loop over all pairs of yarn and line."""
-    factors, places = (
-        np.random.default_rng(3).uniform(0.5, 1.5, 41),
-        np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16]),
-    )
+    factors = np.random.default_rng(3).uniform(0.5, 1.5, 41)
+    places = np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
     for line, factor in enumerate(grading.weakest(factors, places)):
         mine = []
         for yarn in range(-20, 21):

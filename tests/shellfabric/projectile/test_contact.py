@@ -12,7 +12,8 @@ from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
 
-R, RHO = 2.75e-3, 0.3e-3
+R = 2.75e-3
+RHO = 0.3e-3
 
 
 def march(panel, strike_velocity, steps):
@@ -79,7 +80,8 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
     rubbed = state.contact_energy[FRICTION]
     for intact in state.intact_fraction:
         intact[:] = 0.0
-    state.element_flag[nodes], state.block_damage[:] = flag, element_kernels.DAMAGED
+    state.element_flag[nodes] = flag
+    state.block_damage[:] = element_kernels.DAMAGED
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
     assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
         -0.5 * const.dt * pushed, rel=1e-9

@@ -38,7 +38,9 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
     """A central difference over 2 nm; linear interpolation between samples, whose slope jumps, would be off by degrees
     at the faces of the cells, which half of the places are next to."""
     _, body = pairs["chisel"]
-    h, rng, step = body.solid.spacing, np.random.default_rng(1), 1e-9
+    h = body.solid.spacing
+    rng = np.random.default_rng(1)
+    step = 1e-9
     at = rng.uniform((-2e-3, -2e-3, -1e-3), (2e-3, 2e-3, 0), (200, 3))
     at[::2] = h * np.round(at[::2] / h) + 0.5 * step
     for place in at:
@@ -72,7 +74,8 @@ def test_a_body_is_its_own_mirror_image_or_not(pairs):
     lumped = solid.distances.copy()
     lumped[:10] -= 5e-5
     lopsided = replace(body, solid=replace(solid, digest="lopsided", distances=lumped))
-    assert (lopsided.mirrored(0), lopsided.mirrored(1)) == (False, True)
+    assert not lopsided.mirrored(0)
+    assert lopsided.mirrored(1)
     assert not replace(lopsided, roll=np.pi / 2).mirrored(1)
 
 

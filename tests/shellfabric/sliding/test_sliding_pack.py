@@ -44,7 +44,8 @@ def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
     """What the guard predicts is where its nodes come to."""
     run = PackSolver(Pack.stacked(sliding(ply, mu=0.1), 2, gap=GAP), 300.0, 20e-6).run()
     assert run.sample("cut_yarns")[-1] > 0
-    guard, looked_at = run.contact, 0
+    guard = run.contact
+    looked_at = 0
     for _ in range(200):
         run.advance(np.empty((1, 3)))
         nodes = guard.node_list[: guard.count[near_kernels.NODES]]
@@ -81,10 +82,8 @@ def test_all_that_touches_a_ply_presses_its_yarns_on_each_other(ply):
     for p, (const, state) in enumerate(zip(run.consts, run.states)):
         first, last = state.active_rows
         rows = slice(first * const.row_stride, (last + 1) * const.row_stride)
-        pressing, all_forces = (
-            run._slips[2].values[p].f_contact[2][rows],
-            run._loaded_state(p).f_contact[2][rows],
-        )
+        pressing = run._slips[2].values[p].f_contact[2][rows]
+        all_forces = run._loaded_state(p).f_contact[2][rows]
         most = np.abs(all_forces).max()
         assert np.abs(all_forces - state.f_contact[2][rows]).max() > 0.01 * most
         np.testing.assert_allclose(pressing, all_forces, rtol=1e-9, atol=1e-12 * most)

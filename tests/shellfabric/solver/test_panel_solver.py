@@ -39,10 +39,8 @@ def test_what_a_snap_costs_is_in_the_energy_error():
     here. It was taken out of the error by an estimate from the slopes of the forces.
     """
     march = snapping()
-    worked, stored = (
-        march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share,
-        march.sample("yarn_strain"),
-    )
+    worked = march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share
+    stored = march.sample("yarn_strain")
     lost = worked - (stored[-1] - stored[0])
     assert lost > 1.5e-3 * march.strike_energy
     assert not march.sample("formulation_residual").any()
@@ -80,7 +78,8 @@ def test_cloth_at_rest_stays_at_rest():
                 table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free"
             )
             solver = solver_at_rest(panel, 1.0)
-            state, const = solver.state, solver.const
+            state = solver.state
+            const = solver.const
             state.projectile_position[2] = -1.0  # the projectile is far away
             state.active_rows[:] = 0, const.ni
             for y, N, T in zip(state.yarn_length, state.N, state.T):
@@ -152,7 +151,8 @@ def test_unstable_run_stops_itself(shoot):
 def pull(panel, state, stretch1, stretch2):
     """Bring the cloth to even stretches, and let yarns fail."""
     X, Y = panel.coordinates()
-    const, work = panel.constants(), panel.work()
+    const = panel.constants()
+    work = panel.work()
     state.u[0][: X.size], state.u[1][: X.size] = (
         ((stretch1 - 1) * X).ravel(),
         ((stretch2 - 1) * Y).ravel(),
@@ -169,7 +169,9 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
     """Forces and tensions of a torn panel do not change where all edges are computed as those beside failed yarns."""
     panel = Panel(tables[form], (0.06, 0.05), symmetry="whole", grading=grading)
     march = PackSolver(panel, 200.0, 30e-6).run()
-    state, const, work = march.state, march.const, panel.work()
+    state = march.state
+    const = march.const
+    work = panel.work()
     assert 2 < march.sample("cut_yarns")[-1] < 200
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
@@ -187,7 +189,8 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     panel = small(
         table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements
     )
-    state, weave = panel.state(1.0), fabric.weave
+    state = panel.state(1.0)
+    weave = fabric.weave
     for lines in (panel.constants().warp_lines, panel.constants().weft_lines):
         lines.filter_factor[:] = 1.0  # no delay
     stored = []
@@ -218,14 +221,16 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
 def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     """With two of the four warp segments at its ends gone, a weft segment is half crossed, half alone."""
     panel = small(edge="free", symmetry="whole")
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     k = 12 * const.row_stride + 12
     for gone in (k, k + 1):
         state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
         state.element_flag[[gone - 1, gone]] = WARP_FAILED
     state.block_damage[:] = element_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
-    cell, weave = CellModel(fabric).solve(1.02, 1.015), fabric.weave
+    cell = CellModel(fabric).solve(1.02, 1.015)
+    weave = fabric.weave
     alone = weave.weft.EA * (2.03 * weave.w2 - weave.S02) / weave.S02
     assert state.T[1][k] == pytest.approx(0.5 * (float(cell["T2"]) + alone), rel=2e-3)
     assert state.T[1][k + 3 * const.row_stride] == pytest.approx(float(cell["T2"]), rel=2e-3)

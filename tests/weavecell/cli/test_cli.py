@@ -140,7 +140,8 @@ def test_show_copies_the_data_file_and_never_over_another(command, tmp_path):
     assert command("fabrics", "show", "S-728", "--out", ".")[0] == 0
     assert catalogue.read(tmp_path / "S-728.toml").weave == catalogue.load("S-728").weave
     code, _, err = command("fabrics", "show", "S-728", "--out", ".")
-    assert (code, err) == (2, "error: S-728.toml: exists already\n")
+    assert code == 2
+    assert err == "error: S-728.toml: exists already\n"
     assert "0.4391 mm" in command("fabrics", "show", "S-728.toml")[1]
 
 

@@ -121,7 +121,8 @@ def test_a_law_is_printed_with_its_intervals_and_spread(results):
 
 def test_a_law_outside_the_ends_of_its_range_says_so(small):
     found = wc.calibrate("S-720", mesh="coarse")
-    a, b = found.law.a, found.law.b
+    a = found.law.a
+    b = found.law.b
     law = replace(found.law, assumed_range=((0.5 * a, b), (2 * a, b)))  # at all forces
     found = replace(found, calibration=replace(found.calibration, law=law))
     note = "stiff end softer than the law from "

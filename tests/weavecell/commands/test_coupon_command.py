@@ -15,12 +15,14 @@ from weavecell.results import coupon as results_coupon
 from weavecell.scenes import coupon as scenes_coupon
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples" / "coupons").glob("*.toml"))
-LONG, UNSTABLE = {"S-728-bias"}, {"S-728-no-trellis"}
+LONG = {"S-728-bias"}
+UNSTABLE = {"S-728-no-trellis"}
 
 
 def interrupted_after(states):
     """The user presses Ctrl-C when this number of states has been kept."""
-    keep, calls = results_coupon.write_states, []
+    keep = results_coupon.write_states
+    calls = []
 
     def interrupted(*arguments):
         keep(*arguments)
@@ -35,10 +37,8 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, results, tmp_path):
     (tmp_path / "scene.toml").write_text(toml(SCENES["frame"]))
     with interrupted_after(2):
         code, _, err = command("coupon", "scene.toml", "--out", "r")
-    assert (code, err.splitlines()[-1]) == (
-        130,
-        "error: interrupted; --resume goes on from its last step",
-    )
+    assert code == 130
+    assert err.splitlines()[-1] == "error: interrupted; --resume goes on from its last step"
     assert [path.name for path in (tmp_path / "r").glob("[!.]*")] == ["checkpoint.h5"]
     assert command("coupon", "scene.toml", "--out", "r", "--resume")[0] == 0
     assert datasets(tmp_path / "r" / "histories.h5") == datasets(

@@ -65,10 +65,12 @@ def test_velocity_place_and_energies_agree(results, name):
 
 @pytest.mark.parametrize("name", ["impact", "pack"])
 def test_a_resumed_run_is_the_uninterrupted_one(command, results, interrupted, tmp_path, name):
-    whole, again = results(name).folder, tmp_path / "again"
+    whole = results(name).folder
+    again = tmp_path / "again"
     with interrupted(0.45):
         code, _, err = command("impact", whole / "scene.toml", "--out", "again")
-    assert (code, err) == (130, "error: interrupted; --resume goes on from its last checkpoint\n")
+    assert code == 130
+    assert err == "error: interrupted; --resume goes on from its last checkpoint\n"
     assert names(again) == ["checkpoint.h5"]
     assert command("impact", whole / "scene.toml", "--out", "again", "--resume")[0] == 0
     assert names(again) == names(whole)
@@ -86,7 +88,8 @@ def test_a_run_of_seconds_leaves_no_checkpoint(command, scene, interrupted, tmp_
 def test_resume_leaves_a_finished_run_and_a_shorter_one_leaves_nothing_of_it(
     command, scene, copied
 ):
-    written, before = (copied / "summary.json").read_text(), names(copied / "panel")
+    written = (copied / "summary.json").read_text()
+    before = names(copied / "panel")
     code, out, _ = command("impact", copied / "scene.toml", "--out", "results", "--resume")
     assert code == 0
     assert out.endswith("; done before with the same input and code, in results\n")
@@ -156,10 +159,8 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     assert panel.mirrors == (True, True)
     assert view.panel_of(folder / "panel.pvd", file).series == panel.series
     last, t = panel.series[-1]
-    assert (last, [time for _, time in panel.series]) == (
-        file,
-        sorted(time for _, time in panel.series),
-    )
+    assert last == file
+    assert [time for _, time in panel.series] == sorted(time for _, time in panel.series)
     assert t == pytest.approx(panel.record.time[-1], rel=1e-8)
     grid = pyvista.read(file)
     body = panel.body(grid, t)

@@ -27,14 +27,17 @@ def pack(results):
 
 
 def test_a_pack_says_what_it_is_made_of(pack):
-    told, record = pack.told, pack.record
+    told = pack.told
+    record = pack.record
     title = "1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg"
     assert f"{title}, 200 m/s: in flight" in pack.out
     assert "no back-face signature yet: the block moves with " in pack.out
     assert (
         f" of the strike energy, dent so far {told['back_face_signature_mm']:.3g} mm\n" in pack.out
     )
-    assert (told["plies"], told["stacking"], record.count) == (3, "lay-up", 3)
+    assert told["plies"] == 3
+    assert told["stacking"] == "lay-up"
+    assert record.count == 3
     assert told["ply_fabrics"] == ["S-728", "S-726", "S-726"]
     assert told["ply_angles_deg"] == [0.0, 30.0, -45.0]
     assert sum(told["ply_cut_yarns"]) == told["cut_yarns"]
@@ -74,7 +77,9 @@ def test_the_push_on_the_plies_is_what_the_projectile_has_lost(pack):
 def test_cuts_and_grids_of_turned_plies_lie_in_the_frame_of_all(pack):
     """Cuts go from edge to edge of the opening and through the deepest point of each ply."""
     record = pack.record
-    assert (record.mirror_x, record.mirror_y, record.backing.share) == (False, False, 1.0)
+    assert not record.mirror_x
+    assert not record.mirror_y
+    assert record.backing.share == 1.0
     for cut in record.cuts:
         for line in cut.lines:
             assert -HALF <= np.nanmin(line[:, 0]) < -20e-3

@@ -16,12 +16,16 @@ from weavecell.report import checks
 from weavecell.report.shot import chapters_shot
 from weavecell.results.impact import ImpactRecord
 
-GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
+GOOD = Indicator("a", 0.5, 1.0)
+BAD = Indicator("b", 2.0, 1.0)
+WORSE = Indicator("c", 9.0, 1.0, "m")
 NOTED = Indicator("d", 0.5, 1.0, note=0.1)
 
 
 def test_status_line_summary_and_section():
-    assert (checks.status((GOOD,)), checks.line((GOOD,)), checks.words((GOOD,))) == ("ok", "", "ok")
+    assert checks.status((GOOD,)) == "ok"
+    assert checks.line((GOOD,)) == ""
+    assert checks.words((GOOD,)) == "ok"
     assert checks.status((GOOD, BAD)) == "doubtful"
     assert checks.line((GOOD, BAD, WORSE)) == "c 9.00 m (limit 1 m); b 2.00 (limit 1)"
     assert checks.line((BAD,) * 5).endswith("2 more in the summary")

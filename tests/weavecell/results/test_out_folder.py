@@ -102,5 +102,6 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()}
     code, _, err = command("draws", "other.toml", "--out", "r", "--resume")
     line = "error: --out = 'r': must be another folder: this one has S-720, 155 m/s of today, of other input or "
-    assert (code, err) == (2, f"{line}options; without --resume it is replaced\n")
+    assert code == 2
+    assert err == f"{line}options; without --resume it is replaced\n"
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()} == before
