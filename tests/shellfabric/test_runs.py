@@ -467,7 +467,7 @@ def test_the_mechanism_acts(kind):
     assert RUNS[kind][1](ended(kind))
 
 
-@pytest.mark.parametrize(("kind", "invariant"), TABLE)
+@pytest.mark.parametrize("kind, invariant", TABLE)
 def test_it_holds(kind, invariant, tmp_path):
     invariant(kind, tmp_path) if invariant is resume else invariant(kind)
 

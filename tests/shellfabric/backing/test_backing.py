@@ -202,7 +202,7 @@ def test_absorbing_faces_take_a_wave_in_and_fixed_ones_throw_it_back():
 
 
 @pytest.mark.parametrize(
-    ("material", "viscosity", "size", "part"),
+    "material, viscosity, size, part",
     [(ELASTIC, 1.0, 0.05, "viscous"), (BACKING, 0.0, 0.4, "plastic")],
 )
 def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size, part):
@@ -408,7 +408,7 @@ def test_the_grid_grows_as_asked():
 
 
 @pytest.mark.parametrize(
-    ("key", "value"),
+    "key, value",
     [
         ("outer_boundary", "soft"),
         ("size", (0.1, 0.1)),

@@ -74,7 +74,7 @@ def test_decoupled_yarns_follow_the_length_of_their_arc(name):
         )
 
 
-@pytest.mark.parametrize(("profile", "number"), PROFILES.items())
+@pytest.mark.parametrize("profile, number", PROFILES.items())
 @pytest.mark.parametrize("name", FOLDED)
 def test_a_folded_yarn_stays_in_contact(name, profile, number):
     """Of a crossing yarn pulled straight the folded one has the height of the cell, and the tension of that arc."""

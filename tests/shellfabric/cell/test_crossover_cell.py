@@ -16,7 +16,7 @@ from validation.models.variants import with_law_form
 
 
 @pytest.mark.parametrize(
-    ("name", "F", "T1", "T2"),
+    "name, F, T1, T2",
     [
         ("S-720", 1.982, 3.45, 4.24),
         ("S-726", 0.927, 1.31, 3.15),

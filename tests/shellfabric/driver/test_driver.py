@@ -234,7 +234,7 @@ def test_a_failed_run_hands_on_its_result():
 
 
 @pytest.mark.parametrize(
-    ("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])]
+    "interval, steps", [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])]
 )
 def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
     solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
@@ -280,7 +280,7 @@ class Clock:
 
 
 @pytest.mark.parametrize(
-    ("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str
+    "share, reduces, threads", [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str
 )
 def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, threads):
     """Workers wait for every call of the kernel: to compile, for the first of five intervals, after each."""

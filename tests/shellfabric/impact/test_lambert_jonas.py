@@ -70,7 +70,7 @@ def test_no_projectile_leaves_faster_than_it_came():
 
 
 @pytest.mark.parametrize(
-    ("strike", "residual", "options", "told"),
+    "strike, residual, options, told",
     [
         ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], {}, "3 perforations do not determine 3"),
         (

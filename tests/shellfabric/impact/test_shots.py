@@ -114,7 +114,7 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
     )
 
 
-@pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])
+@pytest.mark.parametrize("velocity, torn", [(75.0, False), (150.0, True)])
 def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch, velocity, torn):
     """An oblique shot wanders over the panel; looking at all of it makes no difference.
 

@@ -160,7 +160,7 @@ def test_fronts_of_made_up_waves():
 
 
 @pytest.mark.parametrize(
-    ("crossing", "end_time"), [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
+    "crossing, end_time", [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
 )
 def test_straight_yarn_is_smiths(straight, crossing, end_time):
     """c / sqrt(1 + mass of the crossing yarn over its own), and Smith's U and tension for a yarn of that mass.

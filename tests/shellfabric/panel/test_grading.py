@@ -32,7 +32,7 @@ def shoot(strike_velocity, end_time, side=0.06, **changes):
 
 
 @pytest.mark.parametrize(
-    ("given", "side"),
+    "given, side",
     [
         (1, 1),
         (2.0, 2),
@@ -164,7 +164,7 @@ def reflected(table, zones, wavelength):
 
 
 @pytest.mark.parametrize(
-    ("zones", "wavelength", "most"),
+    "zones, wavelength, most",
     [
         (None, 16, 1e-3),
         (((100, 1), (INF, 2)), 32, 1.5e-3),
@@ -221,7 +221,7 @@ def test_a_projectile_that_leaves_the_first_zone_ends_the_run():
 
 
 @pytest.mark.parametrize(
-    ("zones", "elements", "side", "end", "near"),
+    "zones, elements, side, end, near",
     [
         (((10, 1), (14, 2), (INF, 4)), 1, 0.0762, 150e-6, 0.01),
         (((9, 0.5), (INF, 1)), 2, 0.05, 80e-6, 0.005),

@@ -19,7 +19,7 @@ def cut(panel, state, low, high, intact=0.0):
         warp[line, low:high] = weft[low:high, line] = intact
 
 
-@pytest.mark.parametrize(("symmetry", "low", "high"), [("quarter", 0, 4), ("whole", 9, 14)])
+@pytest.mark.parametrize("symmetry, low, high", [("quarter", 0, 4), ("whole", 9, 14)])
 def test_what_is_held(symmetry, low, high):
     """Nodes that yarn joins to no edge are not, nor the elements at them; one yarn left whole keeps them all. What is
     eroded is not."""

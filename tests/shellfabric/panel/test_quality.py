@@ -26,7 +26,7 @@ def small_panel(side=0.1, **numerics):
 
 
 @pytest.mark.parametrize(
-    ("numerics", "expected"),
+    "numerics, expected",
     [
         ({}, set()),
         ({"stretch_viscosity": 0.0}, {"tension oscillation"}),

@@ -42,7 +42,7 @@ def test_peak_tension_has_converged():
 
 
 @pytest.mark.parametrize(
-    ("shot", "knobs", "elements", "expected"),
+    "shot, knobs, elements, expected",
     [
         ({}, {}, 1, 8),  # an edge of 0.3 mm and elements of 1.27 mm
         ({"edge_radius": 0.1e-3}, {}, 1, 16),

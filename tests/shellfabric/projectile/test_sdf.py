@@ -131,7 +131,7 @@ def points(shape, count, seed=0, length=None):
 
 
 @pytest.mark.parametrize(
-    ("shape", "length"),
+    "shape, length",
     [(one, None) for one in ANALYTIC] + [("flat", LENGTH), ("cone", LENGTH), ("chisel", LENGTH)],
 )
 def test_distance_is_that_of_the_nearest_point(shape, length):

@@ -25,7 +25,7 @@ def pinned(panel):
 
 
 @pytest.mark.parametrize(
-    ("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)]
+    "cohesion, cfl", [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)]
 )
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
@@ -145,7 +145,7 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
 
 
 @pytest.mark.parametrize(
-    ("mu", "cohesion", "alone", "pressed", "slips"),
+    "mu, cohesion, alone, pressed, slips",
     [
         (0.0, 0.5, False, 0.0, True),
         (0.0, 1.0, False, 0.0, False),
@@ -171,7 +171,7 @@ def test_a_yarn_slips_above_its_threshold(sliding, mu, cohesion, alone, pressed,
     assert slip.q[1][node] == pytest.approx(speed if slips else 0.0, rel=1e-9)
 
 
-@pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
+@pytest.mark.parametrize("cohesion, share", [(1e6, 0.5), (0.0, 1.0)])
 def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(
     straight, cohesion, share
 ):
@@ -240,7 +240,7 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
 
 
 @pytest.mark.parametrize(
-    ("key", "value"),
+    "key, value",
     [
         ("elements_per_crossover", 2),
         ("grading", ((8, 1), (np.inf, 2))),

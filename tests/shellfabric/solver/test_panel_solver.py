@@ -47,7 +47,7 @@ def test_what_a_snap_costs_is_in_the_energy_error():
     assert march.sample("error")[-1] == pytest.approx(-lost, abs=5e-4 * march.strike_energy)
 
 
-@pytest.mark.parametrize(("factor", "sign"), [(0.99, 1), (1.01, -1)])
+@pytest.mark.parametrize("factor, sign", [(0.99, 1), (1.01, -1)])
 def test_a_wrong_force_is_still_caught(factor, sign):
     """Forces of the weft that are off by 1 % put the balance off by half as much."""
     wrong, right = (snapping(**changes) for changes in ({"force_per_slope2": factor}, {}))

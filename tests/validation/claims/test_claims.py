@@ -108,7 +108,7 @@ def test_conditions(condition):
 
 
 @pytest.mark.parametrize(
-    ("marks", "met", "missed"),
+    "marks, met, missed",
     [
         ({}, judge.REPRODUCED, judge.MISSED),
         ({"against": "a factor is missing"}, judge.WRONG, judge.MISSED),

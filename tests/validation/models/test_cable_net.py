@@ -70,7 +70,7 @@ def test_momentum(fabric, velocity):
 
 
 @pytest.mark.parametrize(
-    ("fabric", "velocity", "bound"),
+    "fabric, velocity, bound",
     [(S720, 100.0, 5e-3), (S720, 250.0, 5e-3), (FLAT, 100.0, 1e-4), (FLAT, 200.0, 1e-4)],
 )
 def test_energy(fabric, velocity, bound):
@@ -98,7 +98,7 @@ def beside_shell(crimps):
 
 
 @pytest.mark.parametrize(
-    ("crimps", "bounds"),
+    "crimps, bounds",
     [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))],
     ids=["flat", "crimped"],
 )

@@ -38,7 +38,7 @@ def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
     assert shot["energy_error_max"] < 2e-3
 
 
-@pytest.mark.parametrize(("plies", "modulus", "mass"), [(1, 5.0, 1.155), (4, 1.0, 1.155)])
+@pytest.mark.parametrize("plies, modulus, mass", [(1, 5.0, 1.155), (4, 1.0, 1.155)])
 def test_a_target_has_the_mass_and_modulus_of_its_case(plies, modulus, mass):
     """Table 6-2: areal density 1.155 kg/m2 of 1 or 4 plies, modulus 480 and 96 GPa."""
     small = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)

@@ -100,7 +100,7 @@ def test_the_log_is_plain_whatever_a_library_sets_up():
 
 
 @pytest.mark.parametrize(
-    ("kind", "names", "some"),
+    "kind, names, some",
     [
         ("fabrics", catalogue.list_names(), ["S-720", "252.9"]),
         (

@@ -21,7 +21,7 @@ def test_mesh_is_written_and_reported(command, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "domain", "facts"),
+    "words, domain, facts",
     [
         (
             "S-728 --mesh coarse --domain whole --section ellipse --yarn-gap 30um",

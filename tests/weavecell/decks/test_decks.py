@@ -262,7 +262,7 @@ def test_units_are_consistent():
 
 
 @pytest.mark.parametrize(
-    ("to", "factors"),
+    "to, factors",
     [
         (
             "lsdyna",
