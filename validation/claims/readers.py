@@ -5,7 +5,7 @@ Times are in s, places in m, velocities in m/s, forces in N; a `run` is what a f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -49,6 +49,19 @@ def effective(name: str) -> Fabric:
 def weave(name: str) -> Weave:
     """The weave of `fabric`."""
     return catalogue.load(name).weave
+
+
+def crimped(names: Sequence[str] = KEVLAR) -> Iterator[Any]:
+    """(half length of the cell [m], height [m], length [m], Yarn) of each family of some fabrics."""
+    for name in names:
+        weave = catalogue.load(name).weave
+        yield from zip(weave.w, weave.h0, weave.S0, weave.yarns)
+
+
+def derivative(function: Callable[[float], Any], x: float, step: float) -> Any:
+    """Central difference of four points, whose error falls with step^4."""
+    before2, before, after, after2 = (function(x + k * step) for k in (-2, -1, 1, 2))
+    return (before2 - 8 * before + 8 * after - after2) / (12 * step)
 
 
 def panel(name: str, size: int = 8) -> Panel:
@@ -155,14 +168,14 @@ def strain(run: Any, family: str) -> FloatArray:
 
 def onset(run: Any, family: str) -> float:
     """Instant at which its reaction at the edge first exceeds ONSET; nan where it never does."""
-    t = run.t
     N = run.reactions[family]
     level = ONSET * strength(run)[FAMILIES.index(family)]
-    above = np.flatnonzero(N > level)
-    if above.size == 0 or above[0] == 0:
+    first = int(np.argmax(N > level))
+    # argmax is 0 as well if the level is never passed
+    if first == 0:
         return np.nan
-    k = above[0]
-    return float(np.interp(level, N[k - 1 : k + 1], t[k - 1 : k + 1]))
+    around = slice(first - 1, first + 1)
+    return float(np.interp(level, N[around], run.t[around]))
 
 
 def reaction(run: Any, family: str) -> tuple[FloatArray, FloatArray]:
@@ -222,42 +235,39 @@ def noise(t: FloatArray, y: FloatArray, start: float = -np.inf, stop: float = np
 def unevenness(run: Any, beside: float = 10e-3) -> float:
     """|ln| of warp over weft tension, each over its strength, of the yarns through the impact point when one of them is
     closest to failing; the largest within `beside` [m] of the middle."""
-    shares = np.array(
-        [
-            yarn(run, f).tension[:, yarn(run, f).X < beside].max(axis=1) / yarn(run, f).strength
-            for f in FAMILIES
-        ]
-    )
-    warp, weft = shares[:, np.argmax(np.maximum(*shares))]
-    return abs(np.log(warp / weft))
+    shares = []
+    for family in FAMILIES:
+        history = yarn(run, family)
+        shares.append(history.tension[:, history.X < beside].max(axis=1) / history.strength)
+    closest = np.argmax(np.maximum(*shares))
+    return abs(np.log(shares[0][closest] / shares[1][closest]))
 
 
 def zones(run: Any, stop: float = 200e-6) -> Values:
     """Instant of the kink of two straight lines through the velocity history, and their slopes."""
     t = np.linspace(0, min(stop, end(run)), 401)
-    best = (np.inf, None, None)
+    velocity = v(run, t)
+    least = np.inf
     for kink in t[20:-20]:
         basis = np.stack([np.ones_like(t), np.minimum(t, kink), np.maximum(t - kink, 0)], axis=1)
-        found, *_ = np.linalg.lstsq(basis, v(run, t), rcond=None)
-        best = min(
-            best,
-            (float(np.sum((basis @ found - v(run, t)) ** 2)), kink, found),
-            key=lambda one: one[0],
-        )
-    return {"kink": best[1], "before": best[2][1], "after": best[2][2]}  # type: ignore[index]
+        line, *_ = np.linalg.lstsq(basis, velocity, rcond=None)
+        off = float(np.sum((basis @ line - velocity) ** 2))
+        if off < least:
+            least = off
+            found = {"kink": kink, "before": line[1], "after": line[2]}
+    return found
 
 
 def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values:
     """Weft reactions across the edge, as means over a window [s]: of the middle and of the plateau [N], and the width
     [m] of the zone, which ends where `level` of what the middle has more than the plateau is left."""
     clock = run.histories[0].t
-    wefts = (yarn for yarn in run.histories[0].yarns if yarn.family == "weft")
-    ends = {
-        abs(yarn.offset): yarn.tension[(clock > start) & (clock < stop), -1].mean()
-        for yarn in wefts
-    }
-    offset = np.array(sorted(ends))
-    profile = np.array([ends[place] for place in offset])
+    window = (clock > start) & (clock < stop)
+    ends = {}
+    for yarn in run.histories[0].yarns:
+        if yarn.family == "weft":
+            ends[abs(yarn.offset)] = yarn.tension[window, -1].mean()
+    offset, profile = np.array(sorted(ends.items())).T
     plateau = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
     below = np.flatnonzero(profile < plateau + level * (profile[0] - plateau))
     return {

@@ -8,6 +8,7 @@ Where the printed compression law is meant, it is used; else the regularised one
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from shellfabric.cell import crossover_kernels
 from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
-from validation.claims.readers import KEVLAR
+from validation.claims.readers import crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
 
@@ -103,12 +104,11 @@ def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> F
 def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
     """Of the cell along a yarn, at which the yarn is at its strength; that across is `other`."""
     strength = model.fabric.weave.yarns[family].strength
-    return brentq(
-        lambda stretch: float(pulled(model, family, stretch, other)) - strength,
-        1.0,
-        1.5,
-        xtol=1e-12,
-    )
+
+    def excess(stretch):
+        return float(pulled(model, family, stretch, other)) - strength
+
+    return brentq(excess, 1.0, 1.5, xtol=1e-12)
 
 
 def equilibrium() -> Values:
@@ -133,18 +133,15 @@ def equilibrium() -> Values:
 def jacobian_ratio() -> float:
     """dS/dh by differences of the arc length, over eq. 4-24 as printed; furthest from 2."""
     ratios = []
-    for weave in (catalogue.load(name).weave for name in KEVLAR):
-        for w, h in zip(weave.w, weave.h0):
-            step = 1e-4 * h
-            S = [arc_length(w, h + k * step) for k in (-2, -1, 1, 2)]
-            rise = (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
-            k = np.pi / (2 * w)
+    for w, h, *_ in crimped():
+        rise = derivative(partial(arc_length, w), h, 1e-4 * h)
+        k = np.pi / (2 * w)
 
-            def written(x, k=k, h=h):
-                return np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
+        def written(x, k=k, h=h):
+            return np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
 
-            ratios.append(rise / (k * k * h * quad(written, 0, w, epsabs=0, epsrel=1e-12)[0]))
-            assert abs(crossover_kernels.arc(w, h)[1] / rise - 1) < 1e-6
+        ratios.append(rise / (k * k * h * quad(written, 0, w, epsabs=0, epsrel=1e-12)[0]))
+        assert abs(crossover_kernels.arc(w, h)[1] / rise - 1) < 1e-6
     return max(ratios, key=lambda ratio: abs(ratio - 2))
 
 
@@ -154,26 +151,24 @@ def sine_slope_error() -> float:
     F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
     """
     worst = 0.0
-    for weave in (catalogue.load(name).weave for name in KEVLAR):
-        for w, h, S0, yarn in zip(weave.w, weave.h0, weave.S0, weave.yarns):
-            stretched = 1.02 * w
-            F, dF, T = crossover_kernels.contact_force(
-                stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
-            )
-            dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
-            found = (0.5 * dF - dT * 0.5 * F / T) / T
-            written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
-            worst = max(worst, abs(found / written - 1))
+    for w, h, S0, yarn in crimped():
+        stretched = 1.02 * w
+        F, dF, T = crossover_kernels.contact_force(
+            stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
+        )
+        dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
+        found = (0.5 * dF - dT * 0.5 * F / T) / T
+        written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
+        worst = max(worst, abs(found / written - 1))
     return worst
 
 
 def off_lone_yarns(name: str, **changes: Any) -> float:
     """Tensions of the cell less those of lone yarns, over EA; of random states at which the yarns would touch."""
     stretches = random_states(name)
-    weave = catalogue.load(name).weave
     found = cell(name, **changes).solve(*stretches)
     worst = 0.0
-    for T, s, w, S0, yarn in zip(("T1", "T2"), stretches, weave.w, weave.S0, weave.yarns):
+    for T, s, (w, _, S0, yarn) in zip(("T1", "T2"), stretches, crimped([name])):
         lone = yarn.EA * np.maximum(2 * w * s / S0 - 1, 0)
         worst = max(worst, largest(found[T] - lone) / yarn.EA)
     return worst
@@ -224,11 +219,12 @@ def surfaces(fabric: str) -> Values:
     models = [cell(fabric, model) for model in BOUNDED]
     pairs = grid(models[0], 41)
     found = [model.solve(*pairs) for model in models]
-    W = [part["W"][unfailed(models[0], found[0])] for part in found]
+    sound = unfailed(models[0], found[0])
+    high, middle, low = (part["W"][sound] for part in found)
+    least = min(float((high - middle).min()), float((middle - low).min()))
     return {
-        "least distance over the highest": min(float((a - b).min()) for a, b in (W[:2], W[1:]))
-        / W[0].max(),
-        "mean share of the way": float(np.mean(W[1] - W[2]) / np.mean(W[0] - W[2])),
+        "least distance over the highest": least / high.max(),
+        "mean share of the way": float(np.mean(middle - low) / np.mean(high - low)),
         "off the equations": max(departure(model, *pairs) for model in models),
     }
 
@@ -252,8 +248,8 @@ def curve_change(curve: CellPath, family: int, shift: float) -> float:
     strain = curve.strain[:, family]
     tension = curve.tension[:, family]
     common = strain > shift
-    off = np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2)
-    return np.sqrt(off) / np.sqrt(np.mean(tension[common] ** 2))
+    off = rms(tension[common] - np.interp(strain[common] - shift, strain, tension))
+    return off / rms(tension[common])
 
 
 def look_up(fabric: str, n: int, samples: int) -> Values:
@@ -312,13 +308,12 @@ def cell_error(path: Any, fabric: str, profile: str) -> float:
     given = catalogue.load(fabric)
     cell = CellModel(given, form="equilibrium", profile=profile)
     found = cell.solve(*(1 + d / w for d, w in zip((path.d1, path.d2), given.weave.w)))
-    both = list(zip((found["T1"], found["T2"]), (path.T1, path.T2), given.weave.yarns))
-    sound = np.all([T <= yarn.strength for T, _, yarn in both], axis=0)
-    return float(
-        np.sqrt(
-            np.mean(np.square([(T - given) / yarn.strength for T, given, yarn in both])[:, sound])
-        )
-    )
+    errors = []
+    sound = True
+    for key, yarn in zip(("T1", "T2"), given.weave.yarns):
+        sound = sound & (found[key] <= yarn.strength)
+        errors.append((found[key] - getattr(path, key)) / yarn.strength)
+    return rms(np.array(errors)[:, sound])
 
 
 def off_cosine(line: Any) -> float:
