@@ -105,8 +105,9 @@ def cross(
     )
     half = [0.5 * (centre // crossovers) * w for w in of_cell.model.fabric.weave.w]
     warp, weft = quasistatic.middle_strain(result, half)[-1]
-    loads = (float(abs(result.force(grip, axis)[-1])) for grip, axis in ((1, 0), (3, 1)))
-    return dict(zip(("load_warp", "load_weft"), loads)) | {
+    return {
+        "load_warp": float(abs(result.force(1, 0)[-1])),
+        "load_weft": float(abs(result.force(3, 1)[-1])),
         "strain_warp": float(warp),
         "strain_weft": float(weft),
     }

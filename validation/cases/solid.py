@@ -11,7 +11,6 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
@@ -21,16 +20,17 @@ from shellfabric.panel import quality
 from unitcell3d.cases import pull_out as pulling
 from unitcell3d.cases import single_yarn
 from unitcell3d.cases.biaxial_and_platens import plate_compression
-from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
+from validation.claims.checks.cell import fitted
 from validation.models.variants import scale_solids
 from validation.values import Values, flags, largest
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
 FORCES = ("T1", "T2", "F_c")
+INTEGRATION = {False: solid_law.FULL, True: solid_law.ONE_POINT}  # by whether it is reduced
 PACKING = 1e6  # [Pa] below which platens close four fifths
 POINTS = 24  # of the platen curve
 
@@ -79,35 +79,30 @@ def paths(
     UnstableError : a path that does not reach its end
     """
     fabric = scale_solids(catalogue.load(FABRIC), dict(solids or {}))
-    options: Values = {} if tip is None else {"tip_thickness_ratio": tip}
+    options: Values = {}
+    if tip is not None:
+        options["tip_thickness_ratio"] = tip
     mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
     if equal_bars:
         mesh = replace(
             mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
         )
-    integration = solid_law.FULL
-    if one_point:
-        integration = solid_law.ONE_POINT
     numerics = _numerics(factors or {}, friction=friction)
-    stepping: Any = dict(steps or {})
+    stepping = replace(Steps(), **(steps or {}))
     histories = []
     unknowns = 0
     values: dict[str, float] = {}
     for name, end in ends.items():
-        model = CrossoverModel(mesh, fabric, numerics, integration=integration)
+        model = CrossoverModel(mesh, fabric, numerics, integration=INTEGRATION[one_point])
         load: Any = tuple(end)
-        history = solve_load_path(
-            model, Load(), Load(load), case=name, steps=replace(Steps(), **stepping)
-        )
+        history = solve_load_path(model, Load(), Load(load), case=name, steps=stepping)
         if history.failed:
             raise UnstableError(f"{name}: {history.failed}")
         histories.append(history)
         values |= {f"{force}, {name}": float(getattr(history, force)[-1]) for force in FORCES}
         unknowns = model.size
     try:
-        law = CompressionLaw.fit(
-            *(np.concatenate(parts) for parts in zip(*map(samples, histories)))
-        )
+        law = fitted(*histories)
     except InputError:
         law = None
     return {"values": values, "a": law and law.a, "b": law and law.b, "unknowns": unknowns}
@@ -141,7 +136,7 @@ def bars(*, bars: int, reduced: bool) -> Values:
         0,
         bars=None if bars >= lines else bars,
         rows=12,
-        integration=solid_law.ONE_POINT if reduced else solid_law.FULL,
+        integration=INTEGRATION[reduced],
     )
     if record.failed:
         raise UnstableError(record.failed)
@@ -303,9 +298,7 @@ def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: flo
             name: (value, *found.solid.intervals[name])
             for name, value in found.solid.values.items()
         }
-        for name, misfit in (
-            ("misfit_before", found.solid.misfit_before),
-            ("misfit", found.solid.misfit),
-        ):
+        for name in ("misfit_before", "misfit"):
+            misfit = getattr(found.solid, name)
             summary[name] = misfit.closure, misfit.pressure
     return summary

@@ -108,18 +108,21 @@ def read() -> list[Row]:
 def _row(measure, input, changes, coarse, **columns):
     if not measure:
         return Row(**columns)
-    own, cheapest = (
-        tuple(
-            (key.strip(), value)
-            for key, _, value in (part.partition("=") for part in texts.split(";"))
-            if value
-        )
-        for texts in (changes, coarse)
-    )
+    own = _changes(changes)
     cheap = None
     if coarse != "-":
-        cheap = case_of(measure, input, (*own, *cheapest))
+        cheap = case_of(measure, input, own + _changes(coarse))
     return Row(**columns, case=case_of(measure, input, own), coarse_case=cheap)
+
+
+def _changes(text):
+    """((key, value), ...) of "key = value; key = value"."""
+    pairs = []
+    for part in text.split(";"):
+        key, _, value = part.partition("=")
+        if value:
+            pairs.append((key.strip(), value))
+    return tuple(pairs)
 
 
 def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
@@ -139,9 +142,8 @@ def _value(text):
 # {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
 OF_SHOTS: dict[str, Callable[[Any], Any]] = {
     "outcome": lambda shot: shot.outcome,
-    "slip": lambda shot: (
-        1e3 * float(shot.plies["pull_in"].max())
-    ),  # largest way of a yarn's end out of its clamp
+    # the largest way of a yarn's end out of its clamp
+    "slip": lambda shot: 1e3 * float(shot.plies["pull_in"].max()),
     "torn_plies": lambda shot: float(np.count_nonzero(shot.plies["cut_yarns"][-1])),
 }
 OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
@@ -163,9 +165,9 @@ def compute(case: Case) -> tuple[Any, float, float]:
         found = _strike(case)
         error = largest(found.energies["error"]) / found.energies["projectile"][0]
         return OF_BLOCKS[case.measure](found), 0.0, error
-    if case.measure in ("limit", "growth"):
-        if case.measure == "limit":
-            return _limit(case)
+    if case.measure == "limit":
+        return _limit(case)
+    if case.measure == "growth":
         return _growth(case)
     if case.measure == "v50":
         found = wc.v50(case.setup(), shots=int(case.options["shots"])).summary()
@@ -175,7 +177,8 @@ def compute(case: Case) -> tuple[Any, float, float]:
     fabric = wc.fabric(table["name"], linear_density=table["linear_density"])
     if case.measure in OF_FABRICS:
         return OF_FABRICS[case.measure](fabric), 0.0, 0.0
-    return _closure(case, fabric)[("closure_below", "closure_above").index(case.measure)], 0.0, 0.0
+    below, above = _closure(case, fabric)
+    return {"closure_below": below, "closure_above": above}[case.measure], 0.0, 0.0
 
 
 def _limit(case, **more):
