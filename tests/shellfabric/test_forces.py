@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from conftest_tools import Pressed, grid
+from numpy.testing import assert_allclose
 from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
 
@@ -429,7 +430,7 @@ def test_turned_bodies_have_turned_forces(name, seed):
         [(x - origin) @ turn + origin for x in case.x], [part @ turn for part in v]
     )
     for after, before in zip(turned, case.forces(case.x, v)):
-        np.testing.assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
+        assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
 
 
 @pytest.mark.parametrize("symmetry", ["half", "quarter"])
@@ -444,14 +445,14 @@ def test_a_part_has_the_forces_and_the_energy_of_the_whole(name, seed, symmetry)
     forces = whole.forces(x, [unfold(*both, part.mirrors) for both in zip(v, part.x)])
     for place, mine, theirs in zip(part.x, part.forces(part.x, v), forces):
         if place.ndim == 1:
-            np.testing.assert_allclose(images * mine[2], theirs[2], rtol=1e-9)
+            assert_allclose(images * mine[2], theirs[2], rtol=1e-9)
             continue
         theirs = theirs[tuple(slice(-n, None) for n in place.shape[:-1])].copy()
         for axis in np.flatnonzero(part.mirrors):
             on_plane = place[..., axis] == 0.0
             theirs[on_plane] *= 0.5
             theirs[on_plane, axis] = mine[on_plane, axis] = 0.0
-        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
+        assert_allclose(mine, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
     if part.energy:
         assert images * part.energy(part.x) == pytest.approx(whole.energy(x), rel=1e-9)
 
@@ -471,4 +472,4 @@ def test_the_audit_has_the_energies_of_the_definitions(name, seed):
     x = case_of(name, seed).x[0]
     for damage in (INTACT, DAMAGED):
         energies = audited(state_at(panel, x, damage=damage), panel)
-        np.testing.assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)
+        assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)

@@ -9,6 +9,7 @@ from math import inf, pi
 import numpy as np
 import pytest
 from conftest_tools import Interrupted
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import rest
 
 from fabrics import catalogue
@@ -260,7 +261,7 @@ def assert_same(one, other):
     )
     assert list(one) == list(other)
     for name, array in one.items():
-        np.testing.assert_array_equal(array, other[name], err_msg=name)
+        assert_array_equal(array, other[name], err_msg=name)
 
 
 # what holds of every kind
@@ -282,7 +283,7 @@ def energy(kind):
         name for name in run.energy_names if name.startswith("backing")
     }
     whole = run.ply_sample("energy").sum(axis=1) + sum(run.sample(name) for name in apart)
-    np.testing.assert_allclose(whole - run.sample("error"), E, rtol=1e-12)
+    assert_allclose(whole - run.sample("error"), E, rtol=1e-12)
 
 
 def impulse(kind):
@@ -293,8 +294,8 @@ def impulse(kind):
     lost = -run.projectile.mass * (run.sample("v") - run.sample("v")[0])[1:]
     given = np.cumsum(run.contact_force[1:] * np.diff(run.sample("t")))
     assert run.contact_force.max() > 100.0
-    np.testing.assert_allclose(given[-1], lost[-1], rtol=late or 1e-9)
-    np.testing.assert_allclose(given, lost, rtol=0, atol=np.inf if late else 1e-9 * lost[-1])
+    assert_allclose(given[-1], lost[-1], rtol=late or 1e-9)
+    assert_allclose(given, lost, rtol=0, atol=np.inf if late else 1e-9 * lost[-1])
 
 
 def momentum(kind):
@@ -313,7 +314,7 @@ def momentum(kind):
             ]
             found += along.sum(axis=(0, 1))
     near = 5e-5 if run.slips else 1e-12  # of 1e-3 that slips, with a flux of half a step before
-    np.testing.assert_allclose(found, start, rtol=0, atol=near * np.abs(start).max())
+    assert_allclose(found, start, rtol=0, atol=near * np.abs(start).max())
 
 
 def resume(kind, tmp_path):
@@ -348,14 +349,14 @@ def symmetry(kind):
     assert len(quarter.samples[same]) > 1
     for part in ("half", "whole")[kind == "backing" :]:  # of which no half is modelled
         other = changed(kind, symmetry=part)
-        np.testing.assert_allclose(other.sample("v")[same], quarter.sample("v")[same], rtol=1e-9)
-        np.testing.assert_allclose(
+        assert_allclose(other.sample("v")[same], quarter.sample("v")[same], rtol=1e-9)
+        assert_allclose(
             other.sample("cut_yarns")[same], quarter.sample("cut_yarns")[same], rtol=1e-9
         )
         for name in quarter.energy_names:
             mine = quarter.sample(name)[same]
             theirs = other.sample(name)[same]
-            np.testing.assert_allclose(theirs, mine, rtol=0, atol=1e-9 * E, err_msg=name)
+            assert_allclose(theirs, mine, rtol=0, atol=1e-9 * E, err_msg=name)
 
 
 def window(kind):
@@ -512,9 +513,9 @@ def test_it_is_one_run_in_two_ways(name):
     assert torn(one)
     for each in one.sample_names:
         scale = one.strike_energy if each in one.energy_names else 1.0
-        np.testing.assert_allclose(
+        assert_allclose(
             other.sample(each), one.sample(each), rtol=1e-12, atol=1e-12 * scale, err_msg=each
         )
     for mine, theirs in zip(one.states, other.states):
         for each in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction", "f_contact"):
-            np.testing.assert_array_equal(getattr(mine, each), getattr(theirs, each), err_msg=each)
+            assert_array_equal(getattr(mine, each), getattr(theirs, each), err_msg=each)

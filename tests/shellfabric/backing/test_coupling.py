@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
@@ -110,17 +111,13 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     assert rested.outcome == "stopped"
     assert rested.residual_velocity == 0
     assert rested.t[-1] == pytest.approx(stopped.t[-1] + 30e-6, abs=2.1e-6)
-    np.testing.assert_array_equal(
-        rested.step_history[: len(stopped.step_history)], stopped.step_history
-    )
+    assert_array_equal(rested.step_history[: len(stopped.step_history)], stopped.step_history)
     assert rested.energies["backing_kinetic"][-1] < stopped.energies["backing_kinetic"][-1]
     assert rested.energy_error_max < 5e-3
     march = PackSolver(long.panel(), 60.0, long.end_time)
     checkpoint.read(march, path)
     assert march.time > stopped.t[-1]
-    np.testing.assert_array_equal(
-        collect_result(long, march.run()).step_history, rested.step_history
-    )
+    assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
     cut = run(replace(long, end_time=stopped.t[-1] + 10e-6))
     assert cut.outcome == "stopped"
     assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(
@@ -164,7 +161,7 @@ def test_a_whole_block_is_four_quarters(fabric):
     assert one.share == 1.0
     assert other.share == 0.25
     for name in ("crater", "crater_weft"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)
+        assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)
     assert one.volume == pytest.approx(other.volume, rel=1e-9)
     assert one.depth_map[::-1, ::-1] * [-1, -1, 1] == pytest.approx(one.depth_map, abs=1e-12)
 

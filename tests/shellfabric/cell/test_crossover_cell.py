@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.polynomial.polynomial import polyval2d
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import table
 
 from fabrics import catalogue
@@ -181,7 +182,7 @@ def test_forces_beyond_the_table(name):
     )
     k11, k21 = by_x
     k12, k22 = by_y
-    np.testing.assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
+    assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
     middle = 0.5 * (k11 + k22)
     radius = np.hypot(0.5 * (k11 - k22), k12)
     assert np.min(middle - radius) > -1e-3 * table.stiffness()
@@ -197,9 +198,9 @@ def test_forces_beyond_the_table(name):
             for a, b in ((h, 0.0), (0.0, h))
         ]
         N = [part[0] for part in table_forces(table, x[k : k + 1], y[k : k + 1])]
-        np.testing.assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
+        assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
     edge = np.full(n, ends[1])
-    np.testing.assert_allclose(
+    assert_allclose(
         table_forces(table, inside[0], edge + 1e-9), table_forces(table, inside[0], edge), atol=1e-4
     )
     exact = table.model.solve(inside[0], far[1])["N1"]
@@ -222,7 +223,7 @@ def test_rest_is_the_lowest_energy(name):
         assert relaxation_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
         assert table_potential(table, x, y) >= -1e-18
     # at the node itself there is none; a place is in a table to the last digit
-    np.testing.assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
+    assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
 
 
 def test_out_of_range(tables, fabric):
@@ -233,8 +234,8 @@ def test_out_of_range(tables, fabric):
     T1, T2 = table_forces(table, x, y)
     exact = table.model.solve(x, y)
     assert np.all(T1 == 0.0)
-    np.testing.assert_array_equal(exact["T1"], 0.0)
-    np.testing.assert_allclose(T2, exact["T2"], atol=1e-3 * fabric.weave.weft.strength)
+    assert_array_equal(exact["T1"], 0.0)
+    assert_allclose(T2, exact["T2"], atol=1e-3 * fabric.weave.weft.strength)
     top = table.stretch1[-1] + np.array([0.0, 0.1, 0.2])
     T1, _ = table_forces(table, top, np.ones(3))
     assert np.all(T1 > fabric.weave.warp.strength)
@@ -252,7 +253,7 @@ def test_values_and_slopes_are_continuous_from_cell_to_cell(form):
                     polyval2d(1.0, across, part[:, :, :-1]),
                     polyval2d(0.0, across, part[:, :, 1:]),
                 )
-                np.testing.assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
+                assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
 
 
 def test_bound_of_a_single_cell_of_constant_tension():
@@ -265,6 +266,6 @@ def test_bound_of_a_single_cell_of_constant_tension():
     steps, unit = packed_table._ceiling(*packed_table._bounds(force, tension))
     assert unit == pytest.approx(T / 256, rel=1e-12)
     first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
-    np.testing.assert_array_equal(steps[: first - 1], 0.0)
-    np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
-    np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)
+    assert_array_equal(steps[: first - 1], 0.0)
+    assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
+    assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)

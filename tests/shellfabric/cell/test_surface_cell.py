@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
@@ -38,7 +39,7 @@ def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
     cell = SurfaceCell(fabric, sampled(fabric, axis(-12, 36, 25), axis(-12, 30, 29)), form)
     table = cell.table(121)
     law = CellModel(fabric).table(121)
-    np.testing.assert_array_equal(table.stretch1, law.stretch1)
+    assert_array_equal(table.stretch1, law.stretch1)
     part = inside(table, cell)
     strength = fabric.weave.warp.strength
     for name in ("N1", "N2", "T1", "T2"):
@@ -61,8 +62,8 @@ def test_potential_of_a_gradient_is_found():
     W, wx, wy, residual = potential(fx, fy, (1e-3, 1e-3), np.ones_like(x))
     assert np.ptp(W - x**2 * y - y**3) < 1e-4
     assert residual < 1e-3
-    np.testing.assert_allclose(wx, fx, atol=1e-4)
-    np.testing.assert_allclose(wy, fy, atol=1e-4)
+    assert_allclose(wx, fx, atol=1e-4)
+    assert_allclose(wy, fy, atol=1e-4)
     assert (
         potential(fx + 0.01 * (y - 0.5), fy - 0.01 * (x - 0.5), (1e-3, 1e-3), np.ones_like(x))[3]
         > 0.02
@@ -83,7 +84,7 @@ def test_extension_is_continuous(fabric, lowest):
         assert np.abs(T[2] - T[1]).max() < 1e-3 * strength
         assert np.abs(T[4] - T[3]).max() < 1e-3 * strength
     assert np.all(T1[0] == 0.0)
-    np.testing.assert_allclose(T2[0], cell._alone(1, y), atol=1e-9)
+    assert_allclose(T2[0], cell._alone(1, y), atol=1e-9)
     stiff = fabric.weave.warp.EA * 2 * fabric.weave.w1 / fabric.weave.S01
     assert (T1[5] - T1[4]) / (x[5] - x[4]) == pytest.approx(np.full(41, stiff), rel=1e-6)
 

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from fabrics.errors import UnstableError
 from shellfabric.driver import solver as driver
@@ -218,10 +219,8 @@ def test_checks_leave_no_trace():
     never.exchange = np.inf
     assert often.run().checks > 10
     assert never.run().checks == 0
-    np.testing.assert_array_equal(often.samples, never.samples)
-    np.testing.assert_array_equal(
-        np.concatenate(often.step_history), np.concatenate(never.step_history)
-    )
+    assert_array_equal(often.samples, never.samples)
+    assert_array_equal(np.concatenate(often.step_history), np.concatenate(never.step_history))
 
 
 def test_a_failed_run_hands_on_its_result():
@@ -292,7 +291,7 @@ def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, thr
     assert solver.threads == threads
     assert sorted(solver.begun) == sorted((2 if threads == 1 else 7) * [1, 2])
     assert solver.released == len(solver.begun)
-    np.testing.assert_array_equal(solver.samples, Oscillator(5e-3).run().samples)
+    assert_array_equal(solver.samples, Oscillator(5e-3).run().samples)
 
 
 def test_workers_are_released_where_a_hook_fails():

@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from shellfabric.impact.simulation import run
 from shellfabric.panel import motion_kernels
@@ -58,7 +59,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
 
 def test_hemisphere_is_a_sphere_until_its_sides_touch(small):
     one, other = (fire(small(projectile=shot(shape))) for shape in ("hemisphere", "sphere"))
-    np.testing.assert_array_equal(one.step_history, other.step_history)
+    assert_array_equal(one.step_history, other.step_history)
     sharper = fire(small(projectile=shot("hemisphere", radius=2e-3)), steps=150)
     assert np.abs(sharper.step_history[:, 1] - one.step_history[:150, 1]).max() > 0.1
 
@@ -68,9 +69,9 @@ def test_no_obliquity_is_the_axial_shot(small):
     axial = fire(small(symmetry="whole"))
     for attitude in ({"azimuth": 1.0}, {"roll": 0.7}):
         other = fire(small(symmetry="whole", projectile=shot(**attitude)))
-        np.testing.assert_allclose(other.step_history, axial.step_history, rtol=1e-9, atol=1e-9)
+        assert_allclose(other.step_history, axial.step_history, rtol=1e-9, atol=1e-9)
     leaning = fire(small(symmetry="whole", projectile=shot(obliquity=1e-9)))
-    np.testing.assert_allclose(leaning.step_history, axial.step_history, rtol=1e-5, atol=1e-4)
+    assert_allclose(leaning.step_history, axial.step_history, rtol=1e-5, atol=1e-4)
 
 
 @pytest.mark.parametrize("shape", ["flat", "chisel"])
@@ -86,8 +87,8 @@ def test_mirrored_shots_are_mirror_images(small, shape):
         for azimuth in (0.0, np.pi)
     ]
     left, right = runs
-    np.testing.assert_allclose(left.step_history, right.step_history, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(
+    assert_allclose(left.step_history, right.step_history, rtol=1e-8, atol=1e-8)
+    assert_allclose(
         left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9
     )
     assert abs(left.state.projectile_velocity[1]) < 1e-9
@@ -95,7 +96,7 @@ def test_mirrored_shots_are_mirror_images(small, shape):
     deflection = [
         run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs
     ]
-    np.testing.assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
+    assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
     assert np.abs(deflection[0] - deflection[0][::-1]).max() > 1e-4
 
 
@@ -108,8 +109,8 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
         )
         for symmetry in ("whole", "half")
     )
-    np.testing.assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
-    np.testing.assert_allclose(
+    assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
+    assert_allclose(
         half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7
     )
 
@@ -125,11 +126,11 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch,
     followed = fire(panel, velocity, 400)
     monkeypatch.setattr(Panel, "reach", lambda panel: (1.0, 1.0))
     state, _, everywhere, _ = fire(replace(panel), velocity, 400)
-    np.testing.assert_array_equal(state.contact_window, [0, 24, 0, 24])
-    np.testing.assert_array_equal(followed.step_history, everywhere)
+    assert_array_equal(state.contact_window, [0, 24, 0, 24])
+    assert_array_equal(followed.step_history, everywhere)
     assert (followed.state.counter[motion_kernels.FAILURES] > 0) == torn
     if torn:
-        np.testing.assert_array_equal(followed.state.contact_window, state.contact_window)
+        assert_array_equal(followed.state.contact_window, state.contact_window)
     else:
         assert followed.state.contact_window[0] > panel.state(velocity).contact_window[0]
 
@@ -209,7 +210,7 @@ def test_block_on_a_belt_slips_then_sticks():
         v, taken, held = slide(k, 0.0, limit, mass, belt, steps, dt)
         time = dt * np.arange(steps)
         slipping = time < 0.97 * slip
-        np.testing.assert_allclose(v[slipping], limit / mass * time[slipping], atol=0.02 * belt)
+        assert_allclose(v[slipping], limit / mass * time[slipping], atol=0.02 * belt)
         assert taken - held == pytest.approx(0.5 * mass * belt**2, rel=0.01)
         damped, _, held = slide(k, 0.3 * mass / dt, limit, mass, belt, steps, dt)
         assert damped[-1] == pytest.approx(belt, rel=1e-9)
@@ -251,4 +252,4 @@ def test_without_friction_nothing_is_rubbed(tables):
     assert run.state.friction_state.size == 0
     assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()
     tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
-    np.testing.assert_allclose(tiny.step_history, run.step_history, rtol=1e-6)
+    assert_allclose(tiny.step_history, run.step_history, rtol=1e-6)

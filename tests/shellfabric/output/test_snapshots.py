@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
@@ -33,14 +34,14 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
             warp = yarn.family == "warp"
             row = round((yarn.offset - (c.y0 if warp else c.x0)) / (c.dy if warp else c.dx) - 0.5)
             tension = shot.tension[:, row, 0] if warp else shot.tension[row, :, 1]
-            np.testing.assert_array_equal(yarn.tension[k], tension)
-            np.testing.assert_array_equal(yarn.strain[k], tension / yarn.EA)
+            assert_array_equal(yarn.tension[k], tension)
+            assert_array_equal(yarn.strain[k], tension / yarn.EA)
         for family, (x, z) in zip(("warp", "weft"), snapshots.deflection_profile(panel, shot)):
             yarn = recorded.through(family)
-            np.testing.assert_array_equal(yarn.place[k], x)
-            np.testing.assert_array_equal(yarn.deflection[k], z)
+            assert_array_equal(yarn.place[k], x)
+            assert_array_equal(yarn.deflection[k], z)
     offsets = [yarn.offset for yarn in recorded.yarns]
-    np.testing.assert_allclose(offsets, [0, 6e-3, 0, 10e-3], atol=c.dx / 2 + 1e-12)
+    assert_allclose(offsets, [0, 6e-3, 0, 10e-3], atol=c.dx / 2 + 1e-12)
     assert recorded.yarns[0].X[recorded.yarns[0].element_at(10e-3)] == pytest.approx(
         10e-3, abs=c.dx / 2
     )
@@ -79,10 +80,10 @@ def test_reactions_take_up_the_momentum(shoot, part):
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
     lost = start - np.array(momentum)
     assert lost[-1] > 0.1 * start
-    np.testing.assert_allclose(taken, lost, atol=1e-9 * start)
+    assert_allclose(taken, lost, atol=1e-9 * start)
     for high, low in (EDGES[:2], EDGES[2:]):
         assert edges[0][high][:, PULL].max() > 100
-        np.testing.assert_allclose(edges[0][low], edges[0][high], rtol=1e-6, atol=1e-5)
+        assert_allclose(edges[0][low], edges[0][high], rtol=1e-6, atol=1e-5)
 
 
 @pytest.mark.parametrize("changes", [{}, {"elements_per_crossover": 2}, {"plies": 2}], ids=str)
@@ -113,12 +114,12 @@ def test_plies_are_followed_by_their_numbers(shoot):
     named = shoot(120.0, history=HistoryRequest(2e-6, plies=(3, 1)), **chosen).histories
     assert len(every) == 3
     for one, other in zip(named, (every[2], every[0]), strict=True):
-        np.testing.assert_array_equal(
+        assert_array_equal(
             [one.edges[name] for name in EDGES], [other.edges[name] for name in EDGES]
         )
         for yarn, same in zip(one.yarns, other.yarns, strict=True):
-            np.testing.assert_array_equal(yarn.tension, same.tension)
-            np.testing.assert_array_equal(yarn.deflection, same.deflection)
+            assert_array_equal(yarn.tension, same.tension)
+            assert_array_equal(yarn.deflection, same.deflection)
     assert every[0].yarns[0].deflection.max() > every[2].yarns[0].deflection.max() > 0
 
 
@@ -151,7 +152,7 @@ def test_fronts_of_made_up_waves():
     assert front.r2 > 0.9999
     kink = wave_fronts.transverse(yarn, late)
     assert kink.speed == pytest.approx(250, rel=1e-3)
-    np.testing.assert_allclose(kink.place, 250 * kink.time, atol=1e-4)
+    assert_allclose(kink.place, 250 * kink.time, atol=1e-4)
     found = wave_fronts.fronts(Histories(t, (yarn,), {}))
     assert [(front.kind, front.family) for front in found] == [
         ("longitudinal", "warp"),

@@ -5,6 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 from conftest_tools import advance, grid, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel, rest, set_nodal
 
 from shellfabric.cloth import boundary_kernels
@@ -38,10 +39,10 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
         advance(solver, max(steps, 30))
         part = np.clip((state.counter[0] * const.dt - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
         u = np.array([grid(const, each) for each in state.u])
-        np.testing.assert_allclose(u[1, :, -1], -part * triangle, atol=1e-15)
+        assert_allclose(u[1, :, -1], -part * triangle, atol=1e-15)
         assert not u[[0, 2], :, -1].any()
         if symmetry == "whole":
-            np.testing.assert_allclose(u[1, :, 0], part * triangle, atol=1e-15)
+            assert_allclose(u[1, :, 0], part * triangle, atol=1e-15)
     assert not u[:, -1].any()  # warp ends are clamped
 
 
@@ -49,9 +50,7 @@ def test_the_pull_in_is_sampled():
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
     solver = PackSolver(make_panel(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((solver.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
-    np.testing.assert_allclose(
-        solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12
-    )
+    assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
     gripped = PackSolver(make_panel(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
     assert not PackSolver(make_panel(), 90.0, 20e-6).run().ply_sample("pull_in").any()
@@ -79,16 +78,14 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
         inside = slice(int(not panel.mirrors[1]), None)  # corners are held
         gained = const.dt * np.minimum(force + held, 0.0) / grid(const, state.mass)[-1, :-1]
         assert np.all((gained < 0.0)[inside] == (strain == 0.02))
-        np.testing.assert_allclose(v[inside], gained[inside], rtol=1e-12, atol=1e-18)
+        assert_allclose(v[inside], gained[inside], rtol=1e-12, atol=1e-18)
         if symmetry == "whole":  # the other end
-            np.testing.assert_allclose(
-                grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18
-            )
+            assert_allclose(grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18)
 
 
 def test_firm_grip_is_a_clamp():
     clamped, firm = (fire(make_panel(edge=edge))[2] for edge in ("clamped", Grip(1e6)))
-    np.testing.assert_array_equal(firm, clamped)
+    assert_array_equal(firm, clamped)
 
 
 def test_each_side_on_its_own():
@@ -100,10 +97,10 @@ def test_each_side_on_its_own():
     assert loose[1:, 1:].all()
     nodes, axes, values = boundary.rim(panel)
     assert set(axes) == {1}
-    np.testing.assert_array_equal(
+    assert_array_equal(
         nodes, np.arange(1, 25) * 25
     )  # the corner at the clamp is held, the free one gripped
-    np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
+    assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     state, const, _ = fire(make_panel(edge=("clamped", "free")), 100.0, 500)
     assert np.abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
 
@@ -123,7 +120,7 @@ def test_grips_are_struck_off_the_middle():
     right, left = (
         PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x)
     )
-    np.testing.assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
+    assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
     far, near = (np.abs(grid(right.const, right.state.u[0])[end]).max() for end in (0, -1))
     assert near > 1.5 * far > 0
     assert np.abs(right.sample("error")).max() < 1e-3 * right.strike_energy
@@ -153,7 +150,7 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
     for rows, mirrored in ((inside, panel.mirrors[0]), (inside.T, panel.mirrors[1])):
         rows[0] &= mirrored
     loose = boundary.loose(panel)
-    np.testing.assert_array_equal(loose, inside)
+    assert_array_equal(loose, inside)
     (i, j), (k, l) = boundary.ends(panel)
     assert [loose[i - 1, j], loose[i, j], loose[k, l - 1], loose[k, l]] == [
         True,
@@ -185,7 +182,7 @@ def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt():
         make_panel(0.06, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)
     ]
     straight, turned = (fire(panel, 80.0, 500)[2][:, 1] for panel in panels)
-    np.testing.assert_allclose(turned[:60], straight[:60], rtol=1e-6)
+    assert_allclose(turned[:60], straight[:60], rtol=1e-6)
     assert abs(turned[-1] - straight[-1]) > 0.2
 
 
@@ -226,6 +223,6 @@ def test_edge_forces_of_a_round_opening():
                 for f, (_, _, normal) in zip(total, sides)
             ]
         )
-    np.testing.assert_allclose(pulls[0], pulls[2], rtol=1e-6)
-    np.testing.assert_allclose(pulls[1], pulls[2], rtol=1e-6)
+    assert_allclose(pulls[0], pulls[2], rtol=1e-6)
+    assert_allclose(pulls[1], pulls[2], rtol=1e-6)
     assert pulls[2][0][0] > 100.0

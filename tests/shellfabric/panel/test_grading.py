@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest_tools import advance, grid, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal
 
 from fabrics.errors import UnstableError
@@ -95,7 +96,7 @@ def test_edges_stand_for_all_segments_of_the_panel(symmetry):
 def test_mass_and_yarn_are_those_of_the_plain_panel(symmetry):
     panel, plain = (make_panel(0.06, symmetry=symmetry, grading=zones) for zones in (COARSER, None))
     assert panel.elements < 0.5 * plain.elements
-    np.testing.assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
+    assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
     assert panel.masses().sum() == pytest.approx(plain.masses().sum(), rel=1e-12)
     for mine, other in zip(panel.state(1.0).yarn_length, plain.state(1.0).yarn_length):
         assert mine.sum() == pytest.approx(other.sum(), rel=1e-12)
@@ -115,11 +116,11 @@ def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
         panels[2].__dict__["sides"] = tuple(map(np.full, panels[2].counts, panels[2].spacing))
     plain, same, equal = (PackSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
     assert (plain.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
-    np.testing.assert_array_equal(plain.samples, same.samples)
+    assert_array_equal(plain.samples, same.samples)
     for name in ("u", "v", "stretch", "N", "f_int", "failed", "intact_fraction"):
         for a, b, c in zip(*(getattr(solver.state, name) for solver in (plain, same, equal))):
-            np.testing.assert_array_equal(a, b)
-            np.testing.assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
+            assert_array_equal(a, b)
+            assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
 
 
 def reflected(table, zones, wavelength):
@@ -235,5 +236,5 @@ def test_a_coarse_rim_changes_a_shot_little(zones, elements, side, end, near):
     )
     assert graded.sample("v")[-1] == pytest.approx(plain.sample("v")[-1], abs=near * 70.0)
     assert graded.sample("z")[-1] == pytest.approx(plain.sample("z")[-1], rel=0.01)
-    np.testing.assert_allclose(graded.state.peak_tension, plain.state.peak_tension, rtol=0.05)
+    assert_allclose(graded.state.peak_tension, plain.state.peak_tension, rtol=0.05)
     assert np.abs(graded.sample("error")).max() < 5e-4 * graded.strike_energy

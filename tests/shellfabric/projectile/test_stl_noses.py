@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.projectile import Projectile
@@ -50,7 +51,7 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
         ]
         normal = body.distance(place)[1]
         assert np.linalg.norm(normal) == pytest.approx(1, abs=1e-12)
-        np.testing.assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
+        assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
 
 
 def test_weights_of_b_splines():
@@ -94,7 +95,7 @@ def test_a_shot_from_an_stl_file_is_the_analytic_one(tmp_path, name):
     path = stl_noses.write(tmp_path / "nose.stl", *stl_noses.triangles(shot, 121, 97))
     for velocity in stl_noses.VELOCITIES:
         (analytic, read), balance = stl_noses.fire(shot, stl_noses.from_file(path), velocity)
-        np.testing.assert_allclose(read, analytic, rtol=0.01)
+        assert_allclose(read, analytic, rtol=0.01)
         assert balance.max() < 0.0025
 
 
@@ -103,7 +104,7 @@ def test_an_oblique_shot_with_friction_keeps_its_energy(pairs):
     attitude = {"obliquity": 0.4, "azimuth": 0.3, "yaw": 0.2, "roll": 0.3, "friction": 0.3}
     shot, body = (replace(one, **attitude) for one in pairs["chisel"])
     assert isinstance(body, Projectile)
-    np.testing.assert_allclose(body.start(), shot.start(), atol=2e-5)
+    assert_allclose(body.start(), shot.start(), atol=2e-5)
     given = {
         "projectile": {"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
         "symmetry": "whole",

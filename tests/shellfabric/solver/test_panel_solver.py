@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
@@ -93,13 +94,11 @@ def test_parts_of_the_panel_agree(shoot):
     quarter, half, whole = (shoot(200.0, symmetry=part) for part in ("quarter", "half", "whole"))
     assert quarter.cut_yarns[-1] > 0
     for other in (half, whole):
-        np.testing.assert_allclose(other.v, quarter.v, rtol=1e-9)
-        np.testing.assert_allclose(other.reactions["warp"], quarter.reactions["warp"], atol=1e-6)
+        assert_allclose(other.v, quarter.v, rtol=1e-9)
+        assert_allclose(other.reactions["warp"], quarter.reactions["warp"], atol=1e-6)
         assert other.cut_yarns[-1] == pytest.approx(quarter.cut_yarns[-1])
         for name in ("yarn_strain", "formulation_residual", "shear", "viscous", "contact"):
-            np.testing.assert_allclose(
-                other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9
-            )
+            assert_allclose(other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -116,12 +115,12 @@ def test_window_is_exact(small, tables, form):
     assert states[0].active_rows[0] > 0
     for part in ("u", "v"):
         for mine, other in zip(getattr(states[0], part), getattr(states[1], part)):
-            np.testing.assert_array_equal(mine, other)
+            assert_array_equal(mine, other)
 
 
 def test_block_size_does_not_matter(shoot):
     one, other = (shoot(numerics=Numerics(block=block)) for block in (100, 5000))
-    np.testing.assert_allclose(one.v, other.v, rtol=1e-12)
+    assert_allclose(one.v, other.v, rtol=1e-12)
 
 
 def test_wrong_checkpoints(shoot, tmp_path):
@@ -179,7 +178,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
         ply_kernels.initial_forces(state, const, None, work)
         found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
     for one, other in zip(*found):
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
+        assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("elements", [1, 2, 3])
@@ -202,9 +201,9 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     assert np.all(state.intact_fraction[0] == 0.0)
     assert np.all(state.intact_fraction[1][state.yarn_length[1] > 0] == 1.0)
     after = weave.weft.EA * (2.06 * weave.w2 - weave.S02) / weave.S02
-    np.testing.assert_allclose(state.T[1][state.yarn_length[1] > 0], after, rtol=1e-9)
+    assert_allclose(state.T[1][state.yarn_length[1] > 0], after, rtol=1e-9)
     shot = snapshots.snapshot(panel, state, 0.0)
-    np.testing.assert_allclose(shot.tension[..., 1], after, rtol=1e-9)
+    assert_allclose(shot.tension[..., 1], after, rtol=1e-9)
     assert np.all(shot.tension[..., 0] == 0)
     assert np.all(shot.failed[..., 0])
     assert not shot.failed[..., 1:].any()

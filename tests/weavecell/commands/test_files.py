@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import pyvista
+from numpy.testing import assert_array_equal, assert_equal
 
 import weavecell as wc
 from fabrics.errors import InputError
@@ -123,11 +124,9 @@ def test_fronts_are_read_off_what_is_read_back(results):
         assert sorted(group["edges"]) == sorted(EDGES)
         assert [name.split("-")[1] for name in sorted(group["yarns"])] == ["warp", "warp", "weft"]
         for inner in group["yarns"].values():
-            np.testing.assert_array_equal(
-                inner["strain"][()], inner["tension"][()] / inner.attrs["EA"]
-            )
+            assert_array_equal(inner["strain"][()], inner["tension"][()] / inner.attrs["EA"])
         for name, speed in again.items():
-            np.testing.assert_equal(speed, group["fronts"][name].attrs["speed"])
+            assert_equal(speed, group["fronts"][name].attrs["speed"])
 
 
 def assert_same(one, other, at):
@@ -143,7 +142,7 @@ def assert_same(one, other, at):
         for number, (left, right) in enumerate(zip(one, other)):
             assert_same(left, right, f"{at}.{number}")
     else:
-        np.testing.assert_array_equal(one, other, at)
+        assert_array_equal(one, other, at)
 
 
 @pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
@@ -162,7 +161,7 @@ def test_measuring_changes_nothing_else():
     assert one.measured == ()
     for name in ("nodes", "tension"):
         ours, theirs = (getattr(shot.final[0], name) for shot in (one, other))
-        np.testing.assert_array_equal(ours, theirs)
+        assert_array_equal(ours, theirs)
 
 
 @pytest.mark.parametrize("name", ["impact", "pack", "sliding"])

@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import weavecell
 from fabrics import catalogue
@@ -108,11 +109,9 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     places = np.cumsum(places.view("<u2").reshape(count, n, 3), axis=0, dtype=np.uint16)
     for k, (grid, _) in enumerate(instants):
         at = np.array(head["origin"]) + places[k] * np.array(head["step"])
-        np.testing.assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
+        assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
         share = tension.reshape(count, m, 2)[k, :, 0] / head["perUnit"]
-        np.testing.assert_allclose(
-            share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3
-        )
+        assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
         assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
     assert np.array_equal(
         quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:]
@@ -225,6 +224,6 @@ def test_a_cut_shows_an_oblique_projectile_where_it_is(record):
     oblique = replace(record, half_energy=(shape,), final=(shape,))
     straight = replace(record, half_energy=record.final)
     views = [chapters_shot.cut_view(each, each.cuts[-1], "") for each in (straight, oblique)]
-    np.testing.assert_allclose(
+    assert_allclose(
         views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile)
     )
