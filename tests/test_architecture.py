@@ -113,7 +113,7 @@ def write(root, name, text):
 
 
 @pytest.mark.parametrize(
-    "rule, file, text",
+    ("rule", "file", "text"),
     [
         (
             kernels_that_are_not_plain,
