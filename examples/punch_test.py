@@ -27,7 +27,9 @@ for length in lengths:
             own, "100 m/s", opening="50 mm", projectile=punch, grading=[[4, 0.25], [inf, 1]]
         )
         limits[radius].append(
-            wc.critical_velocity(panel, tolerance="1 m/s", scan=False, residual_shots=0).velocity
+            wc.critical_velocity(
+                panel, tolerance="1 m/s", scan=False, residual_shots=0
+            ).critical_velocity
         )
     sharp, blunt = (limits[radius][-1] for radius in radii)
     print(

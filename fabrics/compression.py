@@ -25,6 +25,7 @@ from fabrics.units import si
 
 if TYPE_CHECKING:
     from fabrics.ply_law import PlyLaw
+    from fabrics.weave import Weave
 
 FORMS = ("regularised", "printed")
 _FORMAT = "weavecell compression law 1"
@@ -46,6 +47,7 @@ class CompressionLaw:
     assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed solid law that the law
         was fitted from; None where that was not assumed
     fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a user gives
+    fitted_data : digest of the data of that fabric (`variants.data_digest`); empty where it is not known
 
     Raises
     ------
@@ -62,6 +64,7 @@ class CompressionLaw:
     b_interval: tuple[float, float] | None = None
     assumed_range: tuple[tuple[float, float], tuple[float, float]] | None = None
     fabric: str = ""
+    fitted_data: str = ""
 
     def __post_init__(self):
         not_negative(self, "a", "b")
@@ -231,6 +234,7 @@ class CompressionLaw:
             "a": f"{self.a!r} m",
             "b": f"{self.b!r} m * N**(1/3)",
             "fabric": self.fabric,
+            "fitted_data": self.fitted_data,
             "provenance": self.provenance,
             "fit": {
                 "residual_rms_m": self.residual_rms,
@@ -272,6 +276,7 @@ class CompressionLaw:
                 b_interval,
                 _read_range(content.get("assumed_range"), path),
                 str(content.get("fabric", "")),
+                str(content.get("fitted_data", "")),
             )
         except InputError as problem:
             if problem.file is None:
@@ -279,6 +284,30 @@ class CompressionLaw:
                     file=path, key=problem.key, value=problem.value, allowed=problem.allowed
                 ) from None
             raise
+
+
+def check_room(
+    laws: tuple[CompressionLaw, CompressionLaw], weave: Weave, *, file: FilePath | None, key: str
+) -> None:
+    """Check that warp and weft together cannot lose more thickness than the fabric has.
+
+    A fabric of straight yarns has no thickness with which that could be compared.
+
+    Parameters
+    ----------
+    file, key : where `a` of the laws stands
+
+    Raises
+    ------
+    InputError : they can
+    """
+    most = sum(law.a for law in laws)
+    if most >= weave.thickness > 0:
+        value = " and ".join(f"{1e3 * a:g} mm" for a in dict.fromkeys(law.a for law in laws))
+        allowed = (
+            f"below {0.5e3 * weave.thickness:.3g} mm, the mean height of a yarn of this fabric"
+        )
+        raise InputError(file=file, key=key, value=value, allowed=allowed)
 
 
 def _read_range(entries, path):
@@ -296,7 +325,7 @@ def _read_range(entries, path):
 
 def _read_json(path):
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as problem:
         raise InputError(
             "cannot be read", file=path, allowed=f"a compression law ({problem.strerror})"

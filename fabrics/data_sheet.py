@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from fabrics.errors import InputError
-from fabrics.fabric_tables import FAMILIES, OF_YARN
-from fabrics.families import Entry, entry
+from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
+from fabrics.families import Entry, entry, list_families
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
@@ -27,6 +27,10 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
+TOO_THICK = (
+    3.0  # times the stated thickness: closest packed fibres of yarns whose mass has another unit
+)
+NOTED = 0.01  # [-] difference of a stated quantity and what other data give, from which it is said
 
 
 @cache
@@ -98,62 +102,167 @@ def strain_at_strength(
     return stress / E
 
 
-def strength_note(yarn: Yarn, failure_strain: float | None, written: str) -> str:
-    """A line where a given failure strain disagrees with the strength by more than 1 %, else an empty text."""
-    if failure_strain is None or abs(failure_strain / yarn.failure_strain - 1) < 0.01:
-        return ""
-    by_strain = failure_strain * yarn.EA
-    return (
-        f"the strength {written} is {yarn.strength:.1f} N a yarn; modulus times failure strain gives {by_strain:.1f} N "
-        f"({100 * (by_strain / yarn.strength - 1):+.1f} %); the strength is used, at a strain of "
-        f"{100 * yarn.failure_strain:.2f} %"
+def modulus(yarn: YarnTable) -> float:
+    """[Pa] of the fibre, of a table [warp] or [weft] that may state it over the density."""
+    return yarn.modulus.value * (1.0 if yarn.modulus.unit == "Pa" else yarn.fibre_density.value)
+
+
+def linear_density(yarn: YarnTable) -> float:
+    """[kg/m] of a table [warp] or [weft] that may state the axial stiffness in its place."""
+    if yarn.axial_stiffness is None:
+        return yarn.linear_density.value
+    return yarn.axial_stiffness.value * yarn.fibre_density.value / modulus(yarn)
+
+
+def check_fibre(yarn: Yarn, key: str) -> None:
+    """Check strength and failure strain of a yarn against the ranges of the fibre families it may belong to.
+
+    Yarns of no family are not checked.
+
+    Parameters
+    ----------
+    key : under which the strength or the failure strain was given
+
+    Raises
+    ------
+    InputError : outside the ranges of all of them
+    """
+    found = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
+    families = [family for family in list_families() if family.holds(yarn)]
+    if not families or any(family.allows(found) for family in families):
+        return
+    limits = families[0].strengths
+    strain, stress = (
+        " to ".join(f"{scale * end:g}" for end in limits[name])
+        for name, scale in (("failure_strain", 100), ("strength", 1e-9))
+    )
+    raise InputError(
+        key=key,
+        allowed=f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "
+        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * found['strength']:.3g} GPa",
     )
 
 
-def mass_note(computed: float, stated: float) -> list[str]:
-    """A line where the areal density of the weave [kg/m2] differs from the stated one by more than 1 %.
+def disagreement(
+    computed: float, stated: float, key: str, value: str, allowed: str
+) -> float | None:
+    """[-] by which what other data give is above a stated quantity; None where that is below NOTED.
 
     Raises
     ------
-    InputError : it differs by more than the limit of `data_sheet.toml`
+    InputError : above the limit of `data_sheet.toml`; its `allowed` is the text with {} for the limit
     """
-    limit, off = entries()["areal_density"].value, computed / stated - 1
+    limit, off = entries()["contradiction"].value, computed / stated - 1
     if abs(off) > limit:
-        raise InputError(
-            key="areal_density",
-            value=f"{1e3 * stated:g} g/m^2",
-            allowed=f"within {100 * limit:g} % of {1e3 * computed:.1f} g/m^2, which counts, linear densities and crimp "
-            "give: check these",
+        raise InputError(key=key, value=value, allowed=allowed.format(f"{100 * limit:g} %"))
+    return None if abs(off) < NOTED else off
+
+
+def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> str:
+    """A line where a given failure strain disagrees with the strength, else an empty text.
+
+    Raises
+    ------
+    InputError : as `disagreement`, of the failure strain's `key`
+    """
+    by_strain, percent = failure_strain * yarn.EA, 100 * yarn.failure_strain
+    allowed = (
+        f"within {{}} of {percent:.3g} %, at which this modulus reaches the strength {written}"
+    )
+    value = f"{100 * failure_strain:g} %"
+    off = disagreement(
+        failure_strain, yarn.failure_strain, key, value, f"{allowed}: check the three"
+    )
+    if off is None:
+        return ""
+    return (
+        f"the strength {written} is {yarn.strength:.1f} N a yarn; modulus times failure strain gives {by_strain:.1f} N "
+        f"({100 * off:+.1f} %); the strength is used, at a strain of {percent:.2f} %"
+    )
+
+
+def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
+    """A line where counts, linear densities and crimps give another mass of the fabric than is stated.
+
+    The measured areal density of the thesis's fabrics stands beside the nominal linear densities: it is compared
+    without a note.
+
+    Raises
+    ------
+    InputError : as `disagreement`
+    """
+    yarns = file.yarns.values()
+    layers = [yarn.count.value * (1 + c) * linear_density(yarn) for yarn, c in zip(yarns, crimp)]
+    computed, notes = 1e3 * sum(layers), []
+    masses = [(yarn.linear_density or yarn.axial_stiffness).written for yarn in yarns]
+    allowed = f"within {{}} of {computed:.1f} g/m^2, which counts, linear densities ({' and '.join(masses)}) and crimp "
+    for key in ("areal_density", "areal_density_measured"):
+        if (datum := getattr(file, key)) is None:
+            continue
+        stated = 1e3 * datum.value
+        off = disagreement(
+            computed, stated, key, f"{stated:g} g/m^2", f"{allowed}give: check these"
         )
-    if abs(off) < 0.01:
-        return []
-    return [
-        f"note: counts, linear densities and crimp give {1e3 * computed:.1f} g/m^2, {100 * off:+.1f} % of the stated "
-        f"{1e3 * stated:g} g/m^2"
-    ]
+        if off is not None and key == "areal_density":
+            notes.append(
+                f"note: counts, linear densities and crimp give {computed:.1f} g/m^2, {100 * off:+.1f} % of the stated "
+                f"{stated:g} g/m^2"
+            )
+    return notes
+
+
+def width_notes(file: FabricFile) -> list[str]:
+    """A line about yarns that are wider than their spacing leaves room for.
+
+    Raises
+    ------
+    InputError : as `disagreement`
+    """
+    notes = []
+    for family, yarn in file.yarns.items():
+        if yarn.width is None or yarn.width.value * yarn.count.value <= 1:
+            continue
+        spacing, key = 1 / yarn.count.value, f"{family}.width"
+        allowed = f"at most {{}} above the spacing of the yarns, {1e3 * spacing:.3g} mm: check width and count"
+        off = disagreement(yarn.width.value, spacing, key, yarn.width.written, allowed)
+        if off is not None:
+            notes.append(
+                f"note: {key} {yarn.width.written} is {100 * off:.1f} % above the spacing of the yarns, "
+                f"{1e3 * spacing:.3g} mm; the gap of the fibre family is used"
+            )
+    return notes
 
 
 def thickness_note(weave: Weave, stated: float) -> list[str]:
-    """A line where the thickness of a weave is outside the range about the stated one [m].
+    """A line where the crimps give another thickness than the stated one [m].
 
     Raises
     ------
-    InputError : warp and weft, their fibres closest packed, are together thicker than the stated thickness
+    InputError : as `disagreement`; warp and weft, their fibres closest packed, are together thicker
     """
     layers = (
         count * (1 + yarn.crimp) * yarn.A_s
         for yarn, count in zip(weave.yarns, (weave.warp_count, weave.weft_count))
     )
     least = sum(layers) / CLOSEST_PACKING
+    if least > TOO_THICK * stated:
+        mass = f"{1e3 * weave.areal_density:.4g} g/m^2"
+        message = f"with count it gives {mass}, {1e3 * least:.3g} mm of closest packed fibres"
+        thin = f"a linear density of yarns that fit into the thickness, {1e3 * stated:g} mm"
+        raise InputError(message, key="linear_density", allowed=thin)
     if stated < least:
         allowed = (
             f"at least {1e3 * least:.3g} mm, which the closest packed fibres of warp and weft take"
         )
         raise InputError(key="thickness", value=stated, allowed=allowed)
-    one, computed = entries()["thickness"], weave.thickness
-    if one.low <= computed / stated <= one.high:
+    computed = 1e3 * weave.thickness
+    allowed = (
+        f"within {{}} of {computed:.3f} mm, which the crimps give: check crimp, count and thickness"
+    )
+    off = disagreement(weave.thickness, stated, "thickness", f"{1e3 * stated:g} mm", allowed)
+    if off is None:
         return []
     return [
-        f"note: the crimps give a thickness of {1e3 * computed:.3f} mm, the file states {1e3 * stated:g} mm; the "
+        f"note: the crimps give a thickness of {computed:.3f} mm, the file states {1e3 * stated:g} mm; the "
         "crimps are used"
     ]

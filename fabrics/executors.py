@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from functools import cache
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from typing import Any
 
 from fabrics.errors import InputError
@@ -77,8 +77,14 @@ def open_executor(
     elif executor == "local" and jobs == 1 and not fresh:
         yield InProcess()
     elif executor == "local":
+        others = active_children()
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
-            yield pool
+            try:
+                yield pool
+            except KeyboardInterrupt:  # the end of the tasks is not waited for
+                for worker in set(active_children()).difference(others):
+                    worker.terminate()
+                raise
     elif executor == "mpi":
         yield _ranks()
     elif executor == "dask":

@@ -2,23 +2,27 @@
 
 Every HDF5 file of the project has the attribute "format" with its kind and version, which is compared when it is read.
 
-CSV files of a user are UTF-8, with or without a byte order mark; cells are separated by commas, or by semicolons where
-the first line has one. Lines that begin with # are comments. The first line of columns of numbers names them with their
-units, such as
+Texts of a user are UTF-8, with or without a byte order mark, or UTF-16 with one; lines end as on any system. Cells of a
+CSV file are separated by what its first line has of semicolons, commas and tabs, in this order. Numbers have a decimal
+point; where no comma separates cells, also a decimal comma, all of them. Lines that begin with # are comments. The
+first line of columns of numbers names them with their units, such as
 
     time [us], displacement [mm]
 
-and every other line is a row of numbers.
+and every other line is a row of finite numbers.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
 import os
 import re
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import BytesIO
+from math import isfinite, nan
 from pathlib import Path
 from typing import IO, Any
 
@@ -26,7 +30,12 @@ import numpy as np
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
-from fabrics.units import decimal_comma, si
+from fabrics.units import NUMBER, decimal_comma, refused, si
+
+ROOM = 65536  # [bytes] that must still fit on the disk behind a file that a library has written
+# a number with decimal marks, and a unit of up to two words
+_QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
 @contextmanager
@@ -35,20 +44,36 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
 
     For libraries that open a file by its name. The temporary name keeps the suffix, by which many of them choose
     the format.
+
+    Raises
+    ------
+    OSError : it cannot be written, with `path` as its filename. Libraries that do not notice a full disk are found out,
+        since the disk must have `ROOM` behind the file
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
-    os.close(handle)
-    beside = Path(name)
+    beside = path
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix
+        )
+        os.close(handle)
+        beside = Path(name)
         yield beside
         with open(beside, "rb+") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.write(bytes(ROOM))
+            file.truncate(size)
             os.fsync(file.fileno())
         beside.chmod(0o666 & ~_umask())
         os.replace(beside, path)
+    except OSError as problem:
+        if problem.filename in (None, str(beside)):
+            problem.filename = str(path)
+        raise
     finally:
-        beside.unlink(missing_ok=True)
+        if beside != path:
+            beside.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -88,9 +113,12 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
     """
     import h5py
 
-    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
+    content = BytesIO()  # HDF5 ends the process where it cannot write to a disk
+    with h5py.File(content, "w") as file:
         file.attrs.update(format=format, **attributes)
         yield file
+    with write_whole(path, "wb") as on_disk:
+        on_disk.write(content.getbuffer())
 
 
 @contextmanager
@@ -120,41 +148,101 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
 
 
-def read_csv(path: FilePath, what: str) -> list[tuple[int, list[str]]]:
+def read_text(path: FilePath) -> str:
+    """The text of a user's file, without byte order mark, with "\\n" at the end of each line.
+
+    Raises
+    ------
+    InputError : neither UTF-8 nor UTF-16
+    OSError : no such file
+    """
+    content = Path(path).read_bytes()
+    utf_16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    good = content
+    try:
+        text = content.decode("utf-16" if utf_16 else "utf-8-sig")
+        good = content.partition(b"\0")[0]
+    except UnicodeDecodeError as problem:
+        good, text = content[: problem.start], "\0"
+    if "\0" in text:
+        number = len(good.splitlines()) + good.endswith((b"\n", b"\r"))
+        advice = (
+            'save it as "CSV UTF-8" (Excel), or with the encoding UTF-8 (Notepad and other editors)'
+        )
+        message = f"line {max(number, 1)} is not UTF-8 text; {advice}"
+        raise InputError(message, file=path)
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple[int, list[str]]]:
     """(line number, cells without the blanks around them) of each line of a CSV file but empty ones and comments.
 
-    Empty cells at the end of the first line, and below these, are left out.
+    Empty cells at the end of the first line, and below these, are left out. Decimal commas become points.
 
     Parameters
     ----------
     what : the file's content, given as what is allowed where it cannot be read
+    words : names of columns that hold no numbers, and stay as they are
 
     Raises
     ------
-    InputError : no such file, not UTF-8 text, or a cell above the limit of Python's csv (131,072 letters)
+    InputError : as of `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
+        letters), or a comma that may be a decimal comma and may not
     """
     try:
-        text = enumerate(Path(path).read_text(encoding="utf-8-sig").splitlines(), 1)
-        numbered = [
-            (n, line) for n, line in text if line.strip("; ,") and not line.lstrip().startswith("#")
-        ]
-        separator = ";" if numbered and ";" in numbered[0][1] else ","
-        texts = csv.reader(
-            [line for _, line in numbered], delimiter=separator, skipinitialspace=True
-        )
-        rows = [(n, [cell.strip() for cell in cells]) for (n, _), cells in zip(numbered, texts)]
-    except (OSError, UnicodeDecodeError, csv.Error) as problem:
-        why = (
-            "not UTF-8 text"
-            if isinstance(problem, UnicodeDecodeError)
-            else getattr(problem, "strerror", problem)
-        )
-        raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
-    columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0) if rows else 0
+        lines = list(enumerate(read_text(path).split("\n"), 1))
+    except OSError as problem:
+        allowed = f"{what} ({problem.strerror})"
+        raise InputError("cannot be read", file=path, allowed=allowed) from problem
+    separator = None
+    if lines[0][1].startswith("sep="):  # of Excel
+        separator = lines.pop(0)[1][4:5]
+    lines = [
+        (n, line) for n, line in lines if line.strip("; ,\t") and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        return []
+    separator = separator or next((mark for mark in ";,\t" if mark in lines[0][1]), ",")
+    rows = []
+    for number, line in lines:
+        try:
+            (cells,) = csv.reader([line + "\n"], delimiter=separator, skipinitialspace=True)
+        except csv.Error as problem:
+            raise InputError(
+                f"cannot be read ({problem})", file=path, key=f"line {number}"
+            ) from None
+        if any("\n" in cell for cell in cells):
+            raise InputError(
+                "has a quotation mark that is not closed", file=path, key=f"line {number}"
+            )
+        rows.append((number, [cell.strip() for cell in cells]))
+    columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0)
     for _, cells in rows:
         while len(cells) > columns and not cells[-1]:
             cells.pop()
+    if separator != ",":
+        _point_decimals(rows, words, path)
     return rows
+
+
+def _point_decimals(rows, words, path):
+    """Write the numbers of rows that no comma separates with a decimal point, in place."""
+    numbers = []
+    for line, cells in rows[1:]:
+        for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
+            found = None if heading in words else _QUANTITY.fullmatch(cell)
+            if found:
+                numbers.append((line, cells, column, found))
+    with_comma = [entry for entry in numbers if "," in entry[3][1]]
+    sure = any(not _THOUSANDS.fullmatch(found[1]) for *_, found in with_comma)
+    with_point = any("." in found[1] for *_, found in numbers)
+    for line, cells, column, found in with_comma:
+        if with_point or not sure or found[1].count(",") > 1:
+            allowed = (
+                "written without commas: here they may be decimal commas, or separate thousands"
+            )
+            raise InputError(file=path, key=f"line {line}", value=found[0], allowed=allowed)
+        cells[column] = found[1].replace(",", ".") + found[2]
 
 
 def read_columns(
@@ -185,8 +273,16 @@ def read_columns(
     names, scales = zip(*(_heading(cell, units, heading, path) for cell in lines[0][1]))
     if not accepts(names):
         raise InputError(file=path, key="columns", value=", ".join(names), allowed=columns)
-    rows = [_row(number, cells, len(names), path) for number, cells in lines[1:]]
+    rows = [_row(number, cells, names, path) for number, cells in lines[1:]]
     return dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))
+
+
+def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
+    """The finite number of a cell; else InputError."""
+    number = float(text) if NUMBER.fullmatch(text) else nan
+    if not isfinite(number):
+        raise refused(text, allowed, file=file, key=key)
+    return number
 
 
 def _heading(cell, units, allowed, path):
@@ -197,15 +293,15 @@ def _heading(cell, units, allowed, path):
     return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
 
 
-def _row(number, cells, count, path):
-    try:
-        values = [float(cell) for cell in cells]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        allowed_text = "two numbers" if count == 2 else f"{count} numbers"
-        line = ", ".join(cells)
-        raise InputError(
-            decimal_comma(cells), file=path, key=f"line {number}", value=line, allowed=allowed_text
-        )
-    return values
+def _row(number, cells, names, path):
+    line = f"line {number}"
+    if len(cells) != len(names):
+        allowed = "two numbers" if len(names) == 2 else f"{len(names)} numbers"
+        message = decimal_comma(cells)
+        if len(cells) == 2 * len(names):
+            message = "if these are decimal commas, separate the columns by semicolons"
+        raise InputError(message, file=path, key=line, value=", ".join(cells), allowed=allowed)
+    return [
+        read_number(cell, "a finite number", file=path, key=f"{line}, {name}")
+        for name, cell in zip(names, cells)
+    ]

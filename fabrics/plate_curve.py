@@ -60,16 +60,11 @@ class PlateCurve:
         if len(self.pressure) < FEWEST or len(self.pressure) != len(self.closure):
             raise InputError(key="rows", value=len(self.pressure), allowed=f"at least {FEWEST}")
         for key in ("pressure", "closure"):
-            column = getattr(self, key)
-            if not np.all(np.isfinite(column)) or not np.all(np.diff(column) > 0):
-                row = (
-                    int(np.argmin(np.diff(column) > 0)) + 2 if np.all(np.isfinite(column)) else None
-                )
-                raise InputError(
-                    key=key,
-                    value=f"row {row}" if row else "not finite",
-                    allowed="finite and rising",
-                )
+            steps = np.diff(getattr(self, key))
+            rising = np.isfinite(steps) & (steps > 0)
+            if not rising.all():
+                row = int(np.argmin(rising)) + 2
+                raise InputError(key=key, value=f"row {row}", allowed="finite and rising")
         if not self.pressure[0] > 0:
             raise InputError(key="pressure", value=float(self.pressure[0]), allowed="positive")
 

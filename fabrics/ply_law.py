@@ -337,7 +337,7 @@ class PlyLaw:
 def _content(path):
     """The content of a law.json."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as problem:
         raise InputError(
             "cannot be read", file=path, allowed=f"a law of `weavecell calibrate` ({problem})"

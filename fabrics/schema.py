@@ -16,7 +16,6 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -32,6 +31,7 @@ from pydantic.fields import FieldInfo
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, nearest, together
+from fabrics.files import read_text
 from fabrics.units import refused, si
 
 PYTHON = {"python": True}  # context of what is given in Python, not read from a file
@@ -251,15 +251,12 @@ def _quoted(names):
 
 def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
-    path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = read_text(path)
     except OSError as problem:
         raise InputError(
             f"the {what} file cannot be read ({problem.strerror})", file=path
         ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"the {what} file is not UTF-8 text", file=path) from None
     try:
         return text, tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
@@ -294,9 +291,12 @@ def _problems(found, model, given, file):
         names, field, table = _locate(model, error["loc"])
         key, cause = ".".join(names), error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":
-            near = nearest(names[-1], table.model_fields)
-            meant |= {".".join((*names[:-1], near))} if near else set()
+            near = _meant(names[-1], error["input"], table)
+            homes = _homes(model, names[-1])
+            meant |= {".".join((*names[:-1], near))} if near and not homes else set()
             message, allowed = table.unknown(near)
+            if homes:
+                message, allowed = f"unknown key here, it is a key of {homes}", None
             line = InputError(message, file=file, key=key, allowed=allowed)
         elif error["type"] == "missing" and key in meant:
             continue
@@ -318,6 +318,19 @@ def _problems(found, model, given, file):
             line = refused(error["input"], field.description, file=file, key=key)
         problems.setdefault(key, line)
     return list(problems.values())
+
+
+def _meant(key, value, table):
+    """The key of a table that a mistyped one may stand for; not one that holds tables, if its value is none."""
+    holds_tables = isinstance(value, (dict, list))
+    known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
+    return nearest(key, known, 0.66)
+
+
+def _homes(model, key):
+    """The tables of a schema that have a key, in words; an empty text where none has it."""
+    found = [name for name, table in tables(model).items() if key in table.model_fields]
+    return ", ".join(f"[{name}]" if name else "the top of the file" for name in found)
 
 
 def _locate(model, location):

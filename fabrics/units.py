@@ -55,8 +55,7 @@ EXAMPLES = {
     "s": "100 us",
 }
 _NAMES = {"N/(kg/m)": "N/tex"}
-_PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 # of a unit: one digit, or a fraction of two; pint takes forever over "kg^99999999"
 _EXPONENT = re.compile(
     r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))"
@@ -66,13 +65,20 @@ _PER = re.compile(
     r"(?:per\b|1?/) *"
 )  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
+_YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")  # of "8.5 yarns/cm", a count
+# what data sheets write, in small letters, as a unit of pint, whose own mil is an angle
+_ALIASES = {
+    **dict.fromkeys(("epi", "ppi", "tpi"), "/ inch"),  # ends, picks, threads per inch
+    **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),  # grams as a force
+    **dict.fromkeys(("mil", "mils"), "thou"),
+}
+
 
 @cache
 def _registry():
     import pint
 
     registry = pint.UnitRegistry(cache_folder=None)
-    registry.define("tpi = 1 / inch")
     registry.define("gsm = gram / meter ** 2")
     return registry
 
@@ -147,7 +153,7 @@ def _converted(value, unit):
     if not isinstance(value, str):
         raise ValueError("no text")
     text = value.strip()
-    number = _NUMBER.match(text)
+    number = NUMBER.match(text)
     if number is None:
         raise ValueError("no number")
     return float(number[0]) * _factor(text[number.end() :].lstrip(), unit)
@@ -156,8 +162,9 @@ def _converted(value, unit):
 @cache
 def _factor(written, unit):
     """SI value of one of the unit that is `written`."""
-    if unit == "N/(kg/m)" and written in _PER_DENIER:
-        written = "gf/denier"
+    written = _ALIASES.get(written.lower(), written)
+    if unit == "1/m":
+        written = _YARNS.sub("", written, count=1)
     factor = FACTORS.get(unit, {}).get(written)
     return _factor_by_pint(written, unit) if factor is None else factor
 

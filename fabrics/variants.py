@@ -27,6 +27,7 @@ from typing import TypeAlias
 from fabrics.assumed import given
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric, pair
+from fabrics.run_cache import inputs_digest
 
 Value: TypeAlias = float | Iterable[float]
 
@@ -128,6 +129,18 @@ def with_failure_length(fabric: Fabric, length: float) -> Fabric:
     InputError : it is not above 0
     """
     return replace(given(fabric, "failure_length"), failure_length=length)
+
+
+def data_digest(fabric: Fabric) -> str:
+    """Digest of what a compression law of the fabric is computed from: its weave, sections and solid laws.
+
+    The linear densities are the effective ones, so that it is the same for either choice; laws of the solid that are
+    assumed are left out.
+    """
+    solid = None if "solid" in fabric.assumed else fabric.solid_laws
+    weave = with_linear_density(fabric, "effective").weave
+    sections = fabric.section, fabric.yarn_width, fabric.yarn_area
+    return inputs_digest((weave, sections, solid))
 
 
 def rotated_90(fabric: Fabric) -> Fabric:

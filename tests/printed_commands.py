@@ -33,7 +33,7 @@ _INPUT = re.compile(r"\.(toml|csv|json|h5|msh)$|^results/")
 
 
 class Printed(NamedTuple):
-    """A command, a file or a piece of Python of a page: `kind`, its text, and of a file its name."""
+    """A command, its output, a file or a piece of Python of a page: `kind`, its text, and of a file its name."""
 
     kind: str
     text: str
@@ -41,7 +41,8 @@ class Printed(NamedTuple):
 
 
 def of(page: str) -> list[Printed]:
-    """What a page prints: lines that call weavecell or Python, files that it names before their text, Python."""
+    """What a page prints: lines that call weavecell or Python and what these print, files that it names before their
+    text, Python."""
     text = (ROOT / page).read_text("utf-8")
     found = []
     for block in _BLOCK.finditer(text):
@@ -55,11 +56,10 @@ def of(page: str) -> list[Printed]:
             found.append(Printed("file", inside, named[-1] if named else f".{language}"))
         else:
             lines = re.sub(r"\\\n\s*", " ", inside).splitlines()
-            found += [
-                Printed("command", line.strip())
-                for line in lines
-                if re.match(r" *(weavecell|python) ", line)
-            ]
+            commands = [line.strip() for line in lines if re.match(r" *(weavecell|python) ", line)]
+            found += [Printed("command", line) for line in commands]
+            if found and not (commands or language):
+                found.append(Printed("output", inside))
     return found
 
 

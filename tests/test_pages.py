@@ -9,6 +9,8 @@ import tomllib
 
 import pytest
 
+from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, ENERGY_GAIN_LIMIT
+from shellfabric.panel.quality import LIMITS
 from tests import printed_commands
 from tests.printed_commands import PAGES, ROOT
 from validation import program
@@ -51,6 +53,8 @@ def test_printed_commands_exist_and_have_their_files(page):
                 if isinstance(node.value, ast.Name) and node.value.id == "wc"
             }
             assert names <= set(weavecell.__all__), page
+        elif kind == "output":
+            continue
         elif written.startswith("python"):
             words = printed_commands.words(written)
             assert words[1] == "-m" or (ROOT / words[1]).exists(), written
@@ -153,3 +157,38 @@ def test_tables_and_figures_of_studies_are_in_their_files(tool, page, kind, name
 def test_a_report_but_errata_and_claims_has_at_most_500_words(page):
     if page.rpartition("/")[2] not in ("errata.md", "claims.md"):
         assert len(CODE.sub("", TEXTS[page]).split()) <= 500
+
+
+def test_every_page_that_data_and_code_name_is_there():
+    """But those of tables that are kept from pages until a stated date."""
+    named = {}
+    for folder in (
+        "docs/reports/data",
+        "validation",
+        "fabrics",
+        "weavecell",
+        "shellfabric",
+        "unitcell3d",
+        "examples",
+    ):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix in (".csv", ".toml", ".py") and "kept" not in path.parts:
+                found = re.findall(r"\bdocs/[\w/.-]+\.(?:md|csv)\b", path.read_text("utf-8"))
+                named |= dict.fromkeys(found, path)
+    assert {page: path for page, path in named.items() if not (ROOT / page).exists()} == {}
+
+
+STATED = {  # words of a page before a limit in %, and the limit of the code
+    r"stopped at an energy error of ([\d.]+) %": ENERGY_ERROR_LIMIT,
+    r"more than ([\d.]+) % of the strike energy ends the run": ENERGY_GAIN_LIMIT,
+    r"Above ([\d.]+) % of the strike energy the result is\s+marked doubtful": LIMITS[
+        "energy error"
+    ][0],
+}
+
+
+@pytest.mark.parametrize(("words", "limit"), STATED.items())
+def test_a_limit_is_the_same_on_every_page_and_in_the_code(words, limit):
+    found = [float(value) for text in TEXTS.values() for value in re.findall(words, text)]
+    assert found
+    assert set(found) == {100 * limit}

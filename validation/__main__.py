@@ -15,7 +15,7 @@ from validation import runner
 from validation.claims import command as claims
 from validation.measured import command as measured
 from validation.program import program
-from weavecell.results import out_folder
+from weavecell.results import out_folder, termination
 
 PROGRAMS = {"study": runner, "claims": claims, "measured": measured}
 
@@ -26,7 +26,8 @@ def main(arguments: list[str]) -> None:
         sys.exit(__doc__)
     module = PROGRAMS[arguments[0]]
     try:
-        program(module.main, arguments, **getattr(module, "NOTES", {}))
+        with termination.as_interrupt():
+            program(module.main, arguments, **getattr(module, "NOTES", {}))
     finally:
         out_folder.release()
 

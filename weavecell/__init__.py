@@ -43,4 +43,4 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     import weavecell.api as api
 
-    return sorted({*globals(), *api.__all__})
+    return sorted(api.__all__)

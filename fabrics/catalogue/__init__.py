@@ -15,8 +15,8 @@ from pathlib import Path
 
 from fabrics import assumed, data_sheet
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
+from fabrics.compression import CompressionLaw, check_room
+from fabrics.errors import InputError, nearest
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import (
     FAMILIES,
@@ -62,12 +62,18 @@ def load(name_or_path: FilePath) -> Fabric:
     if text in list_names():
         return read(_FOLDER / f"{text}.toml")
     if not text.endswith(".toml"):
-        raise InputError(
-            key="fabric",
-            value=text,
-            allowed=f"one of {', '.join(list_names())}, or the path of a .toml file",
-        )
+        allowed = f"one of {', '.join(list_names())}, or the path of a .toml file"
+        raise unknown(text, allowed, key="fabric")
     return read(Path(text))
+
+
+def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputError:
+    """The InputError of a `name` that no fabric has, with the name it may be meant for, or what it is the path of."""
+    path, near = Path(name), nearest(name, list_names())
+    hint = f'did you mean "{near}"?' if near else None
+    if path.exists():
+        hint = "is a folder" if path.is_dir() else "is a file of another kind"
+    return InputError(hint, key=key, value=name, allowed=allowed, file=file)
 
 
 def read(path: FilePath, text: str | None = None) -> Fabric:
@@ -94,8 +100,11 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
 
 def _fabric(file, sources, path):
     """The Fabric of a checked file; `sources` also gets what is computed."""
-    thickness, areal_density = _value(file.thickness), _value(file.areal_density)
+    thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
+    masses = data_sheet.mass_notes(
+        file, crimp
+    )  # before what a wrong mass makes of strength and thickness
     strengths: dict[str, list[str]] = {}
     warp, weft = (
         _yarn(family, file.yarns[family], value, strengths)
@@ -104,7 +113,7 @@ def _fabric(file, sources, path):
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []
-    notes += data_sheet.mass_note(weave.areal_density, areal_density) if areal_density else []
+    notes += [*masses, *data_sheet.width_notes(file)]
     effective = tuple(_value(yarn.effective_linear_density) for yarn in file.yarns.values())
     laws = _of_both(
         file.compression,
@@ -114,6 +123,8 @@ def _fabric(file, sources, path):
             CompressionLaw, key, table.a.value, table.b.value, table.form, path.name
         ),
     )
+    if laws is not None:
+        check_room(laws, weave, file=path, key="compression.a")
     solid = _of_both(
         file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table))
     )
@@ -225,29 +236,28 @@ def _crimps(file, thickness, sources):
 def _yarn(family, table, crimp, strengths):
     """The Yarn of a family; `strengths` gets what is to be said of its strength."""
     density = table.fibre_density.value
-    E = table.modulus.value * (1.0 if table.modulus.unit == "Pa" else density)
-    if table.axial_stiffness is None:
-        linear_density = table.linear_density.value
-    else:
-        linear_density = table.axial_stiffness.value * (density / E)
+    E, linear_density = data_sheet.modulus(table), data_sheet.linear_density(table)
     strain, strength = _value(table.failure_strain), table.strength or table.tenacity
     if strength is None:
-        return _made(Yarn, family, linear_density, density, E, strain, crimp)
+        yarn = _made(Yarn, family, linear_density, density, E, strain, crimp)
+        data_sheet.check_fibre(yarn, f"{family}.failure_strain")
+        return yarn
     reached, strains = (
         data_sheet.strain_at_strength(strength.value, strength.unit, linear_density, density, E),
         OF_YARN["failure_strain"],
     )
     low, high = strains.limits("")
+    key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
     if not low <= reached <= high:
         bounds = f"{strains.bounds['']}, not {100 * reached:.3g} %"
-        key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
         raise InputError(
             key=key, allowed=f"a strength that this modulus reaches at a strain from {bounds}"
         )
     yarn = _made(Yarn, family, linear_density, density, E, reached, crimp)
-    strengths.setdefault(data_sheet.strength_note(yarn, strain, strength.written), []).append(
-        family
-    )
+    data_sheet.check_fibre(yarn, key)
+    if strain is not None:
+        note = data_sheet.strength_note(yarn, strain, strength.written, f"{family}.failure_strain")
+        strengths.setdefault(note, []).append(family)
     return yarn
 
 

@@ -86,6 +86,7 @@ class Family:
     ----------
     name : such as "para-aramid"
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
+    strengths : {"strength": (low, high) [Pa], "failure_strain": (low, high)} that such yarns may have
     entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None where no numbers are known
     power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for these
@@ -93,6 +94,7 @@ class Family:
 
     name: str
     limits: dict[str, tuple[float, float]]
+    strengths: dict[str, tuple[float, float]]
     entries: dict[str, Entry]
     strain_rate: RateLaw | None = None
     power: float = 1.0
@@ -107,6 +109,10 @@ class Family:
         """Whether a yarn belongs to the family, by modulus and fibre density."""
         found = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
         return all(low <= found[key] <= high for key, (low, high) in self.limits.items())
+
+    def allows(self, found: dict[str, float]) -> bool:
+        """Whether {"strength": [Pa], "failure_strain": [-]} are those of such a yarn."""
+        return all(low <= found[key] <= high for key, (low, high) in self.strengths.items())
 
     def _at(self, table, key, end):
         return self.entries[f"{table}.{key}"].at(end, key in _SOFT_AT_HIGH)
@@ -166,18 +172,19 @@ def list_families() -> tuple[Family, ...]:
 
 def _read(path: FilePath) -> Family:
     content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    units = {"modulus": "Pa", "fibre_density": "kg/m^3"}
+    units = {"modulus": "Pa", "fibre_density": "kg/m^3", "strength": "Pa", "failure_strain": ""}
     limits = {
         key: (si(content["yarns"][key]["low"], unit), si(content["yarns"][key]["high"], unit))
         for key, unit in units.items()
     }
+    strengths = {key: limits.pop(key) for key in ("strength", "failure_strain")}
     Vf0 = content["solid"]["Vf0"]
     entries = {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
     entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
     entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
     rates = content.get("strain_rate")
     law, power = rates and RateLaw.from_table(rates, path), content["other_yarns"]["power"]["value"]
-    return Family(content["name"], limits, entries, law, power)
+    return Family(content["name"], limits, strengths, entries, law, power)
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:

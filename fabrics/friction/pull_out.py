@@ -193,4 +193,4 @@ class PullOutLaw:
 
 def _content(path):
     CompressionLaw.from_json(path)  # refuses what is no compression law
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    return json.loads(Path(path).read_text(encoding="utf-8-sig"))

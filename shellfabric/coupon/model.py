@@ -47,6 +47,7 @@ class Coupon:
     quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along weft
     spacing : (dX, dY) [m] lengths of a segment at rest
     trellis : whether the fabric's shear law acts; a fabric without one has none
+    yarn_share : [-] share of the yarns' stiffness with which they are computed (`quasistatic.yarn_share`)
 
     Raises
     ------
@@ -61,6 +62,7 @@ class Coupon:
     quads: np.ndarray
     spacing: tuple[float, float]
     trellis: bool = True
+    yarn_share: float = 1.0
     _scratch: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
@@ -89,14 +91,14 @@ class Coupon:
             table.stretch2.size - 2,
         )
         rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
-        yarns = tuple((w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows)
+        yarns = tuple((w, S0, self.yarn_share * yarn.EA, toe) for w, S0, yarn, toe in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
             if self.trellis and shear
             else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
-        potential = table.potential.reshape(-1, 16)
+        potential = self.yarn_share * table.potential.reshape(-1, 16)
         return (
             self.edges,
             self.cells,
@@ -149,7 +151,7 @@ class Coupon:
             crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[
                 ("T1", "T2")[m]
             ]
-            found.append(np.where(count > 0, crossed, alone))
+            found.append(self.yarn_share * np.where(count > 0, crossed, alone))
         return tuple(found)
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
@@ -192,6 +194,7 @@ def mesh_coupon(
     offset: tuple[float, float] = (0.0, 0.0),
     woven: Callable | None = None,
     trellis: bool = True,
+    yarn_share: float = 1.0,
 ) -> Coupon:
     """Mesh a coupon about the origin, cut out of the weave.
 
@@ -205,7 +208,7 @@ def mesh_coupon(
     offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an element on the origin
     woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points [m]; None: everywhere.
         Yarns that have been removed leave the others alone
-    trellis : see Coupon
+    trellis, yarn_share : see Coupon
 
     Raises
     ------
@@ -252,7 +255,7 @@ def mesh_coupon(
     )
     points = np.stack([x[used], y[used]], axis=1)
     cells = tuple(part[part > 0] / (2 * m * m) for part in count)
-    return Coupon(table, points, tuple(lines), cells, across, quads, spacing, trellis)
+    return Coupon(table, points, tuple(lines), cells, across, quads, spacing, trellis, yarn_share)
 
 
 def _present_yarns(x, y, outline, woven):

@@ -19,7 +19,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
-from shellfabric.driver.solver import Hook
+from shellfabric.driver.solver import RUNNING, Hook
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding import contact_force
@@ -27,6 +27,9 @@ from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip, gri
 from shellfabric.solver.pack_solver import PackSolver
 
 CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
+DAMPING = (
+    0.5  # 1 / transit of the wave: a crimped yarn, ten times softer, is just critically damped
+)
 BESIDE = 4  # crossovers on each side of the yarn, which nothing happens in
 
 
@@ -87,6 +90,13 @@ class PullOut:
             friction=self.friction,
         )
 
+    @property
+    def transit(self) -> float:
+        """[s] of a wave along the yarn."""
+        weave = self.table.model.fabric.weave
+        wave = (weave.warp.EA / weave.warp.linear_density) ** 0.5
+        return self.crossings * 2 * weave.w1 / wave
+
     def stretch(self) -> float:
         """[-] stretch of the crossing yarns under the pre-tension: the pulled yarn without tension, where yarns resist
         bending, and at its length at rest where they do not."""
@@ -143,13 +153,17 @@ class PullOutSolver(PackSolver):
     ----------
     coupon : PullOut
     end_time, interval : [s] as ExplicitSolver
+    start : [s] in which the crosshead comes to its velocity, and the sliding is damped from then on, for a load that
+        is quasi-static; 0 starts it with all of its velocity, and damps nothing
     """
 
     struck = False
 
-    def __init__(self, coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> None:
+    def __init__(
+        self, coupon: PullOut, end_time: float, *, interval: float = 1e-6, start: float = 0.0
+    ) -> None:
         panel = coupon.panel()
-        self.coupon = coupon
+        self.coupon, self.start = coupon, start
         super().__init__(panel, 1.0, end_time, interval=interval, energy_error_limit=1.0)
 
     def set_up(self) -> tuple[Slip, ...]:
@@ -164,11 +178,13 @@ class PullOutSolver(PackSolver):
         (self.slip,) = slips = super().set_up()
         grid(self.slip.x[1], panel)[:, :-1] = stretch
         grid(state.stretch[1], panel)[:, :-1] = stretch
+        nodes = grid(np.arange(self.slip.q[0].size), panel)[-1]
         self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
         warp, weft = (
             grid(mobile, panel) for mobile in self.slip.mobility
         )  # other yarns stay where they are
         pulled = slice(None) if self.coupon.together else slice(middle, middle + 1)
+        self.held = nodes[pulled]
         yarns = warp[:, pulled].copy()
         warp[:], weft[:] = 0, 0
         warp[:, pulled], grid(self.slip.part, panel)[:, pulled] = yarns, 1
@@ -176,8 +192,8 @@ class PullOutSolver(PackSolver):
             (self.slip.mass[0], CROSSHEAD),
             (self.slip.mobility[0], 1 / CROSSHEAD),
             (self.slip.part, 0),
-            (self.slip.q[0], self.coupon.velocity),
-            (self.slip.q_before[0], self.coupon.velocity),
+            (self.slip.q[0], self.crosshead_velocity()),
+            (self.slip.q_before[0], self.crosshead_velocity()),
         ):
             grid(array, panel)[-1, pulled] = value
         share, inverse, x = (
@@ -191,6 +207,42 @@ class PullOutSolver(PackSolver):
         )
         self.slip.row_slips[const.ni] = True
         return slips
+
+    def crosshead_velocity(self) -> float:
+        """[m/s] that is prescribed now; smooth at both ends of the start."""
+        x = 1.0
+        if self.time < self.start:
+            x = self.time / self.start
+        return self.coupon.velocity * x**3 * (10 - 15 * x + 6 * x * x)
+
+    def advance(self, history: FloatArray) -> tuple[int, int]:
+        """See ExplicitSolver. With a start one step at a time, each after the crosshead has been accelerated."""
+        if self.start == 0 or not len(history):
+            return super().advance(history)
+        made, reason = 0, RUNNING
+        while made < len(history) and reason == RUNNING:
+            if made:
+                self._start_workers()
+            self._accelerate()
+            _, reason = super().advance(history[made : made + 1])
+            made += 1
+        return made, reason
+
+    def _accelerate(self):
+        """Give the crosshead the velocity that is prescribed now, and damp what slides towards it: the yarn does not
+        ring, and what slides with the crosshead is not touched.
+
+        What the kinetic energy changes by, mass x q_before x q / 2 of a leapfrog, comes from outside.
+        """
+        slip, velocity = self.slip, self.crosshead_velocity()
+        q, q_before, mass = slip.q[0], slip.q_before[0], slip.mass[0]
+        share = DAMPING * self.const.dt / self.coupon.transit
+        change = np.where(q == 0, 0.0, share * (velocity - q))
+        change[self.held] = velocity - q[self.held]
+        stored = 0.5 * mass * q_before * q
+        q += change
+        q_before += change
+        self.energy_at_start += float(np.sum(0.5 * mass * q_before * q - stored))
 
     def load(self) -> float:
         """[N] of the crosshead."""

@@ -1,8 +1,9 @@
 """A yarn pull-out followed to a displacement of the crosshead, and what is read off its load.
 
-The peak is the highest load. The plateau is the mean load while all crossovers slide and the yarn's end has not yet
-left one; it begins four transits of the yarn's wave after the last crossover has begun to slide, since
-the yarn rings before that. The slip length is the length of yarn that slides at the peak.
+The crosshead comes to its velocity smoothly, within START of a spacing, and what slides is damped towards it
+(`PullOutSolver`). The peak is the highest load after that start. The plateau is the mean load while all crossovers
+slide and the yarn's end has not yet left one, over the last SETTLED of that time. The slip length is the length of yarn
+that slides at the peak.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from shellfabric.coupon.pull_out import PullOut, PullOutSolver
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.sliding.model import grid
 
-TRANSITS = 4  # of a wave along the yarn, after which the plateau counts
+START = 0.25  # of a spacing, which the crosshead moves until it has its velocity
+SETTLED = 1 / 3  # of the time in which all crossovers slide
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class PullOutCurve:
     Parameters
     ----------
     coupon : PullOut
+    start : [s] in which the crosshead comes to its velocity; the peak and what is read at it come after
     time, displacement : (n,) [s], [m] of the crosshead
     load : (n,) [N] on a pulled yarn
     sliding : (n,) [-] crossovers that the yarn slides through
@@ -39,6 +42,7 @@ class PullOutCurve:
     """
 
     coupon: PullOut
+    start: float
     time: FloatArray
     displacement: FloatArray
     load: FloatArray
@@ -50,26 +54,30 @@ class PullOutCurve:
 
     @property
     def peak(self) -> float:
-        """[N] highest load."""
-        return float(self.load.max())
+        """[N] highest load after the start."""
+        return float(self.load[self._at_peak])
+
+    @property
+    def _at_peak(self):
+        """Number of the sample of the peak; the last one of a run that ended in its start."""
+        after = np.flatnonzero(self.time >= self.start)
+        if not after.size:
+            return len(self.time) - 1
+        return int(after[np.argmax(self.load[after])])
 
     @property
     def plateau(self) -> float | None:
         """[N] mean load while all crossovers slide; None where there is no such sample."""
-        weave = self.coupon.table.model.fabric.weave
-        wave = (weave.warp.EA / weave.warp.linear_density) ** 0.5
-        whole = (self.sliding == self.coupon.crossings) & (self.left == 0)
-        if not whole.any():
+        whole = np.flatnonzero((self.sliding == self.coupon.crossings) & (self.left == 0))
+        if not whole.size:
             return None
-        begun = self.time[np.argmax(whole)] + TRANSITS * self.coupon.crossings * 2 * weave.w1 / wave
-        settled = whole & (self.time >= begun)
-        return float(self.load[settled].mean()) if settled.any() else None
+        return float(self.load[whole[-max(1, round(SETTLED * whole.size)) :]].mean())
 
     @property
     def slip_length(self) -> float:
         """[m] length of yarn, at rest, that slides at the peak."""
         spacing = 2 * self.coupon.table.model.fabric.weave.w1
-        return float(spacing * self.sliding[int(np.argmax(self.load))])
+        return float(spacing * self.sliding[self._at_peak])
 
 
 def follow(
@@ -94,7 +102,10 @@ def follow(
     if samples < 1:
         raise InputError(key="samples", value=samples, allowed="at least 1")
     end = displacement / coupon.velocity
-    solver = PullOutSolver(coupon, end, interval=end / samples)
+    side = 2 * coupon.table.model.fabric.weave.w1
+    start = 2 * START * min(side, displacement) / coupon.velocity
+    end += 0.5 * start
+    solver = PullOutSolver(coupon, end, interval=end / samples, start=start)
     rows: list[tuple[float, ...]] = []
 
     def record(running: PullOutSolver) -> None:
@@ -124,5 +135,14 @@ def _curve(coupon, solver, rows):
     errors = np.abs(solver.sample("error"))
     error = float(errors.max() / work[-1]) if work[-1] > 0 else 0.0
     return PullOutCurve(
-        coupon, time, moved, load, sliding.astype(int), left.astype(int), friction, work, error
+        coupon,
+        solver.start,
+        time,
+        moved,
+        load,
+        sliding.astype(int),
+        left.astype(int),
+        friction,
+        work,
+        error,
     )

@@ -11,6 +11,7 @@ Computed here as a V_s (1 - (V_bl / V_s)^p)^(1/p).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, nan
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +39,8 @@ class LambertJonas:
     confidence : [-]
     residual_rms : [m/s] of the fit
     points : number of shots that it was fitted to
+    slowest : [m/s] strike velocity of the slowest perforation, the highest limit that there can be
+    reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
     """
 
     a: float
@@ -47,6 +50,8 @@ class LambertJonas:
     confidence: float
     residual_rms: float
     points: int
+    slowest: float
+    reason: str = ""
 
     def residual_velocity(self, strike_velocity: ArrayLike) -> FloatArray:
         """[m/s] of the curve at strike velocities [m/s] of any shape."""
@@ -54,17 +59,21 @@ class LambertJonas:
 
     def words(self, between: str = ", ") -> str:
         """The fitted parameters, each with its interval; the reason where that does not exclude half of the value."""
-        texts = []
-        for name, interval in self.intervals.items():
-            value = getattr(self, name)
-            low, high = interval or (0.0, 0.0)
-            within = f"({low:.3g} to {high:.3g})" if interval else f"(at its bound {value:.3g})"
-            texts.append(
-                f"{name} = {value:.3g} {within}"
-                if low > 0.5 * value
-                else f"{name} not determined {within}"
-            )
-        return between.join(texts)
+        if self.reason:
+            return f"not determined, because {self.reason}"
+        return between.join(map(self._in_words, self.intervals))
+
+    def _in_words(self, name):
+        value, interval = getattr(self, name), self.intervals[name]
+        if interval is None:
+            # the bounds that are answers: others are no more than ends of the search
+            highest = {"a": _HIGHEST["a"], "limit": self.slowest}
+            if value == highest.get(name):
+                return f"{name} = {value:.3g} (the highest value there can be)"
+            return f"{name} not determined (at the bound {value:.3g} of the search)"
+        low, high = interval
+        sign = "=" if low > 0.5 * value else "not determined, about"
+        return f"{name} {sign} {value:.3g} ({low:.3g} to {high:.3g})"
 
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
@@ -88,14 +97,28 @@ def fit(
     limit : [m/s] to hold V_bl at, where it is known; fitted if None
     confidence : [-] of the intervals
 
+    Returns
+    -------
+    LambertJonas, with a `reason` and no numbers where there are no more perforations than parameters, or one of them
+    below the limit
+
     Raises
     ------
-    InputError : shots that are not numbers, no more perforations than parameters, a limit above the slowest
-        perforation, or a confidence that is no share
+    InputError : shots that are not numbers, or a confidence that is no share
     """
     vs, vr = np.asarray(strike_velocity, float), np.asarray(residual_velocity, float)
     free = NAMES if limit is None else NAMES[:2]
-    slowest = _check(vs, vr, limit, confidence, len(free))
+    _check(vs, vr, confidence)
+    through = vs[vr > 0]
+    slowest = float(through.min(initial=inf))
+    reason = ""
+    if through.size <= len(free):
+        reason = f"{through.size} perforations do not determine its {len(free)} parameters"
+    elif limit is not None and not 0 < limit < slowest:
+        reason = f"a shot perforates at {slowest:.4g} m/s, below the limit, {limit:.4g} m/s"
+    if reason:
+        none = dict.fromkeys(free)
+        return LambertJonas(nan, nan, nan, none, confidence, nan, len(vs), slowest, reason)
     low = np.array([*_LOWEST.values(), 0.1 * slowest][: len(free)])
     high = np.array([*_HIGHEST.values(), slowest][: len(free)])
     scale = np.array([1.0, 1.0, slowest][: len(free)])
@@ -120,33 +143,20 @@ def fit(
         ),
         key=lambda solution: solution.cost,
     )
+    found.x = np.where(found.x > high - 1e-9 * (high - low), high, found.x)
     a, p, at = (float(value) for value in full(found.x))
     intervals = _intervals(found, dict(zip(free, zip(low, high))), len(vs), confidence)
-    return LambertJonas(
-        a, p, at, intervals, confidence, float(np.sqrt(np.mean(found.fun**2))), len(vs)
-    )
+    rms = float(np.sqrt(np.mean(found.fun**2)))
+    return LambertJonas(a, p, at, intervals, confidence, rms, len(vs), slowest)
 
 
-def _check(vs, vr, limit, confidence, parameters):
-    """Refuse what cannot be fitted; returns the strike velocity [m/s] of the slowest perforation."""
+def _check(vs, vr, confidence):
     if vs.ndim != 1 or vs.shape != vr.shape:
         raise InputError("strike and residual velocities must be two rows of the same length")
     if not (np.isfinite(vs).all() and np.isfinite(vr).all() and (vs > 0).all() and (vr >= 0).all()):
         raise InputError("strike velocities must be above 0 and residual velocities at least 0")
-    through = np.count_nonzero(vr > 0)
-    if through <= parameters:
-        problem = f"{through} perforations do not determine {parameters} parameters of the Lambert-Jonas curve"
-        raise InputError(problem, allowed=f"at least {parameters + 1}")
-    slowest = float(vs[vr > 0].min())
-    if limit is not None and not 0 < limit < slowest:
-        raise InputError(
-            key="limit",
-            value=limit,
-            allowed=f"above 0 and below the slowest perforation, {slowest:g} m/s",
-        )
     if not 0 < confidence < 1:
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
-    return slowest
 
 
 def _intervals(found, bounds, points, confidence):

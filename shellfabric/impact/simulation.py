@@ -49,6 +49,7 @@ ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: long
 MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
 PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
+OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
@@ -223,11 +224,58 @@ class ImpactSetup:
         off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
         return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
 
+    def _mesh_notes(self):
+        """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
+        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
+        if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
+            return ()
+        why = "an oblique or yawed shot, or edges that are not clamped"
+        return (f"{why}: one element per crossover, energy up to 15 % too high",)
+
+    @cached_property
+    def opening_notes(self) -> tuple[str, ...]:
+        """A line about each opening that differs from the given one by more than OPENING_ERROR, since its edges follow
+        yarns."""
+        asked, found = np.broadcast_to(self.opening, 2), []
+        for name, held in self._held_openings():
+            if np.abs(held / asked - 1).max() > OPENING_ERROR:
+                made, given = (
+                    "{:.1f} by {:.1f} mm".format(*(1e3 * side)) for side in (held, asked)
+                )
+                line = f"{name}: the edges follow yarns, the opening is {made} in place of {given}"
+                found.append(line)
+        return tuple(dict.fromkeys(found))
+
+    def _held_openings(self):
+        """(name of a fabric, `Panel.held_opening`) of plies whose edges follow yarns."""
+        if self.crossovers is not None:  # a line of the grid is one yarn
+            for fabric in self.fabrics:
+                spacing = 2 * np.array(fabric.weave.w)
+                yield (
+                    fabric.name,
+                    2 * spacing * np.floor(0.5 * np.array(self.opening) / spacing + 1e-9),
+                )
+            return
+        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+        if not (self.weave_angle or self.round or any(self.struck_at) or angles - {0.0}):
+            return
+        used = self.meshed
+        for one in used.kinds:
+            flat = one.panel(one.plain_table())
+            for angle in sorted(angles):
+                panel = at_angle(flat, angle) if angle else flat
+                yield panel.fabric.name, np.array(panel.held_opening)
+
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of a shot at sliding yarns, a line each."""
-        if self.crossovers is None or self.crossovers.pins:
+        """What has to be known of opening and mesh, and of a shot at sliding yarns, a line each; nothing of a set-up
+        that is refused when it is run."""
+        try:
+            found = (*self.opening_notes, *self._mesh_notes())
+        except InputError:
             return ()
+        if self.crossovers is None or self.crossovers.pins:
+            return found
         x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
         alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
         lines = {
@@ -240,7 +288,7 @@ class ImpactSetup:
             f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
             f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
         }
-        return tuple(line for line, applies in lines.items() if applies)
+        return (*found, *(line for line, applies in lines.items() if applies))
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
@@ -314,9 +362,10 @@ class ImpactSetup:
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [
-            ceil(far / side) + 1
+            ceil((far - 2 * side) * count / (2 * w))
+            + 3  # of elements that are a part of a crossover long
             for panel in plain
-            for far, side in zip(panel.reach(), panel.spacing)
+            for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
         ]
         near, side = ceil(max(reaches) / count), Fraction(1, count)
         zones = []

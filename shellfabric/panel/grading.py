@@ -76,18 +76,39 @@ def check(grading: Any) -> None:
 
 
 def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
-    """(n,) [crossovers] sides of the elements from the impact point out to `length`, a whole number of crossovers.
+    """(n,) [crossovers] sides of the elements from the impact point out to `length`.
 
-    What is less than an element of the first zone is left out.
+    Zones are laid out over the whole crossovers of the length. Elements like the last one fill what remains, and the
+    last is as much longer as is needed to end at `length`.
     """
     zones = [(until, exact(side)) for until, side in grading]
     found, at = [], Fraction(0)
-    length -= length % zones[0][1]
+    whole = Fraction(int(length + 1e-9))
+    whole -= whole % zones[0][1]
     for (until, side), after in zip(zones, (*zones[1:], None)):
-        while at < min(until, length) or (after is not None and (length - at) % after[1]):
+        while (at < until and at < whole) or (after is not None and (whole - at) % after[1]):
             found.append(side)
             at += side
-    return np.array(found, float)
+    more = int((length - at) / found[-1] + 1e-9)
+    found += more * [found[-1]]
+    filled = np.array(found, float)
+    filled[-1] += length - filled.sum()
+    return filled
+
+
+def with_line_at(sides: FloatArray, place: float) -> FloatArray:
+    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid, moved out to it.
+
+    Parameters
+    ----------
+    sides : (2 n,) [m] of which the middle is at 0
+    place : [m] within the grid
+    """
+    if place < 0:
+        return with_line_at(sides[::-1], -place)[::-1]
+    lines = np.insert(np.cumsum(sides), 0, 0.0) - sides[: sides.size // 2].sum()
+    lines[np.flatnonzero(lines <= place + 1e-9 * sides.min())[-1]] = place
+    return np.diff(lines)
 
 
 def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray, IntArray]:

@@ -36,13 +36,14 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 @dataclass(frozen=True)
 class Panel:
-    """Whole crossovers about the impact point, and the projectile before them.
+    """A grid of crossovers about the impact point, from edge to edge of the opening, and the projectile before them.
 
     Parameters
     ----------
     table : CellTable of the fabric
-    opening : (along warp, along weft) [m], but for an oblique weave; as many whole crossovers as fit from the centre to
-        an edge are meshed, as in the thesis (erratum E-34: 79 of 79.9 for S-720)
+    opening : (along warp, along weft) [m], but for an oblique weave. There are as many elements as whole crossovers fit
+        from the centre to an edge (79 of 79.9 for S-720). Elements that are all alike are made longer to fill the
+        rest; on a graded panel the last one is. Where neither can be, `held_opening` has what became of it
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
@@ -134,7 +135,7 @@ class Panel:
                     key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0"
                 )
         for length, w in zip(self.opening, self.weave.w):
-            if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
+            if not length / 2 >= max(2 * self.projectile.radius, 4 * w, 2 * w * self.finest):
                 raise InputError(
                     key="opening",
                     value=length,
@@ -223,15 +224,27 @@ class Panel:
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
+        if self._fills:
+            lengths = boundary.extent(self)
+            return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
+
+    @property
+    def _fills(self):
+        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
+        return self.sides is None and not boundary.stepped(self)
 
     @property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
-        return tuple(
-            int(length / 2 / (2 * w) + 1e-9)
-            for length, w in zip(boundary.extent(self), self.weave.w)
-        )
+        lengths = boundary.extent(self)
+        return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
+
+    @property
+    def _half_counts(self):
+        """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
+        wholes = (int(half + 1e-9) for half in self._half)
+        return tuple(n * self.lines_per_crossover // self.finest for n in wholes)
 
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
@@ -239,15 +252,40 @@ class Panel:
         if self.grading is None or len({side for _, side in self.grading}) == 1:
             return None
         found = []
-        for length, w, mirrored in zip(self._half, self.weave.w, self.mirrors):
-            outward = 2 * w * grading.sides(self.grading, length)
-            found.append(outward if mirrored else np.concatenate([outward[::-1], outward]))
+        for axis, (half, w) in enumerate(zip(self._half, self.weave.w)):
+            outward = 2 * w * grading.sides(self.grading, half)
+            whole = np.concatenate([outward[::-1], outward])
+            if self.grid_middle[axis]:
+                edge = 0.5 * self.opening[axis] - abs(self.grid_middle[axis])
+                whole = grading.with_line_at(whole, np.copysign(edge, self.grid_middle[axis]))
+            found.append(outward if self.mirrors[axis] else whole)
         return tuple(found)
+
+    @property
+    def held_opening(self) -> tuple[float, float]:
+        """(along its two sides) [m] of the opening between the nodes that are held.
+
+        They differ from `opening` where the edge is a staircase of grid lines: then a round opening and that of an
+        oblique weave have the sides of an opening of the area that can move.
+        """
+        oblique = self.weave_angle != 0 or self.round
+        if oblique:
+            loose, lengths = self.loose(), np.multiply.outer(*self.element_sides)
+            moves = loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
+            area = np.prod(self.opening) * (np.pi / 4 if self.round else 1.0)
+            scale = (lengths[moves].sum() / self.share / area) ** 0.5
+            return scale * self.opening[0], scale * self.opening[1]
+        found = []
+        for axis, x in enumerate(self.lines()):
+            place, edge = x + self.impact_point[axis], 0.5 * self.opening[axis] * (1 - 1e-9)
+            low = -place[-1] if self.mirrors[axis] else place[place <= -edge].max(initial=place[0])
+            found.append(float(place[place >= edge].min(initial=place[-1]) - low))
+        return found[0], found[1]
 
     def _fine(self):
         """(along warp, along weft) elements of the first zone from the impact point outwards."""
         if self.sides is None:
-            return tuple(half * self.lines_per_crossover // self.finest for half in self._half)
+            return self._half_counts
         alike = (
             np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing)
         )
@@ -269,8 +307,8 @@ class Panel:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
-        half = [n * self.lines_per_crossover // self.finest for n in self._half]
-        return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
+        halves = zip(self._half_counts, self.mirrors)
+        return tuple(n if mirrored else 2 * n for n, mirrored in halves)
 
     @property
     def yarn_counts(self) -> tuple[int, ...]:
@@ -350,12 +388,15 @@ class Panel:
     @cached_property
     def _yarns(self):
         """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
-        per = self.lines_per_crossover
-        places = (
-            np.rint(x / d) if per > 1 else np.arange(x.size)
-            for x, d in zip(self.lines(), self.spacing)
-        )
-        return tuple(grading.nearest_yarns(place, per) for place in places)
+        per, found = self.lines_per_crossover, []
+        for x, d, w, mirrored in zip(self.lines(), self.spacing, self.weave.w, self.mirrors):
+            places = np.rint(x / d) if per > 1 else np.arange(x.size)
+            if per > 1 and self.sides is not None:  # the edge is the axis of the last whole yarn
+                last = max(per * int(x[-1] / (2 * w) + 1e-9), places[-2] + 1)
+                places[-1] = last
+                places[0] = 0 if mirrored else -last
+            found.append(grading.nearest_yarns(places, per))
+        return tuple(found)
 
     @property
     def yarn_axes(self) -> tuple[IntArray, ...]:
@@ -473,8 +514,10 @@ class Panel:
         """
         wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
         slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.edge)
+        extent = boundary.extent(self)
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
-            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + slips[n]
+            longest = max(x[-1], -x[0], 0.5 * extent[n])
+            drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
             ends = boundary.sides(self.edge)[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]

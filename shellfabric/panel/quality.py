@@ -92,7 +92,9 @@ class Indicator:
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
         noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
-        return f"{self.name} {self.number}{unit} ({noted}limit {self.limit:g}{unit})"
+        remedy = REMEDIES.get(self.name) if self.doubtful else None
+        limit = f"{noted}limit {self.limit:g}{unit}"
+        return f"{self.name} {self.number}{unit} ({'; '.join(filter(None, (limit, remedy)))})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
@@ -181,6 +183,11 @@ NOTES = {
     "viscous energy": 0.1,
     "element over failure length": 0.5,
 }  # name: value above which the indicator is noted
+
+
+REMEDIES = {
+    "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to'
+}  # name: what to do beyond the limit
 
 
 def indicator(name: str, value: float) -> Indicator:

@@ -136,6 +136,11 @@ class SlidingPanel(Panel):
         return 0.0, 0.0
 
     @property
+    def _fills(self):
+        """As of Panel; no, a line of the grid is one yarn, at the spacing of the weave."""
+        return False
+
+    @property
     def own_masses(self) -> tuple[float, float]:
         """(warp, weft) [-] share of each family in the mass of a node."""
         warp, weft = (yarn.linear_density * S0 for yarn, S0 in zip(self.weave.yarns, self.weave.S0))

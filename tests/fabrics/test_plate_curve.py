@@ -41,6 +41,6 @@ def test_users_file(tmp_path, text):
     assert curve.at(100e3) == pytest.approx(0.05e-3)
     path.write_text(text + 131_073 * "1")
     with pytest.raises(
-        InputError, match=r"curve.csv: cannot be read; must be .* \(field larger than field limit"
+        InputError, match=r"curve.csv: line 8: cannot be read \(field larger than field limit"
     ):
         PlateCurve.read(path)

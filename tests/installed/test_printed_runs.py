@@ -42,8 +42,9 @@ def test_what_a_page_prints_runs(page, tmp_path):
             argv, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=900
         )
         assert done.returncode == 0, f"{argv}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+        return done.stdout
 
-    script = ""
+    script, printed = "", ""
     for kind, text, name in SHOWN[page]:
         if kind == "file" and not name.startswith("."):
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -51,7 +52,9 @@ def test_what_a_page_prints_runs(page, tmp_path):
         elif kind == "python":
             script += text + "\n"
         elif kind == "command" and not text.startswith(LEFT_OUT):
-            run(printed_commands.words(text))
+            printed += run(printed_commands.words(text))
+        elif kind == "output" and page in FIRST:
+            assert " ".join(text.split()) in " ".join(printed.split())
     (tmp_path / "page.py").write_text(script, "utf-8")
     run(["python", "page.py"])
 

@@ -80,6 +80,7 @@ def test_refused(row, command, tmp_path):
         assert text.startswith(line[:-4]) if line.endswith(" ...") else text == line
     assert code == 2
     assert all(
-        line.startswith(("projectile: ", "assumed: ", "guessed, ")) for line in out.splitlines()
+        line.startswith(("projectile: ", "assumed: ", "guessed, ", "note: "))
+        for line in out.splitlines()
     )
     assert {path: path.read_bytes() for path in tmp_path.rglob("*")} == before

@@ -27,7 +27,7 @@ def table(form="variational", size=121):
     return CellModel(catalogue.load("S-720").with_effective_density(), form=form).table(size)
 
 
-def make_panel(side=0.0306, *, form="variational", **changes):
+def make_panel(side=0.03048, *, form="variational", **changes):
     """A small panel, of 24 x 24 crossovers as a whole."""
     defaults = {
         "table": changes["table"] if "table" in changes else table(form),

@@ -119,7 +119,13 @@ def audited(state, panel):
 
 
 def elements(
-    stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, damage=INTACT, torn=(), **changes
+    stretch=(1.015, 1.012),
+    shear=0.005,
+    noise=0.004,
+    side=0.03048,
+    damage=INTACT,
+    torn=(),
+    **changes,
 ):
     """The elements of a ply, unevenly stretched, sheared and crumpled, in several blocks."""
     changes = {

@@ -33,7 +33,7 @@ BLOCK = Backing(size=(0.07, 0.07, 0.02), min_size=3e-3, refined_depth=6e-3, grow
 PANEL = {
     "fabric": S720,
     "strike_velocity": 200.0,
-    "opening": 0.0306,
+    "opening": 0.03048,
     "elements_per_crossover": 1,
     "table_size": 41,
     "end_time": 30e-6,

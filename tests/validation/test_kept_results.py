@@ -44,7 +44,7 @@ def test_results_of_other_code_are_computed_again(tmp_path, monkeypatch):
 
 def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     panel = Panel(
-        CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306)
+        CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.03048, 0.03048)
     )
     solver = PackSolver(panel, 50.0, 2e-6)
     path = tmp_path / "checkpoint.h5"

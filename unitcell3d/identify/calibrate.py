@@ -119,6 +119,7 @@ def calibrate_all(
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
     folder: Callable[[str], FilePath | None] = lambda name: None,
+    laws: bool = True,
     resume: bool = False,
     executor: str | Executor = "local",
     jobs: int = 1,
@@ -134,6 +135,7 @@ def calibrate_all(
     paths : {name: (d1, d2) ratio}, each to fibre failure; by default warp only, weft only, equibiaxial, and both yarns
         beyond failure
     folder : function of a fabric's name giving the directory for its histories and laws, or None
+    laws : whether the laws are written as well; not where more is to be added to them before
     resume : take finished paths from their files, unless these are of other inputs or of other code
     executor, jobs : as of `fabrics.executors.open_executor`; local processes also tell of each step
     on_progress : called as on_progress(fabric name, path name, share of that path)
@@ -156,7 +158,7 @@ def calibrate_all(
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
-    run = _Run(folder, resume, on_progress if on_progress is not None else _silent)
+    run = _Run(folder, laws, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
         plates = Job(PLATES, fabric, plates_size, None, friction)
@@ -175,8 +177,11 @@ def _silent(fabric, path, share):
 class _Run:
     """Jobs to do, histories done, and what ended a fabric."""
 
-    def __init__(self, folder, resume, on_progress):
-        self._folder, self._resume, self._on_progress = folder, resume, on_progress
+    def __init__(self, folder, laws, resume, on_progress):
+        self._folder = folder
+        self._laws = laws
+        self._resume = resume
+        self._on_progress = on_progress
         self._open, self._done = [], {}
         self.outcomes = {}
 
@@ -268,7 +273,7 @@ class _Run:
         except UnstableError as problem:
             self.outcomes[fabric.name] = problem
             return
-        if self._folder(fabric.name) is not None:
+        if self._laws and self._folder(fabric.name) is not None:
             found.write(self._folder(fabric.name))
         self.outcomes[fabric.name] = found
 

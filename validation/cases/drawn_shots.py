@@ -62,10 +62,11 @@ def drawn(number: int, seed: int) -> ImpactSetup:
     )
     low, high = np.log(VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high))), 1)
-    opening = tuple(float(side) for side in draw.uniform(*OPENING, 2))
+    width, height = draw.uniform(*OPENING, 2)
+    opening = (float(width), float(height))
     return ImpactSetup(
         fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole"
-    )  # type: ignore[arg-type]
+    )
 
 
 def drawn_pack(number: int, seed: int) -> ImpactSetup:

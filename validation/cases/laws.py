@@ -47,13 +47,15 @@ def assumed(
     """
     cloth = wc.fabric(fabric)
     search: Values = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
-    critical = wc.critical_velocity(cloth, **search).velocity
+    critical = wc.critical_velocity(cloth, **search).critical_velocity
     found = wc.calibrate(replace(cloth, laws=None, shear=None, solid_laws=None), mesh=mesh)
     bare = replace(found.fabric, laws=None)
     strike = multiple * critical
     ranges = {
-        "critical": wc.critical_velocity(bare, law=found.law, assumed_range=True, **search).range,
-        "residual": wc.impact(bare, strike, law=found.law, assumed_range=True).range,
+        "critical": wc.critical_velocity(
+            bare, law=found.law, assumed_range=True, **search
+        ).assumed_range,
+        "residual": wc.impact(bare, strike, law=found.law, assumed_range=True).assumed_range,
     }
     published = {"critical": critical, "residual": wc.impact(cloth, strike).residual_velocity}
     ends = found.law.assumed_range or ()

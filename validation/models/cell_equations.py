@@ -8,7 +8,7 @@ add up to the heights at rest (eqs. 4-12, 4-13), with d = a - b (F + F0)^(-1/3) 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -51,10 +51,9 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     W = np.zeros_like(F)
     heights = np.zeros_like(F)
     # laws given to the cell, or the fabric's; bounds have none
-    laws = (None, None)
+    laws: Any = (None, None)
     if model.model == "compressible":
         laws = model.laws or model.fabric.laws
-    assert laws is not None
     if model.model == "decoupled" and touching.any():
         return float("inf")
     for k, (yarn, law) in enumerate(zip(weave.yarns, laws)):

@@ -44,7 +44,7 @@ def iterate(
         for step in range(1, MOST + 1):
             F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
             F = np.array(F)  # type: ignore[assignment]
-            slope = np.array(slope)
+            slope = np.array(slope)  # type: ignore[assignment]
             d = law.a - law.b / np.cbrt(F)
             compliance = law.b / 3 / np.cbrt(F) ** 4
             f = np.array([F[0] - F[1], h.sum() + d.sum() - full])

@@ -27,6 +27,7 @@ from fabrics.variants import with_linear_density
 from weavecell.api import meshes, quantities, targets
 from weavecell.api.result import Result, saved
 from weavecell.results import json_file, out_folder, progress
+from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from shellfabric.cell.biaxial_path import CellPath
@@ -99,8 +100,7 @@ def biaxial(
     source = "published"
     if law is not None:
         source = law.provenance if isinstance(law, CompressionLaw) else str(law)
-        law = law if isinstance(law, CompressionLaw) else CompressionLaw.from_json(law)
-        fabric = replace(fabric, laws=(law, law))
+        fabric = replace(fabric, laws=build.laws_of(fabric, law))
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
@@ -193,6 +193,7 @@ class BiaxialResult(Result):
         return settings | {
             "mesh": self.size,
             "paths": {text: self._end(text) for text in self.paths},
+            **self._what_is_assumed(),
         }
 
     def _end(self, text):
@@ -289,7 +290,7 @@ class BiaxialResult(Result):
                 f"{text:<8}{end['failed']} at its strength at strains {strains} %, tensions {tensions} N, "
                 f"contact {end['contact_force']:.1f} N"
             )
-        return "\n".join(lines)
+        return "\n".join(lines + self._assumed_laws())
 
 
 def _pair(values, form):

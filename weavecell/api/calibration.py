@@ -26,7 +26,7 @@ from fabrics.errors import InputError
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from fabrics.variants import with_linear_density
+from fabrics.variants import data_digest, with_linear_density
 from weavecell.api import meshes, targets
 from weavecell.api.result import Result, figure, saved
 from weavecell.results import json_file, out_folder, progress
@@ -99,6 +99,7 @@ def calibrate(
 
     size, named, solid = meshes.size(mesh), not isinstance(fabric, Fabric), None
     fabric = meshes.of_3d(fabric)
+    digest = data_digest(fabric)
     curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
     choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
@@ -111,7 +112,13 @@ def calibrate(
         with progress.bar(f"Calibration of {fabric.name}") as advance:
             watch = progress.by_path(advance, solver.CASES)
             done = solver.calibrate(
-                fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices
+                fabric,
+                size=size,
+                out=folder,
+                laws=False,
+                resume=resume,
+                on_progress=watch,
+                **choices,
             )
         failed: dict[str, str] = {}
         if assumed_range and assumed.solid_ends(fabric):
@@ -120,6 +127,7 @@ def calibrate(
                 done, failed = ends.with_assumed_range(
                     fabric, done, size=size, on_progress=watch, **choices
                 )
+        done = replace(done, law=replace(done.law, fitted_data=digest))
         interval = None if solid is None else _interval(solid, runs, choices)
         shot_at = with_linear_density(fabric, "effective") if named else fabric
         result = CalibrationResult(
@@ -389,7 +397,6 @@ class CalibrationResult(Result):
         for name, path in {} if self.resumable else done.histories.items():
             path.write(folder / f"{name.replace(' ', '-')}.h5")
         self.mesh.save(folder)
-        done.write(folder)
         stamp = provenance.stamp("", fabric)
         json_file.write(folder / "provenance.json", stamp)
         lead = (
@@ -404,6 +411,7 @@ class CalibrationResult(Result):
         sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
         report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         page.write(report, folder / "report.html")
+        done.write(folder)  # law.json, the last: what is there is whole
 
     def sections(self) -> tuple[Section, ...]:
         """Chapters of the report: the fit, the solid where it was fitted, the response of the shells' cell."""

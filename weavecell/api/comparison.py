@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api import limits, quantities, targets
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.results import out_folder, progress
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["ComparisonResult", "compare"]
 
 
+@explained
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup,
@@ -86,23 +87,25 @@ def compare(
     fired = studies.read(tests)
     panel = targets.of(target, options, honoured.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
-    with out_folder.held(out) as folder:
-        with panel.named():
-            struck = panel.setup.target()
-            with progress.bar(f"{panel.title}, critical velocity") as advance:
-                limit = ballistic_limit.critical_velocity(
-                    struck, tolerance=width, report=lambda share, _: advance(share), **beside
-                )
-            with progress.bar("Shots of the tests") as advance:
-                strikes = sorted(set(fired["velocity"].tolist()))
-                shots = ballistic_limit.shoot(
-                    struck, strikes, report=lambda share, _: advance(share), **beside
-                )
+    with out_folder.held(out) as folder, limits.kept_shots(panel, folder) as ended, panel.named():
+        struck = panel.setup.target()
+
+        def reported(advance):
+            def report(share, shot):
+                ended.append(shot)
+                advance(share)
+
+            return beside | {"report": report}
+
+        with progress.bar(f"{panel.title}, critical velocity") as advance:
+            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **reported(advance))
+        with progress.bar("Shots of the tests") as advance:
+            strikes = sorted(set(fired["velocity"].tolist()))
+            shots = ballistic_limit.shoot(struck, strikes, **reported(advance))
         computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
         checks = quality.worst(shot.checks for shot in computed)
-        result = saved(
-            ComparisonResult(panel, studies.compare(fired, computed, limit), checks), folder
-        )
+        compared = studies.compare(fired, computed, limit)
+        result = saved(ComparisonResult(panel, compared, str(tests), checks), folder)
     result.warn()
     return result
 
@@ -115,6 +118,7 @@ class ComparisonResult(StudyResult):
     ----------
     target : `weavecell.scenes.target.Target` that was shot at
     comparison : `weavecell.studies.compare.Comparison`
+    tests : name of their file
     checks : each quality check of the computed shot in which it is worst
 
     Examples
@@ -128,6 +132,7 @@ class ComparisonResult(StudyResult):
 
     target: Target
     comparison: Comparison
+    tests: str
     checks: tuple[Indicator, ...] = ()
 
     def summary(self) -> dict[str, Any]:
@@ -137,13 +142,17 @@ class ComparisonResult(StudyResult):
 
     @property
     def headline(self) -> tuple[str, str]:
-        computed, curve = self.comparison.limit.velocity, self.comparison.curve
-        off = (
-            ""
-            if curve is None
-            else f", {100 * (computed / curve.V50 - 1):+.1f} % off the V50 of the tests"
+        return (
+            "Computed critical velocity",
+            f"{self.comparison.limit.velocity:.1f} m/s{self._off()}",
         )
-        return "Computed critical velocity", f"{computed:.1f} m/s{off}"
+
+    def _off(self):
+        """By how much the computed velocity differs from the V50 of the tests; "" without one."""
+        limit, curve = self.comparison.limit, self.comparison.curve
+        if curve.reason:
+            return ""
+        return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
 
     def _columns(self):
         return self.comparison.table
@@ -157,25 +166,22 @@ class ComparisonResult(StudyResult):
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
         return {
-            "comparison.json": {"format": "weavecell comparison 1", **self.summary()},
+            "comparison.json": {"format": "weavecell comparison 2", **self.summary()},
             "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
             "comparison.svg": None,
         }
 
     def lines(self) -> list[str]:
         """What is printed."""
-        comparison, limit, curve = self.comparison, self.comparison.limit, self.comparison.curve
+        comparison, limit = self.comparison, self.comparison.limit
+        bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
         lines = [
-            f"{self.title}: computed critical velocity {limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
+            f"{self.title}: computed critical velocity {bracket}{self._off()}",
+            f"tests, {self.tests}: {comparison.curve.words()}",
+            f"tests: {comparison.six_shots.words()}",
+            f"tests, Lambert-Jonas: {comparison.tested.words()}",
+            f"computed, Lambert-Jonas: {comparison.computed.words()}",
         ]
-        if curve is None:
-            lines.append("tests: all of one outcome, which gives no V50")
-        else:
-            low, high = curve.intervals["V50"]
-            lines.append(
-                f"tests: V50 {curve.V50:.1f} m/s ({low:.1f} to {high:.1f} with 95 % confidence, probit); the computed "
-                f"critical velocity is {100 * (limit.velocity / curve.V50 - 1):+.1f} % off"
-            )
         count, residual = len(comparison.table), comparison.difference()
         lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
         if residual["mean"] is not None:

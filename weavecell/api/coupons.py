@@ -240,10 +240,13 @@ def _facts(case, failure, began):
         "law_name": case.law_name,
         "test": case.scene.test,
     }
-    return names | {
+    facts = names | {
         "failure_message": str(failure or ""),
         "wall_time_s": time.perf_counter() - began,
     }
+    if lines := assumed.lines(case.fabric):
+        facts["assumed"] = "; ".join(lines)
+    return facts
 
 
 def _table(case):
@@ -288,14 +291,14 @@ class CouponResult(Result):
         return self.record.facts["outcome"]
 
     @property
-    def assumed(self) -> tuple[str, ...]:
-        """Lines that name the laws that are assumed."""
-        return tuple(assumed.lines(self.case.fabric))
+    def fabric(self) -> Fabric:
+        """Fabric of the coupon."""
+        return self.case.fabric
 
     def summary(self) -> dict[str, Any]:
         """Outcome, the checks in words, and every quantity at the end with its unit."""
         last = {name: float(values[-1]) for name, values in self._columns().items()}
-        return self.record.facts | {"checks": self.checks_text} | last
+        return self.record.facts | {"checks": self.checks_text} | last | self._what_is_assumed()
 
     def _what(self):
         return self.record.facts["title"]
@@ -307,23 +310,38 @@ class CouponResult(Result):
             name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()
         }
 
+    def to_dataframe(self) -> DataFrame:
+        """As of `Result`; its attrs name what is assumed."""
+        table = super().to_dataframe()
+        table.attrs.update(self._what_is_assumed())
+        return table
+
     def lines(self) -> list[str]:
         """What the test came to, as printed."""
         facts = self.record.facts
+        share = facts["yarn_stiffness_share"]
+        softer = [] if share == 1 else [f"yarns computed with {share:.2g} of their stiffness"]
         return [
             *(
-                f"{name:<34}{display.text(values[-1], unit, name)}"
+                f"{name:<34}{display.text(values[-1], unit, name)}{self._flag(name)}"
                 for name, (unit, values) in self._measured().items()
             ),
+            *softer,
+            *self._assumed_laws(),
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s",
         ]
+
+    def _flag(self, name):
+        """What stands beside a number that was computed."""
+        prescribed = name == self.record.facts.get("prescribed_name")
+        return " (assumed law)" if self._assumed_laws() and not prescribed else ""
 
     def _lead(self):
         facts, tolerance = self.record.facts, self.case.scene.run.tolerance
         return (
             f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
-            f"relaxed to {tolerance:g} of the reaction."
+            f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._assumed_laws())}"
         )
 
     def table(self) -> DataFrame:
@@ -392,7 +410,7 @@ class CouponResult(Result):
         record = self.record
         coupon_results.write(out / "histories.h5", record, self.solved)
         last = {
-            name: {"value": values[-1], "unit": record.unit(name)}
+            name: {"value": values[-1], "unit": record.unit(name)} | self._what_is_assumed()
             for name, values in record.columns.items()
         }
         return {"at_end": last}
@@ -412,6 +430,7 @@ class CouponResult(Result):
         if self.text:
             files.write(out / "scene.toml", self.text)
         content = facts | self._write_record(out) | checks.summary(self.checks)
+        content |= self._what_is_assumed()
         json_file.write_summary(
             out / "summary.json", content | {"run_key": self.key, "provenance": stamp}
         )
@@ -487,7 +506,7 @@ class PullOutResult(CouponResult):
 
     def summary(self) -> dict[str, Any]:
         """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
-        return self.record.facts | {"checks": self.checks_text}
+        return self.record.facts | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _rows(self):
         """{what it is: text with its unit}."""
@@ -504,7 +523,8 @@ class PullOutResult(CouponResult):
 
     def lines(self) -> list[str]:
         """What the test came to, as printed."""
-        return [f"{name:<44}{text}" for name, text in self._rows().items()]
+        rows = [f"{name:<44}{text}{self._flag(name)}" for name, text in self._rows().items()]
+        return rows + self._assumed_laws()
 
     def _lead(self):
         facts = self.record.facts

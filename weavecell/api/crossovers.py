@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from fabrics import compression, files
+from fabrics import files
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
@@ -28,6 +28,7 @@ from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure, saved
 from weavecell.report import crossover_cases, pictures_crossover
 from weavecell.results import json_file, out_folder, progress
+from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,9 +116,7 @@ def crossover(
     )
     fabric = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
-        compression.CompressionLaw.from_json(law).require_fabric(
-            fabric.name, key="law", value=str(law)
-        )
+        build.laws_of(fabric, law)
     run = kind.run(fabric, **options)
     part = _domain(case, domain, shift)
     with out_folder.held(out) as folder:
@@ -217,8 +216,8 @@ class CrossoverResult(Result):
         return f"{self.fabric.name}, {self.case}"
 
     def summary(self) -> dict[str, Any]:
-        """{quantity [unit]: value} that the case comes to."""
-        return self.found
+        """{quantity [unit]: value} that the case comes to, and what is assumed."""
+        return self.found | self._what_is_assumed()
 
     def _columns(self):
         return dict(self.record.to_dataframe())
@@ -252,7 +251,8 @@ class CrossoverResult(Result):
         pictures_crossover.deformed(self.mesh, record, out / "pictures" / "deformed.png")
 
     def __str__(self) -> str:
-        return "\n".join(f"{key:<44}{_text(value)}" for key, value in self.found.items())
+        rows = [f"{key:<44}{_text(value)}" for key, value in self.found.items()]
+        return "\n".join(rows + self._assumed_laws())
 
 
 def _text(value):

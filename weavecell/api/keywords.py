@@ -8,10 +8,10 @@ and type checkers; a test holds it against the schema.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, InputErrors, nearest, together
@@ -53,6 +53,7 @@ _OBJECTS = {
     "panel": ("ply_contact",),
 }  # may be objects, which no file can hold
 
+Function = TypeVar("Function", bound=Callable)
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
 End = Literal["clamped", "free"] | Mapping[str, Quantity]
@@ -60,7 +61,75 @@ Side = End | tuple[End, End] | list[End]
 
 
 class Keywords(TypedDict, total=False):
-    """Keywords of `weavecell.setup` and what takes its keywords; meanings are in docs/reference/input.md."""
+    """Keywords of `weavecell.setup` and what takes its keywords; docs/reference/input.md says more.
+
+    law : compression law of warp and weft; needed for a fabric without a published one, such as
+        your own; "published", the path of a law written by `weavecell calibrate` (*.json), or a
+        table { a = ..., b = ... }
+    cell_model : unit cell: yarns that compress, incompressible yarns, or warp and weft without
+        interaction; one of "compressible", "incompressible", "decoupled"
+    cell_formulation : how forces follow from the state of the cell: gradient of the stored energy
+        (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
+        tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
+    cell_profile : centre line of a crimped yarn in the cell; one of "cosine", "straight"
+    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
+        least 0, such as "0 mm"
+    surface : response surface of the 3D crossover, which replaces the analytical cell and
+        `fabric.law`; the path of a surface written by `weavecell surface`
+    bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
+        "1e-6 N m^2"
+    weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
+        0.9, strength = 0.8, source = "..." }
+    projectile : the table [projectile] of the input file, as a dict
+    opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
+        length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
+    opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
+    impact_point : where the projectile hits, from the middle of the opening along its two sides.
+        Where not given the middle; of one ply with sliding crossovers, computed whole, a quarter of
+        the spacing off a crossover in both directions. Off the middle it needs the symmetry `half`,
+        on the second axis, else `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+    boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
+        four, or a table { warp = ..., weft = ... } of sides
+    symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
+        (azimuth 90 deg). Where not given, one ply with sliding crossovers is whole: symmetry can
+        decide its outcome; one of "quarter", "half", "whole"
+    weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
+        such as "45 deg"
+    plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
+    ply : plies one by one, as the tables [[panel.ply]], in place of `plies`
+    stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
+        "alternating"
+    ply_gap : pack: clearance between plies at rest; where not given the gap of the fabric file,
+        else an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
+    ply_contact : pack: law of pressure against closure between two plies; where not given the law
+        in the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
+        "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
+    ply_friction : pack: Coulomb coefficient between plies; a number from 0 to 2
+    yarn_failure : whether a yarn fails at its strength; true or false
+    rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
+        high rates, from the table `[strain_rate]` of the fabric file, else assumed by fibre family;
+        true or false
+    grading : coarser mesh with the distance from the impact point: zones of distance and element
+        side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
+        "1/2"], [20, 1], [inf, 2]]
+    crossovers : whether warp and weft are pinned to each other where they cross, or slide against
+        friction; one of "pinned", "sliding"
+    crossover_friction : sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed)
+        where not given; a number from 0 to 2
+    crossover_cohesion : sliding crossovers: friction of a crossover without contact force; 0 where
+        not given [N]; a force of at least 0, such as "0.1 N"
+    end_time : latest end of the run; it ends earlier when the projectile stops (see
+        backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
+        us"
+    elements_per_crossover : elements along each side of a crossover; where not given, they follow
+        the failure length of the yarns under the projectile, and are longer further out; a whole
+        number from 1 to 8
+    snapshot_interval : time between the shapes kept for ParaView and the pictures [s]; a time above
+        0, such as "10 us"
+    history : the table [history] of the input file, as a dict
+    numerics : the table [numerics] of the input file, as a dict
+    backing : the table [backing] of the input file, as a dict
+    """
 
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]
@@ -95,6 +164,15 @@ class Keywords(TypedDict, total=False):
     history: Mapping[str, Any] | None
     numerics: Mapping[str, Number | str] | None
     backing: Mapping[str, Any] | str | None
+
+
+def explained(function: Function) -> Function:
+    """The function, whose docstring also has what each of its `Keywords` means, for help()."""
+    meanings = (Keywords.__doc__ or "").partition("\n\n")[2]
+    section = f"\n    Other Parameters\n    ----------------\n{meanings}"
+    text = function.__doc__ or ""
+    function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
+    return function
 
 
 def tables() -> dict[str, str]:

@@ -11,20 +11,22 @@ The folder of `weavecell critical-velocity`
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import files
 from fabrics.checks import FilePath
-from fabrics.errors import UndecidedError, UnstableError
+from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
+from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
 from weavecell.results import out_folder, progress
@@ -56,6 +58,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
+@explained
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -66,6 +69,7 @@ def critical_velocity(
     scan_below: float | str = "10 %",
     scan_step: float | str = "2 %",
     assumed_range: bool | Literal["laws"] = False,
+    check: bool = False,
     jobs: int = 1,
     executor: str | Executor = "local",
     out: FilePath | None = None,
@@ -83,8 +87,8 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an
-    unstable shot only the scene and the shots before it.
+    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; of a
+    search that does not end, or is interrupted, the scene and the shots before.
 
     Parameters
     ----------
@@ -95,8 +99,9 @@ def critical_velocity(
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with the ends of all that is assumed of fabric and set-up, not of a lay-up;
-        without this option a command does so where a law or the crimp is assumed; in Python "laws" does
+    assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up; without this option a
+        command does so where a law or the crimp is assumed; in Python "laws" does
+    check : run nothing and write nothing: forecast shots and CPU time
     jobs : shots that run at the same time, as threads of this process
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
@@ -116,10 +121,11 @@ def critical_velocity(
     Examples
     --------
     >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> round(limit.velocity, -1), limit.bracket_checks  # [m/s]
+    >>> round(limit.critical_velocity, -1), limit.bracket_checks  # [m/s]
     (70.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
+    from weavecell.studies import assumed_range as ranges
     from weavecell.studies import limit as limits
 
     width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
@@ -129,42 +135,63 @@ def critical_velocity(
             **{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
         )
     panel = targets.of(target, options, honoured.LIMITS)
-    search: dict[str, Any] = {"residual_shots": residual_shots, "with_range": assumed_range}
-    search |= {
-        "tolerance": width,
-        "scan": around if scan else None,
-        "jobs": jobs,
-        "executor": executor,
-    }
+    over = ranges.with_ends(panel.setup, assumed_range)
+    if check:
+        ends = () if over is None else ranges.changes(over).values()
+        scanned = (around.above + around.below) / around.step if scan else 0
+        searches = 1 + sum(map(len, ends)) + 2 * bool(ends)
+        fired = residual_shots + round(scanned)
+        return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
+    beside: dict[str, Any] = {"tolerance": width, "jobs": jobs, "executor": executor}
+    search = beside | {"residual_shots": residual_shots, "scan": around if scan else None}
+    with out_folder.held(out) as folder, kept_shots(panel, folder) as ended:
 
-    @contextmanager
-    def stage(title):
-        with progress.bar(
-            title, estimate=False
-        ) as advance:  # some shots take ten times as long as others
-            done = count(1)
-            yield lambda share, shot: advance(
-                share, f"{next(done)} shots, {checks.of_shot(shot)}" if shot else ""
-            )
+        @contextmanager
+        def stage(title):
+            # without an estimate: some shots take ten times as long as others
+            with progress.bar(title, estimate=False) as advance:
+                done = count(1)
 
-    with out_folder.held(out) as folder:
-        try:
-            with panel.named():
-                study = limits.search(panel.setup, **search, stage=stage)
-        except (UndecidedError, UnstableError) as problem:
-            if folder is not None:
-                shots = sorted(problem.shots, key=lambda shot: shot.strike_velocity)
-                files.write(folder / "shots.csv", csv_of(shots))
-                if panel.text:
-                    files.write(folder / "scene.toml", panel.text)
-            raise
+                def report(share, shot):
+                    ended.append(shot)
+                    advance(share, f"{next(done)} shots, {checks.of_shot(shot)}")
+
+                yield report
+
+        with panel.named():
+            study = limits.search(panel.setup, **search, stage=stage)
         wall_time = time.perf_counter() - began
+        scan_range = search["scan"]
         result = CriticalVelocityResult(
-            panel, study.limit, study.fit, study.range, search["scan"], wall_time
+            panel, study.limit, study.fit, scan=scan_range, wall_time=wall_time
         )
+        ended.clear()
         saved(result, folder)
+        if over is not None:
+            with panel.named(), progress.bar("Range over what is assumed") as advance:
+                around_it = ranges.critical_velocity(
+                    over, study.limit.velocity, on_progress=advance, **beside
+                )
+            result = saved(replace(result, assumed_range=around_it), folder)
     result.warn()
     return result
+
+
+@contextmanager
+def kept_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
+    """A list for the shots of a search, which are written to the folder where an error or the user ends it."""
+    ended: list[Shot] = []
+    try:
+        yield ended
+    except (WeavecellError, KeyboardInterrupt) as problem:
+        shots = sorted(ended, key=lambda shot: shot.strike_velocity)
+        if isinstance(problem, (UndecidedError, UnstableError)):
+            problem.shots = tuple(shots)
+        if folder is not None and (shots or not isinstance(problem, InputError)):
+            files.write(folder / "shots.csv", csv_of(shots))
+            if panel.text:
+                files.write(folder / "scene.toml", panel.text)
+        raise
 
 
 @dataclass(frozen=True, repr=False)
@@ -175,8 +202,8 @@ class CriticalVelocityResult(StudyResult):
     ----------
     target : `weavecell.scenes.target.Target` that was shot at
     limit : `shellfabric.impact.ballistic_limit.Limit`
-    fit : Lambert-Jonas fit to the perforations, or None where they are too few
-    range : AssumedRange of the critical velocity over the assumed laws, or None
+    lambert_jonas : fit to the perforations
+    assumed_range : AssumedRange of the critical velocity, or None
     scan : ScanRange about the bracket, or None
     wall_time : [s]
 
@@ -184,14 +211,14 @@ class CriticalVelocityResult(StudyResult):
     --------
     >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
     >>> low, high = limit.bracket
-    >>> low < limit.velocity < high
+    >>> low < limit.critical_velocity < high
     True
     """
 
     target: Target
     limit: Limit
-    fit: LambertJonas | None = None
-    range: AssumedRange | None = None
+    lambert_jonas: LambertJonas
+    assumed_range: AssumedRange | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
 
@@ -211,7 +238,7 @@ class CriticalVelocityResult(StudyResult):
         return tuple(sorted(self.limit.shots, key=lambda shot: shot.strike_velocity))
 
     @property
-    def velocity(self) -> float | None:
+    def critical_velocity(self) -> float | None:
         """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
         return float(self.limit.velocity) if self.limit.single else None
 
@@ -268,14 +295,14 @@ class CriticalVelocityResult(StudyResult):
             "plies": setup.plies,
             "projectile": self.target.projectile,
             "law_name": self.target.law_name,
-            "critical_velocity_m_s": self.velocity,
+            "critical_velocity_m_s": self.critical_velocity,
             "bracket_m_s": [limit.low, limit.high],
             "single_limit": limit.single,
             "highest_stop_m_s": limit.highest_stop,
             "lowest_perforation_m_s": limit.lowest_perforation,
             "mixed_zone_m_s": limit.mixed_zone,
             "scan": self.scan and asdict(self.scan),
-            "lambert_jonas": self.fit and asdict(self.fit),
+            "lambert_jonas": asdict(self.lambert_jonas),
             "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
             "wall_time_s": self.wall_time,
@@ -288,7 +315,8 @@ class CriticalVelocityResult(StudyResult):
         """Residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 
-        return pictures.residual_velocity(pyplot, self.title, self.limit, self.fit, self.shots)
+        drawn = self.limit, self.lambert_jonas, self.shots
+        return pictures.residual_velocity(pyplot, self.title, *drawn)
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
@@ -298,9 +326,11 @@ class CriticalVelocityResult(StudyResult):
                 shot.pop("peak_tension_warp_N"),
                 shot.pop("peak_tension_weft_N"),
             )
-        content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
+        content = {"format": "weavecell critical velocity 4", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
-        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
+        content |= (
+            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
+        )
         return {
             "critical-velocity.json": content,
             "shots.csv": csv_of(self.shots),
@@ -330,10 +360,11 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop")
         if self.bracket_checks != checks.OK:
             lines.append(f"the limit rests on a {self.bracket_checks}")
-        if self.fit is not None:
-            lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
-        if self.range is not None:
-            lines.append(f"assumed laws: {self.range.words()}")
+        fit = self.lambert_jonas
+        rms = "" if fit.reason else f", rms {fit.residual_rms:.1f} m/s"
+        lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
+        if self.assumed_range is not None:
+            lines.append(f"assumed laws: {self.assumed_range.words()}")
         return lines
 
 

@@ -43,6 +43,7 @@ COLUMNS: dict[str, Callable[[Fabric], str]] = {
     "a [mm]": lambda f: f"{1000 * f.laws[0].a:.4f}" if f.laws else "-",
     "b [mm N^⅓]": lambda f: f"{1000 * f.laws[0].b:.3f}" if f.laws else "-",
 }
+MASS, STRENGTH = "mass [g/m²]", "strength [N/yarn]"
 SOURCES = ("key", "value", "status", "source")
 PROJECTILE = ("mass", "diameter", "length")
 BACKING = ("density", "modulus", "yield_stress", "rate_exponent", "erosion_strain")
@@ -142,10 +143,15 @@ def fabrics(*, out: FilePath | None = None) -> Listing:
         tuple(text(fabric) for text in COLUMNS.values())
         for fabric in map(catalogue.load, catalogue.list_names())
     ]
-    return saved(
-        Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True),
-        out,
+    loaded = map(catalogue.load, catalogue.list_names())
+    fired = [f.with_effective_density() for f in loaded if f.effective_linear_density is not None]
+    effective = [f"{f.name} {COLUMNS[MASS](f)} g/m² and {COLUMNS[STRENGTH](f)} N" for f in fired]
+    note = (
+        "Mass and strength are those of the data sheet; shots use the effective linear density of the published runs: "
+        f"{'; '.join(effective)}."
     )
+    title = "Fabrics of the catalogue (warp / weft)"
+    return saved(Listing({title: (tuple(COLUMNS), rows)}, (note,), numeric=True), out)
 
 
 def projectiles(*, out: FilePath | None = None) -> Listing:
@@ -339,6 +345,8 @@ def new_fabric(
     yarn_curve: FilePath | None = None,
     picture_frame: FilePath | None = None,
     frame_side: float | str | None = None,
+    bias_extension: FilePath | None = None,
+    strip: str | tuple[float, float] | None = None,
     family: str | None = None,
 ) -> None:
     """Write a fabric file from data-sheet values, each with its source and status.
@@ -353,6 +361,8 @@ def new_fabric(
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed where the file gives its force
+    bias_extension : fit the trellis law to this CSV file: displacement and force of a bias strip
+    strip : width and length of the bias strip between its clamps, such as "115 mm, 230 mm"
     family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what is assumed
 
     Raises
@@ -380,9 +390,18 @@ def new_fabric(
     if family not in (None, *FIBRES):
         raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
     side = None if frame_side is None else quantities.number(frame_side, "m", "frame_side")
+    if strip is not None:
+        strip = quantities.pair(strip, "m", "strip", "width and length")
     entered = _asked() if values is None else fabric_file.read_values(values)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
-    draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
+    draft, fitted = fabric_file.with_curves(
+        draft,
+        yarn=yarn_curve,
+        frame=picture_frame,
+        side=side,
+        bias=bias_extension,
+        strip=strip,
+    )
     fabric = draft.write(path)
     for line in (*fitted, *fabric_file.left_open(fabric, path)):
         logging.getLogger("weavecell").info(line)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from fabrics import assumed
 from fabrics.checks import FilePath
 from fabrics.errors import DoubtfulResult
 from weavecell.results import display, keys
@@ -58,10 +59,20 @@ class Result:
         if self.doubtful:
             warnings.warn(f"{self._what()}: {self.checks_text}", DoubtfulResult, stacklevel=3)
 
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name what is assumed of the fabric that the result is about."""
+        fabric = getattr(self, "fabric", None)
+        return () if fabric is None else tuple(assumed.lines(fabric))
+
+    def _assumed_laws(self) -> list[str]:
+        """The lines of `assumed` that a quasi-static result follows from: all but that of the failure length."""
+        return [line for line in self.assumed if "failure length" not in line]
+
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""
-        assumed, around = getattr(self, "assumed", ()), getattr(self, "range", None)
-        entries = {"assumed": "; ".join(assumed)} if assumed else {}
+        around = getattr(self, "assumed_range", None)
+        entries = {"assumed": "; ".join(self.assumed)} if self.assumed else {}
         return entries if around is None else entries | {"assumed_range": around.words()}
 
     def _what(self) -> str:

@@ -1,15 +1,21 @@
-"""What an impact would take: elements, steps, memory and time, and what is assumed of it. Nothing is run.
+"""What an impact or a study would take: elements, steps, memory and time, and what is assumed. Nothing is run.
 
 The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of S-726 and S-728,
 S-726 with sliding crossovers, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up to
 the higher. A run ends earlier where the projectile stops or has passed.
+
+A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess of the limit takes
+over half of the opening. These factors are measured, on the shots of nine searches (docs/studies.md).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, prod
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from weavecell.api.result import Result
 
@@ -19,6 +25,8 @@ if TYPE_CHECKING:
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9), "sliding crossovers": (60e-9, 160e-9)}
 OF_A_BRICK = 850e-9, 1000e-9
+DURATION = 0.2, 1.0
+SHOTS_OF_A_SEARCH = 9
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,3 +116,67 @@ class RunSize(Result):
             f"memory {1e-6 * self.memory:.0f} MB; {low} to {high} s of CPU time if it goes on to its end time",
         ]
         return "\n".join([*lines, *self.assumed])
+
+
+@dataclass(frozen=True, repr=False)
+class StudySize(Result):
+    """What a study of many shots would take.
+
+    Parameters
+    ----------
+    title : of the study
+    shots : number, about, with those of its searches
+    searches : of a limit, of SHOTS_OF_A_SEARCH shots each
+    cpu_time : (lowest, highest) [s]
+
+    Examples
+    --------
+    >>> size = wc.critical_velocity("S-720", residual_shots=0, scan=False, opening="50 mm", check=True)
+    >>> size.shots, size.searches
+    (9, 1)
+    """
+
+    title: str
+    shots: int
+    searches: int
+    cpu_time: tuple[float, float]
+
+    @classmethod
+    def of(cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0) -> StudySize:
+        """Of shots and searches at a set-up.
+
+        Raises
+        ------
+        InputError : values that do not go together
+        """
+        from shellfabric.impact.ballistic_limit import first_guess
+
+        shots += SHOTS_OF_A_SEARCH * searches
+        crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
+        to_its_end = RunSize.of(setup, title, ()).cpu_time
+        low, high = (
+            shots * seconds * share * crossing / setup.end_time
+            for seconds, share in zip(to_its_end, DURATION)
+        )
+        return cls(title, shots, searches, (low, high))
+
+    @classmethod
+    def of_all(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
+        """The sum of several."""
+        low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
+        shots, searches = sum(size.shots for size in sizes), sum(size.searches for size in sizes)
+        return cls(title, shots, searches, (low, high))
+
+    def summary(self) -> dict[str, Any]:
+        """All of it, names with units."""
+        low, high = self.cpu_time
+        counts = {"shots": self.shots, "searches": self.searches}
+        return counts | {"cpu_time_low_s": low, "cpu_time_high_s": high}
+
+    def _columns(self):
+        return {name: [value] for name, value in self.summary().items()}
+
+    def __str__(self) -> str:
+        low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
+        searches = f", of which {self.searches} searches of a limit" if self.searches else ""
+        return f"{self.title}: nothing is run\nabout {self.shots:,} shots{searches}; {low} to {high} s of CPU time"

@@ -11,7 +11,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -66,6 +66,7 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     return projectile_data.table(name, changes)
 
 
+@explained
 def setup(
     fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
 ) -> ImpactSetup:

@@ -8,17 +8,20 @@ The folders that `save` writes, beside runs/ with a file for each run
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, Unpack
+from math import nan
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.checks import FilePath
 from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
+from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import honoured
 
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.target import Target
+    from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.draws import Draws
     from weavecell.studies.sobol import Indices
     from weavecell.studies.v50 import Study
@@ -35,11 +39,14 @@ if TYPE_CHECKING:
 __all__ = ["DrawsResult", "SensitivityResult", "V50Result", "draws", "sensitivity", "v50"]
 
 
+@explained
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
     shots: int = 100,
     batch: int = 10,
+    assumed_range: bool | Literal["laws"] = False,
+    check: bool = False,
     weibull_shape: float | None = None,
     modulus_cov: float | str | None = None,
     crimp_cov: float | str | None = None,
@@ -53,7 +60,8 @@ def v50(
     """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
     Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
-    scatter V50 is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
+    scatter V50 is the critical velocity. Shots that become unstable, or neither stop nor perforate, count in no
+    estimate. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
     and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, one ply has elements of a failure length near the
     impact point and of four crossovers far off; a pack has the mesh of a shot. Of an input file these keys are ignored:
     title, projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
@@ -66,6 +74,10 @@ def v50(
     target : as of `critical_velocity`
     shots : number of shots, at least 4
     batch : shots of a round, at least 4; each round is placed by the outcomes before
+    assumed_range : fire the shots again with the ends of the two assumptions that change the limit most, and with both
+        that lower or raise it: six times as many shots, after two searches for each assumption; without this option a
+        command repeats only the search, where a law or the crimp is assumed; in Python "laws" does
+    check : run nothing and write nothing: forecast shots and CPU time
     weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
         weavecell/studies/inputs.toml where it is not given
     modulus_cov : coefficient of variation of the modulus from panel to panel
@@ -83,7 +95,7 @@ def v50(
     Raises
     ------
     InputError : as `critical_velocity`, fewer than four shots, or yarns that do not fail
-    UnstableError : a shot became unphysical
+    UnstableError : shots without an outcome; its attribute `result` is the V50Result of the others, which is written
 
     Examples
     --------
@@ -91,6 +103,7 @@ def v50(
     >>> round(curve.v50, -1)  # [m/s]
     80.0
     """
+    from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs
     from weavecell.studies import v50 as analysis
 
@@ -101,15 +114,38 @@ def v50(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
     panel = targets.of(target, options, honoured.LIMITS)
+    over = ranges.with_ends(panel.setup, assumed_range)
+    searches, repeats = 0, 0
+    if over is not None:
+        searches = sum(map(len, ranges.changes(over).values())) + 2
+        repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
+    if check:
+        fired = shots * (1 + repeats)
+        whole = replace(analysis.graded(panel.setup), symmetry="whole")
+        return StudySize.of(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
     with targets.study(
         panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn
     ) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        return saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+        result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+        if over is not None:
+            share = (SHOTS_OF_A_SEARCH * searches + shots * repeats) / (SHOTS_OF_A_SEARCH + shots)
+            cost = f"{searches} searches and {shots * repeats} shots, about {share * run.wall_time:.2g} s"
+            logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
+            ends = analysis.over_assumed(
+                over, study, again=assumed_range is True, seed=seed, report=run.report(), **run.runs
+            )
+            study = replace(study, assumed_range=ends)
+            result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+    if study.failures:
+        told = f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
+        raise UnstableError(told, result=result)
+    return result
 
 
+@explained
 def sensitivity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -147,7 +183,7 @@ def sensitivity(
     Raises
     ------
     InputError : as `critical_velocity`, or samples that are no power of 2
-    UnstableError : a shot became unphysical
+    UnstableError : shots became unphysical, so that there is no index; its attribute `result` is the SensitivityResult
 
     Examples
     --------
@@ -168,7 +204,11 @@ def sensitivity(
     ) as run:
         sizes = {"samples": samples, "seed": seed}
         indices = sobol.study(panel.setup, velocities, **sizes, report=run.report(), **run.runs)
-        return saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
+        result = saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
+    if unstable := sum(of.unstable for of in indices if of.quantity == "velocity"):
+        told = f"{unstable} shots became unstable: no index of their velocity is determined"
+        raise UnstableError(told, result=result)
+    return result
 
 
 def draws(
@@ -251,8 +291,7 @@ class V50Result(StudyResult):
     Examples
     --------
     >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> low, high = curve.interval
-    >>> low < curve.v50 < high
+    >>> curve.v50_low < curve.v50 < curve.v50_high
     True
     """
 
@@ -264,18 +303,27 @@ class V50Result(StudyResult):
 
     @property
     def v50(self) -> float:
-        """[m/s] that half of the panels stop, of the probit."""
+        """[m/s] that half of the panels stop, of the probit; NaN where the shots do not determine it."""
         return float(self.study.curves["probit"].V50)
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """[m/s] of V50, at the level of the curve's confidence."""
-        low, high = self.study.curves["probit"].intervals["V50"]
-        return float(low), float(high)
+    def v50_low(self) -> float:
+        """[m/s] of the interval of V50, at the level of the curve's confidence."""
+        return float(self.study.curves["probit"].intervals["V50"][0])
+
+    @property
+    def v50_high(self) -> float:
+        """[m/s] of the same interval."""
+        return float(self.study.curves["probit"].intervals["V50"][1])
+
+    @property
+    def assumed_range(self) -> AssumedRange | None:
+        """Of V50, or of the limit without scatter, over what is assumed."""
+        return self.study.assumed_range
 
     def summary(self) -> dict[str, Any]:
         """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50 of test series."""
-        return self.study.summary()
+        return self.study.summary() | self._what_is_assumed()
 
     def _columns(self):
         shots = self.study.shots
@@ -291,50 +339,64 @@ class V50Result(StudyResult):
             "balance",
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        weakest = zip(("weakest_warp", "weakest_weft"), zip(*(shot.weakest for shot in shots)))
-        return columns | dict(weakest)
+        weakest = {
+            f"weakest_{family}": [shot.weakest[k] for shot in shots]
+            for k, family in enumerate(("warp", "weft"))
+        }
+        return columns | weakest
 
     @property
     def headline(self) -> tuple[str, str]:
-        low, high = self.interval
-        return "V50", f"{self.v50:.1f} m/s ({low:.1f} to {high:.1f} m/s)"
+        if self.study.curves["probit"].reason:
+            return "V50", "not determined"
+        around, over = self.assumed_range, "range over what is assumed not computed"
+        if around is not None:
+            over = (
+                f"{around.quantity} over what is assumed: {around.low:.1f} to {around.high:.1f} m/s"
+            )
+        sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s"
+        return "V50", f"{self.v50:.1f} m/s ({sampled} by the number of shots, 95 %; {over})"
 
     @property
     def title(self) -> str:
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
     def lines(self) -> list[str]:
+        from weavecell.studies import assumed_range
+
         study, scatter, shots = self.study, self.study.scatter, self.study.shots
         perforations = [shot.velocity for shot in shots if shot.perforated]
         stops = [shot.velocity for shot in shots if not shot.perforated]
         low, high = study.deterministic
-        remarks = [
-            *(
-                f"V50 ({link}) {curve.V50:.1f} m/s, {curve.intervals['V50'][0]:.1f} to {curve.intervals['V50'][1]:.1f} "
-                f"m/s with {100 * curve.confidence:g} % confidence."
-                for link, curve in study.curves.items()
-            ),
+        remarks = [f"{' '.join(self.headline)}."]
+        remarks += [f"{curve.words()}." for curve in study.curves.values()]
+        remarks.append(f"{study.six_shots.words()}.")
+        if study.assumed_range is not None:
+            remarks.append(f"Over what is assumed: {study.assumed_range.words()}.")
+        elif names := ", ".join(assumed_range.changes(self.target.setup)):
+            remarks.append(
+                f"In no interval: what is assumed ({names}); --assumed-range computes it."
+            )
+        fastest, slowest = max(stops, default=nan), min(perforations, default=nan)
+        remarks += [
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
-            f"perforation {min(perforations):.1f} m/s, fastest stop {max(stops):.1f} m/s; worst energy balance "
-            f"{100 * max(shot.balance for shot in shots):.2g} %.",
+            f"perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; worst energy balance "
+            f"{100 * study.summary()['energy_error_max']:.2g} %.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
             "V0 and V100 are where 1 % and 99 % perforate.",
-            study.series.words(),
         ]
-        if study.curves["probit"].separated:
-            remarks.append(
-                "No stop is faster than a perforation: the shots are too few to tell the scatter of the limit."
-            )
+        if not study.curves["probit"].reason:
+            remarks.append(study.series.words())
+        remarks += [f"Without an outcome: {failure}." for failure in study.failures]
         if study.doubtful:
             counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
             remarks.append(
                 f"{study.doubtful} of {len(shots)} shots are doubtful; checks beyond their limits: {names}."
             )
-        if study.fit is not None:
-            remarks.append(f"Residual velocities, Lambert-Jonas: {study.fit.words()}.")
+        remarks.append(f"Residual velocities, Lambert-Jonas: {study.lambert_jonas.words()}.")
         if (zones := self._zones()) is not None:
             sides = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
             remarks.append(
@@ -389,7 +451,10 @@ class V50Result(StudyResult):
             "projectile": self.target.projectile,
             "deterministic": study.deterministic,
             "series": asdict(study.series),
-            "lambert_jonas": study.fit and asdict(study.fit),
+            "lambert_jonas": asdict(study.lambert_jonas),
+            "six_shots": asdict(study.six_shots),
+            "failures": study.failures,
+            "assumed_range": study.assumed_range and study.assumed_range.summary(),
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
             "curves": curves,
@@ -563,7 +628,8 @@ class SensitivityResult(StudyResult):
         return [
             *(
                 f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
-                f"{QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated."
+                f"{QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated"
+                f"{f'; indices not determined, because {of.unstable} shots became unstable' * (of.unstable > 0)}."
                 for of in self.indices
             ),
             f"{self.samples} base samples, {self._rows} rows of {velocities} shots, seed {self.seed}.",

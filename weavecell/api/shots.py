@@ -31,7 +31,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.results import keys, out_folder, progress, run_folder
@@ -55,6 +55,7 @@ __all__ = ["ShotResult", "impact"]
 WINDOW = "window"  # folder of the finished shots at other velocities
 
 
+@explained
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
@@ -129,7 +130,7 @@ def impact(
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
             if failure is None and not climbs and panel.setup.plies == 1:
-                result = replace(result, range=_range(panel.setup, assumed_range, result))
+                result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
@@ -257,7 +258,7 @@ class ShotResult(ImpactRecord, Result):
     shapes : of each instant of `snapshot_interval` the tuple of the plies' Shape
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
-    range : AssumedRange of the residual velocity over the assumed laws, or None
+    assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
     target : `weavecell.scenes.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     key : of the run, by which it is not repeated
@@ -276,7 +277,7 @@ class ShotResult(ImpactRecord, Result):
     shapes: tuple[tuple[Shape, ...], ...] = ()
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
-    range: AssumedRange | None = None
+    assumed_range: AssumedRange | None = None
     target: Target | None = None
     pair: Discretisation | None = None
     key: str = ""
@@ -397,7 +398,9 @@ class ShotResult(ImpactRecord, Result):
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
-        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
+        content |= (
+            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
+        )
         content |= {
             "projectile": words.shot_in_words(projectile),
             "run_key": self.key,
@@ -428,8 +431,7 @@ class ShotResult(ImpactRecord, Result):
         lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.pack:
             lines.append(self.contact_words)
-            by_ply = ", ".join(f"{n:.1f}" for n in self.plies["cut_yarns"][-1])
-            lines += [f"cut yarns by ply: {by_ply}", self.gap_words]
+            lines += [f"by ply: {chapters_shot.cut(self.plies['cut_yarns'][-1])}", self.gap_words]
         error = text(self.energy_error_max, "1", "error", ".3f")
         lines.append(
             f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J"
@@ -450,12 +452,12 @@ class ShotResult(ImpactRecord, Result):
             lines += [self.viscous_note] if self.viscous_note else []
         else:
             lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
-        if self.range is not None:
-            lines.append(f"assumed laws: {self.range.words()}")
+        if self.assumed_range is not None:
+            lines.append(f"assumed laws: {self.assumed_range.words()}")
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
             lines.append(
-                "values at one velocity of a staircase: --uncertainty or weavecell draws give means"
+                "values jump with the velocity, as yarns fail one by one: --uncertainty or weavecell draws give means"
             )
         return "\n".join(lines)

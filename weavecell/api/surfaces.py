@@ -193,6 +193,7 @@ class SurfaceResult(Result):
             "equilibria": sampled.solves,
             "tangents_factorised": sampled.iterations,
             "seconds": sampled.seconds,
+            **self._what_is_assumed(),
         }
 
     def _columns(self):

@@ -15,7 +15,7 @@ import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,12 +27,13 @@ from fabrics.fabric import Fabric
 from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain, saved
+from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
 from weavecell.scenes import honoured
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.target import Target, read
+from weavecell.scenes.target import Target, is_input_file, read
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
+SCANNED = 18  # shots of a scan about the bracket, as it is by default
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -62,6 +64,7 @@ def sweep(
     tolerance: float | str = "1 m/s",
     shots: int = 60,
     seed: int = 1,
+    check: bool = False,
     jobs: int = 1,
     executor: str | Executor = "local",
     out: FilePath | None = None,
@@ -85,6 +88,7 @@ def sweep(
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
+    check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
     jobs : number of runs in parallel; 1 runs them in this process one after the other
     executor, out, resume : as of `v50`
 
@@ -102,7 +106,8 @@ def sweep(
     >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
     >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
     [99, 148]
-    >>> table = wc.sweep("S-720", over={"panel.opening": ["20 mm"], "run.end_time": ["5 us", "10 us"]})
+    >>> table = wc.sweep("S-720", over={"panel.opening": ["20 mm"], "run.end_time": ["5 us", "10 us"],
+    ...                                  "projectile.strike_velocity": ["150 m/s"]})
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
@@ -119,11 +124,23 @@ def sweep(
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
+    struck = "projectile.strike_velocity"
+    if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
+        allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
+        raise InputError("is missing", key=struck, allowed=allowed)
     support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [
         read(str(target), Path(out or "."), support, changes=changes) for changes in combinations
     ]
+    if check:
+        fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
+            quantity, (shots, 1)
+        )
+        part = {"symmetry": "whole"} if quantity == "v50" else {}
+        setups = [replace(panel.setup, **part) for panel in panels]
+        sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
+        return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
     with targets.study(
         panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments
@@ -181,7 +198,7 @@ class SweepTable(StudyResult):
 
     Examples
     --------
-    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us"])
+    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us", "projectile.strike_velocity=150 m/s"])
     >>> len(table.to_dataframe())
     2
     """

@@ -70,12 +70,15 @@ def of(
         and not target.endswith(".toml")
         and target not in catalogue.list_names()
     ):
-        raise InputError(
-            key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names())
-        )
+        raise targets.unknown(target)
     if "history" in chosen and not one_shot:
         raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
+        if isinstance(target, (str, os.PathLike)) and str(target).endswith(".toml"):
+            given = "an input file, or the fabric file with a velocity"
+            raise InputError(
+                "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'
+            )
         raise InputError(
             "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
         )

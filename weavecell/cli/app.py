@@ -1,12 +1,12 @@
 """The `weavecell` command: each of its commands is a function of the Python interface (`from_signature`).
 
-Exit codes: 0 done; 2 bad input, or a path that cannot be written to (a line on stderr for each problem, nothing
-written); 3 a run became unstable (what it had computed is kept); 130 interrupted.
+Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written), or a path that cannot be written
+to, as on a full disk (what had been computed before is kept); 3 a run became unstable (what it had computed is kept);
+130 interrupted, by Ctrl-C or SIGTERM.
 """
 
 from __future__ import annotations
 
-import errno
 import gc
 import logging
 import sys
@@ -18,17 +18,9 @@ import typer
 from fabrics.errors import InputError, WeavecellError, marked
 from weavecell import api
 from weavecell.cli import from_signature
-from weavecell.results import out_folder, progress
+from weavecell.results import out_folder, progress, termination
 
 INTERRUPTED = 130
-UNWRITABLE = {
-    errno.EACCES,
-    errno.EPERM,
-    errno.EROFS,
-    errno.ENOTDIR,
-    errno.EISDIR,
-    errno.EEXIST,
-}  # bad input
 # objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and pictures are hundreds of
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
@@ -144,7 +136,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     )
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
-        code = program(words[0] if words else "")(args=words, standalone_mode=False)
+        with termination.as_interrupt():
+            code = program(words[0] if words else "")(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:
@@ -155,8 +148,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             1,
         )
     except OSError as problem:  # a full disk, a folder that may not be written to
-        code = InputError.exit_code if problem.errno in UNWRITABLE else 1
-        _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), code)
+        line = f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem)
+        _fail(line, InputError.exit_code)
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED
     finally:

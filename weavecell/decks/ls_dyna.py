@@ -42,7 +42,8 @@ def write(deck: Deck, name: str) -> dict[str, str]:
 def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = (s * interval for interval in deck.intervals)
-    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{deck.title}\n"
+    title = deck.title.replace(",", "")  # a reader may take a comma for free format
+    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{title}\n"
     yield "*CONTROL_TERMINATION\n" + _card(
         ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0
     )
@@ -130,7 +131,7 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
         (shear, "shear", law.trellis, 0),
     )
     for number, name, curve, kind in curves:
-        yield f"*DEFINE_CURVE_TITLE\n{material.name}, {name}\n"
+        yield f"*DEFINE_CURVE_TITLE\n{material.name} {name}\n"
         yield _card(LCID=number, SIDR=0, SFA=1.0, SFO=1.0, OFFA=0.0, OFFO=0.0, DATTYP=kind)
         yield table(_MARK, "%20.12E%20.12E", "A1 O1", curve[:, 0], u.stress(curve[:, 1]))
 

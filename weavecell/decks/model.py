@@ -274,7 +274,7 @@ def build(
     first = 1
     for p, (panel, z) in enumerate(zip(pack.plies, pack.places)):
         if id(panel) not in cards:
-            name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
+            name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
             cloth = Cloth(replace(panel.table.model, reach=1.0))
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
@@ -289,11 +289,20 @@ def build(
         first += len(points)
     materials, share, mirrors = tuple(cards.values()), pack.plies[0].share, pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
-    header = _header(
-        materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME
+    law = f"{code.KEYWORD}, {_NEAREST[match]}"
+    header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
+    end, friction = setup.end_time, pack.friction
+    return Deck(
+        _ascii(title)[:70],
+        header,
+        UNITS[units],
+        materials,
+        tuple(plies),
+        nose,
+        mirrors,
+        friction,
+        end,
     )
-    title, end, friction = _ascii(title)[:70], setup.end_time, pack.friction
-    return Deck(title, header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
 
 
 def _nose(setup, share, thickness, ply, first):
@@ -319,7 +328,7 @@ def _nose(setup, share, thickness, ply, first):
     )
 
 
-def _header(cards, units, share, law, source, code):
+def _header(cards, units, share, law, source, code, notes):
     """Lines of text: what the deck is, how far its cards are off, and what they do not hold."""
     text = [
         f"weavecell {fabrics.__version__}: a deck for {code}, NOT RUN in it",
@@ -338,7 +347,7 @@ def _header(cards, units, share, law, source, code):
             text.append(
                 f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength"
             )
-    text.append(f"Not held: {cards[0].law.lost}")
+    text += [f"Not held: {cards[0].law.lost}", *(f"Note: {note}" for note in notes)]
     if share < 1:
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"
@@ -346,6 +355,11 @@ def _header(cards, units, share, law, source, code):
     return tuple(
         line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
     )
+
+
+def _title(text):
+    """A text for a line of a title, without commas, which a reader may take for free format."""
+    return _ascii(text.replace(",", ""))
 
 
 def _ascii(text):

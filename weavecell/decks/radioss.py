@@ -86,7 +86,8 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
 
 def _properties(deck: Deck) -> Iterator[str]:
     m = deck.units.m
-    hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=0.0)
+    # OpenRadioss reads dn = 0 as its default of 1.5 % of critical damping, whose work is in no energy
+    hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=1e-9)
     flags = _card(Ishell=_QEPH, Ismstr=0, Ish3n=0) + hourglass
     for material in deck.cards:
         thickness = m * material.cloth.thickness

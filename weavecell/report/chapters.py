@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,7 @@ def fabric_card(fabric: Fabric) -> Card:
     density = " / ".join(
         f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns
     )
-    kinds = {"effective": ", as in the published runs", "nominal": ", of the data sheet"}
+    kinds = {"effective": ", from a measured areal density", "nominal": ", of the data sheet"}
     kind = "" if fabric.effective_linear_density is None else kinds[density_kind(fabric)]
     return Card(
         "Fabric",
@@ -64,8 +65,12 @@ def law_cards(case: Any) -> tuple[Card, ...]:
     """The card of the law of what was built from an input file; none of a response surface, or without a file."""
     if case is None or getattr(case, "surface", None) is not None:
         return ()
-    model = case.scene.fabric.cell_model
-    return (law_card(case.laws[0], source=case.law_name if model == "compressible" else model),)
+    cards = []
+    for of in case.materials or (case,):
+        card = law_card(of.laws[0], source=of.law_name)
+        name = f"{card.label}, {of.fabric.name}" if case.materials else card.label
+        cards.append(replace(card, label=name))
+    return tuple(cards)
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:

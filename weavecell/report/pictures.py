@@ -225,7 +225,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     Parameters
     ----------
     limit : shellfabric.impact.ballistic_limit.Limit
-    fit : shellfabric.impact.lambert_jonas.LambertJonas, or None
+    fit : shellfabric.impact.lambert_jonas.LambertJonas
     shots : sequence of shellfabric.impact.ballistic_limit.Shot
     """
     strike = np.array([shot.strike_velocity for shot in shots])
@@ -233,7 +233,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     through = np.array([shot.perforated for shot in shots])
     low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
     figure, axes = _of_velocities(pyplot, title, low, high)
-    if fit is not None:
+    if not fit.reason:
         velocities = (
             fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
         )  # it rises steeply at the limit
@@ -287,10 +287,10 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     found : weavecell.studies.compare.Comparison
     """
     table, strike = found.table, found.table["velocity [m/s]"]
-    velocities = [*strike, found.limit.low] + ([] if found.curve is None else [found.curve.V50])
+    velocities = [*strike, found.limit.low] + ([] if found.curve.reason else [found.curve.V50])
     low, high = 0.94 * min(velocities), 1.02 * max(*velocities, found.limit.high)
     figure, axes = _of_velocities(pyplot, title, low, high)
-    if found.curve is not None:
+    if not found.curve.reason:
         start, end = (max(low, min(high, v)) for v in found.curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
         words = f"V50 of the tests\n{found.curve.V50:.1f} m/s\n(grey: 95 % interval)"
@@ -302,7 +302,7 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
         (found.computed, BLUE, "computed, Lambert-Jonas"),
     )
     for fit, color, words in fits:
-        if fit is not None:
+        if not fit.reason:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
             axes.plot(at, fit.residual_velocity(at), color=color, lw=1.2, label=words)
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):

@@ -82,17 +82,22 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
         2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1)
     )
     left, right = V.min() - 2, V.max() + 2
-    edges = probit.band(V, hit, curve, _PROBABILITIES)
-    ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
-    label = f"{100 * curve.confidence:g} % of the probit"
-    axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
-    grid = np.linspace(left, right, 400)
-    axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
-    axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")
+    if not curve.reason:
+        edges = probit.band(V, hit, curve, _PROBABILITIES)
+        ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
+        label = f"{100 * curve.confidence:g} % of the probit"
+        axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
+        grid = np.linspace(left, right, 400)
+        logit = study.curves["logit"].probability(grid)
+        axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
+        axis.plot(grid, logit, color=GREEN, ls="--", label="logit")
     lift = 0.012 * (np.arange(V.size) % 5)
     axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
     axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
-    axis.plot(*_shares(V, hit), "D", ms=6, color=FAINT, label="share of ten shots")
+    parts = np.array_split(np.argsort(V), max(1, V.size // 10))
+    places, shares = [V[part].mean() for part in parts], [hit[part].mean() for part in parts]
+    label = f"share of {len(parts[-1])} shots" if parts[1:] else f"share of all {V.size} shots"
+    axis.plot(places, shares, "D", ms=6, color=FAINT, label=label)
     axis.axvspan(
         *study.deterministic,
         color=ORANGE,
@@ -107,9 +112,10 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     residual = np.array([shot.residual for shot in study.shots])
     lower.plot(V[~hit], residual[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
     lower.plot(V[hit], residual[hit], "s", ms=4.5, color=RED, label="perforated")
-    if study.fit is not None:
-        above = study.fit.limit + (right - study.fit.limit) * np.linspace(0, 1, 400) ** 3
-        lower.plot(above, study.fit.residual_velocity(above), color=BLUE, label="Lambert-Jonas")
+    fit = study.lambert_jonas
+    if not fit.reason:
+        above = fit.limit + (right - fit.limit) * np.linspace(0, 1, 400) ** 3
+        lower.plot(above, fit.residual_velocity(above), color=BLUE, label="Lambert-Jonas")
     lower.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
     lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -162,11 +168,12 @@ def sweep(
     table = table.reindex(
         columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
     )
-    for values, rows in (
-        table.assign(x=x)
-        .dropna(subset=[quantity.column])
-        .groupby(list(others) or (lambda _: 0), sort=False)
-    ):
+    table = table.assign(x=x)
+    if quantity.ends is not None:  # of mixed outcomes, which have no value, the middle of the zone
+        middle = table[list(quantity.ends)].astype(float).mean(axis=1)
+        table[quantity.column] = table[quantity.column].astype(float).fillna(middle)
+    table = table.dropna(subset=[quantity.column])
+    for values, rows in table.groupby(list(others) or (lambda _: 0), sort=False):
         y, error = rows[quantity.column], None
         if quantity.ends is not None:
             low, high = (rows[end] for end in quantity.ends)
@@ -181,9 +188,3 @@ def sweep(
     if others:
         axes.legend(loc="best")
     return figure
-
-
-def _shares(V, hit):
-    """(mean velocity, share that perforated) of each ten shots in the order of velocity."""
-    parts = np.array_split(np.argsort(V), max(1, V.size // 10))
-    return [V[part].mean() for part in parts], [hit[part].mean() for part in parts]

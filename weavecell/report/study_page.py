@@ -29,9 +29,10 @@ def page(study: StudyResult, stamp: Mapping[str, str]) -> Report:
         Section("result", "Result", "", (picture,), (Table.of(study.table()),), points=tuple(lines))
     ]
     shown, span = [line for line in lines if value not in line][:_LINES], []
-    if (around := getattr(study, "range", None)) is not None:
+    if (around := getattr(study, "assumed_range", None)) is not None:
         sections.append(chapters_shot.assumed(around))
-        span = [f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"]
+        if "what is assumed" not in value:
+            span = [f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"]
     laws = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
     sections.append(
         chapters_shot.assumptions(

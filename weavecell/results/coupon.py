@@ -86,6 +86,7 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
             "prescribed_unit": unit,
             "outcome": solved.outcome,
             "elements": len(solved.coupon.quads),
+            "yarn_stiffness_share": solved.coupon.yarn_share,
             "steps": len(solved.prescribed),
             "iterations": sum(state.iterations for state in solved.states),
             "residual_max": max(state.residual for state in solved.states),

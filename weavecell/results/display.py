@@ -63,11 +63,10 @@ def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
     """The DataFrame of {label: (SI unit, values)} in shown units, which its headings name; texts and counts as is."""
     from pandas import DataFrame
 
-    return DataFrame(
-        {
-            heading(label, unit): np.asarray(values) * shown(unit, label)[1]
-            if shown(unit, label)[1] != 1
-            else values
-            for label, (unit, values) in columns.items()
-        }
-    )
+    table = {}
+    for label, (unit, values) in columns.items():
+        if unit == "1" and np.asarray(values).dtype.kind not in "fiu":
+            unit = ""  # texts, and what is true or false
+        factor = shown(unit, label)[1]
+        table[heading(label, unit)] = np.asarray(values) * factor if factor != 1 else values
+    return DataFrame(table)

@@ -23,6 +23,7 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from fabrics.record import Record
+from shellfabric.panel.quality import status
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from shellfabric.sliding.model import SlipSummary
 
 FORMAT = "weavecell impact 8"  # and version of the files
+AT_REST = 0.01  # of the energy that a block has taken up: its motion can no longer change the dent by more
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,10 +241,27 @@ class ImpactRecord:
         return split_viscous(self.cut_yarns, self.energies)
 
     @property
-    def signature_mm(self) -> float:
-        """[mm] depth of the deepest point of the block's face at the end."""
+    def block_motion(self) -> float:
+        """[-] energy that the block moves with at the end, over the strike energy."""
+        return float(self.energies["backing_kinetic"][-1]) / self.strike_energy
+
+    @property
+    def block_moves(self) -> bool:
+        """Whether a block moves so much at the end that it has no dent yet."""
+        taken = {name: held[-1] for name, held in self.energies.items() if "backing_" in name}
+        return self.backing is not None and taken["backing_kinetic"] > AT_REST * sum(taken.values())
+
+    @property
+    def dent(self) -> dict[str, float | None]:
+        """{name: value} of the dent in the block: depth [m], volume [m3], steepness [rad]; None while it moves."""
+        names = ("depth", "volume", "steepness")
+        return {name: None if self.block_moves else getattr(self.backing, name) for name in names}
+
+    @property
+    def back_face_signature_mm(self) -> float | None:
+        """[mm] depth of the deepest point of the block's face; None while it moves."""
         assert self.backing is not None
-        return 1e3 * self.backing.back_face_signature
+        return None if self.block_moves else 1e3 * self.backing.back_face_signature
 
     @property
     def rear(self) -> tuple[Shape, Shape]:
@@ -296,6 +315,7 @@ class ImpactRecord:
         known = (
             {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
         )
+        known["checks"] = status(self.checks)
         at_end = {name: values[-1] for name, values in self.energies.items()}
         return json_file.finite(known | {"energies_at_end_J": at_end})
 

@@ -45,7 +45,7 @@ def read_summary(path: FilePath) -> dict[str, Any]:
     InputError : no such file, not JSON, or of an unknown format
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
         raise InputError(f"cannot be read; must be a summary.json ({problem})", file=path) from None
     if content.get("format") != keys.SUMMARY_FORMAT:

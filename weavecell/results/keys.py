@@ -111,4 +111,4 @@ def of_name(name: str) -> Key:
     'strike velocity [m/s]'
     """
     words, *unit = _UNIT.split(name)
-    return Key(name, unit[0].replace("_", "/") if unit else "", words.replace("_", " "))
+    return Key(name, unit[0].replace("_", "/") if unit else "1", words.replace("_", " "))

@@ -13,9 +13,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from fabrics import run_cache
+from fabrics import files, run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
+from weavecell.results import termination
 
 LOCK, INPUT = ".lock", ".input"
 _held: dict[
@@ -59,7 +60,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     _held[place] = descriptor, made
     earlier = None if resume and (mark.exists() or not digests) else _earlier(place)
     if digests:
-        mark.write_text("\n".join(sorted(digests)), "utf-8")
+        files.write(mark, "\n".join(sorted(digests)))
     if earlier:
         print(f"replaces the results of {earlier} in {folder}")
 
@@ -68,7 +69,10 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 def held(
     out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
 ) -> Iterator[Path | None]:
-    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written."""
+    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written.
+
+    What the folder holds outlives a SIGTERM, which is an interrupt in this block.
+    """
     if out is None:
         yield None
         return
@@ -76,7 +80,8 @@ def held(
     mine = folder.resolve() not in _held
     claim(folder, resume, inputs)
     try:
-        yield folder
+        with termination.as_interrupt():
+            yield folder
     finally:
         if mine:
             _release(folder.resolve())

@@ -28,20 +28,43 @@ class _Log:
         sys.stderr.flush()
 
 
+class _Cell:
+    """The output of a notebook's cell that a bar is written over, so that none stays in a saved notebook."""
+
+    def __init__(self) -> None:
+        self.output: Any = None
+
+    def write(self, text: str) -> None:
+        from IPython.display import display
+
+        content = {"text/plain": text.strip()}
+        if self.output is None:
+            self.output = display(content, raw=True, display_id=True)
+        else:
+            self.output.update(content, raw=True)
+
+    def flush(self) -> None:
+        pass
+
+
 @contextmanager
 def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction done, text="")`."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    live = sys.stderr.isatty() or hasattr(shell, "kernel")  # of a notebook
+    notebook = hasattr(shell, "kernel")
+    live = sys.stderr.isatty() or notebook
     if not (live or shown):
         yield lambda *_: None
         return
-    from tqdm.auto import tqdm
+    from tqdm import tqdm
 
     drawn, left = "|{bar}|" if live else ",", "<{remaining}" if estimate else ""
     form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}{left}{{postfix}}"
     look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
-    look |= {} if live else {"file": _Log(), "mininterval": _EVERY}
+    if notebook:
+        look |= {"file": _Cell(), "position": 0}
+    elif not live:
+        look |= {"file": _Log(), "mininterval": _EVERY}
     with tqdm(desc=title, total=1.0, **look) as meter:
 
         def advance(fraction, text=""):

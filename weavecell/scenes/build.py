@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
+from fabrics.compression import CompressionLaw, check_room
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.ply_law import PlyLaw
 from fabrics.schema import Table, entries, tables
 from fabrics.surface import ResponseSurface
-from fabrics.variants import with_linear_density
+from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger("weavecell")  # the command line prints its lines
 Laws = tuple[CompressionLaw, CompressionLaw]  # of warp and weft
+CHANGED = "was fitted to other data of {} than it has now"
 # keys whose field in the objects of shellfabric has another name
 FIELDS = {
     "fabric.cell_formulation": "form",
@@ -68,11 +69,13 @@ class Case(Material):
     scene : Scene or CouponScene
     name : short name of the run
     lay_up : every simulation.Ply of plies that are not all alike, from the front
+    materials : of the lay-up, each once
     """
 
     scene: Any = None
     name: str = ""
     lay_up: tuple[Ply, ...] = ()
+    materials: tuple[Material, ...] = ()
 
 
 def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = None) -> Case:
@@ -109,7 +112,8 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
             materials[key] = material(of_ply, where, scene, file, None if named else fabric)
         gap = panel.ply_gap if table.gap is None else table.gap
         plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
-    return Case(**vars(next(iter(materials.values()))), scene=scene, name=name, lay_up=tuple(plies))
+    each = tuple(materials.values())
+    return Case(**vars(each[0]), scene=scene, name=name, lay_up=tuple(plies), materials=each)
 
 
 def material(
@@ -123,7 +127,7 @@ def material(
     scene, file : of it; parameters and exceptions else as of `build`
     given : Fabric in place of that which the table names
     """
-    fabric = _fabric(table, key, file) if given is None else given
+    fabric = plain = _fabric(table, key, file) if given is None else given
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
     panel = getattr(scene, "panel", None)
@@ -145,7 +149,7 @@ def material(
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
-    laws, law_name = _laws(table, key, fabric, file, given)
+    laws, law_name = _laws(table, key, plain, file, given)
     if panel is not None and panel.plies > 1:
         try:
             fabric = _with_ply_contact(fabric, panel.ply_contact, table.law)
@@ -168,7 +172,7 @@ def _fabric(table, key, file):
         fabric = catalogue.load(table.name)
     else:
         allowed = f"one of {', '.join(catalogue.list_names())}"
-        raise InputError(file=file, key=f"{key}.name", value=table.name, allowed=allowed)
+        raise catalogue.unknown(table.name, allowed, key=f"{key}.name", file=file)
     return with_linear_density(fabric, table.linear_density)
 
 
@@ -230,6 +234,7 @@ def _laws(table, key, fabric, file, given):
             raise InputError(
                 file=file, key=key, value=problem.value, allowed=problem.allowed
             ) from None
+        check_room((own, own), fabric.weave, file=file, key=f"{key}.law.a")
         return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
         raise InputError(
@@ -240,9 +245,9 @@ def _laws(table, key, fabric, file, given):
         )
     laws = laws_of(fabric, law, file, f"{key}.law")
     if law != "published":
-        return laws, "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[
-            0
-        ].provenance
+        changed = {each.fitted_data for each in laws} - {"", data_digest(fabric)}
+        name = "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
+        return laws, f"{name}, {CHANGED.format(fabric.name)}" if changed else name
     if given is not None:
         return laws, laws[0].provenance
     sources = " ".join(
@@ -283,6 +288,11 @@ def laws_of(
             raise InputError(key="law", value=written, allowed=allowed)
         value = str(written) if isinstance(written, (str, Path)) else None
         law.require_fabric(fabric.name, file=file, key=key, value=value)
+        if law.fitted_data and law.fitted_data != data_digest(fabric):
+            LOG.warning(
+                f"{value or 'law'} {CHANGED.format(fabric.name)}: `weavecell calibrate` again"
+            )
+    check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft
 
 

@@ -1,12 +1,20 @@
 """Curves of tests in CSV files, and the constants of a fabric file that are fitted to them.
 
-Picture frame: columns "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]" with the side of the
-frame. The force F of the crosshead on a frame of side L, sheared by gamma, is a shear force F_s along each side:
+The shear stress of the trellis law is the work for a change of the shear angle gamma over the volume of the fabric,
+t times its area at rest, with t its thickness as a shell. The three zones are fitted (`unitcell3d.identify.shear_fit`).
 
-    F = 2 F_s cos(phi),  phi = (pi/2 - gamma) / 2,  stress = F_s / (L t)
+Picture frame: columns "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]" with the side L of the
+frame. The crosshead moves by L sin(phi) dgamma, and so its force F gives
 
-with t the thickness of the fabric as a shell (thesis section 6.6). The three zones of the trellis law are fitted
-(`unitcell3d.identify.shear_fit`).
+    stress = F sin(phi) / (L t),  phi = (pi/2 - gamma) / 2
+
+which is the shear force along a side, F / (2 cos phi), times cos(gamma) / (L t).
+
+Bias strip: columns "displacement [mm], force [N]" of a strip of width W and length H >= 2 W between its clamps. Yarns
+do not stretch, the middle shears by gamma, the zones beside it by gamma / 2 (Cao et al. 2008):
+
+    sin gamma = (1 + displacement / (H - W))^2 - 1
+    (1 - p) stress(gamma) + p stress(gamma / 2) = F (cos(gamma / 2) - sin(gamma / 2)) / (2 W t),  p = W / (2 (H - W))
 
 Yarn in tension: columns "strain [%], force [N]". The straight line through the points between LINEAR shares of the
 greatest force gives E A_s and the slack at its foot; the failure strain is the greatest force over E A_s.
@@ -55,15 +63,13 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
     Parameters
     ----------
     path : of the CSV file
-    thickness : [m] of the fabric as a shell, on which the stress acts
+    thickness : [m] of the fabric as a shell
     side : [m] of the frame; needed where the file gives the force of the crosshead
 
     Raises
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
-    from unitcell3d.identify.shear_fit import fit
-
     column = read_columns(
         path,
         {"shear angle": "rad", "shear stress": "Pa", "force": "N"},
@@ -76,20 +82,70 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
         columns="shear angle, and shear stress or force",
     )
     gamma = column["shear angle"]
-    if not np.all(np.diff(gamma) > 0) or gamma.min(initial=0.0) < 0:
+    _check_rising(path, "shear angle", gamma)
+    if "force" not in column:
+        return _fit_shear(path, gamma, column["shear stress"])
+    if side is None or not side > 0:
         raise InputError(
-            file=path, key="shear angle", value="not rising", allowed="at least 0 and rising"
+            "gives the force of the crosshead: the side of the frame is needed", file=path
         )
-    if "force" in column:
-        if side is None or not side > 0:
-            raise InputError(
-                "gives the force of the crosshead: the side of the frame is needed", file=path
-            )
-        stress = column["force"] / (2 * np.cos(0.5 * (0.5 * np.pi - gamma))) / (side * thickness)
-    else:
-        stress = column["shear stress"]
+    phi = 0.5 * (0.5 * np.pi - gamma)
+    return _fit_shear(path, gamma, column["force"] * np.sin(phi) / (side * thickness))
+
+
+def bias_extension(path: FilePath, thickness: float, strip: tuple[float, float] | None) -> ShearFit:
+    """Fit the trellis law to the curve of a bias strip.
+
+    Parameters
+    ----------
+    path : of the CSV file
+    thickness : [m] of the fabric as a shell
+    strip : (width, length between the clamps) [m]
+
+    Raises
+    ------
+    InputError : one line naming the file, the row, the value and what is allowed
+    """
+    column = read_columns(
+        path,
+        {"displacement": "m", "force": "N"},
+        what="a curve of a bias strip",
+        content="a curve of a bias strip: displacement and force",
+        heading="displacement or force with its unit, such as displacement [mm] or force [N]",
+        accepts=lambda names: sorted(names) == ["displacement", "force"],
+        columns="displacement and force",
+    )
+    if strip is None:
+        raise InputError("needs the width and the length of its strip: give strip", file=path)
+    width, length = strip
+    if not 0 < 2 * width <= length:
+        allowed = "width, length: the length at least twice the width"
+        raise InputError(key="strip", value=f"{width:g} m, {length:g} m", allowed=allowed)
+    moved = column["displacement"]
+    _check_rising(path, "displacement", moved)
+    sine = (1 + moved / (length - width)) ** 2 - 1
+    if sine.max(initial=0.0) >= 1:
+        most = (2**0.5 - 1) * (length - width)
+        allowed = f"below {1e3 * most:.4g} mm, where the yarns are aligned"
+        raise InputError(
+            file=path, key="displacement", value=f"{1e3 * moved.max():.4g} mm", allowed=allowed
+        )
+    gamma = np.arcsin(sine)
+    stress = column["force"] * (np.cos(0.5 * gamma) - np.sin(0.5 * gamma)) / (2 * width * thickness)
+    return _fit_shear(path, gamma, stress, half=width / (2 * (length - width)))
+
+
+def _check_rising(path, key, values):
+    if not np.all(np.diff(values) > 0) or values.min(initial=0.0) < 0:
+        raise InputError(file=path, key=key, value="not rising", allowed="at least 0 and rising")
+
+
+def _fit_shear(path, gamma, stress, half=0.0):
+    """The ShearFit of a measured curve, errors with the name of its file."""
+    from unitcell3d.identify.shear_fit import fit
+
     try:
-        return fit(gamma, stress)
+        return fit(gamma, stress, half=half, any_curve=True)
     except InputError as problem:
         raise InputError(str(problem), file=path) from None
 

@@ -129,18 +129,26 @@ def read_values(path: FilePath) -> dict[str, Value]:
     ------
     InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
     """
-    rows = read_csv(path, "a CSV file of key, warp, weft")
+    rows = read_csv(path, "a CSV file of key, warp, weft", words=("key", "source", "status"))
     heading = rows[0][1] if rows else []
-    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS):
+    once = len(set(heading)) == len(heading)
+    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS) or not once:
         raise InputError(
             file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS)
         )
     found: dict[str, Value] = {}
     problems: list[InputError] = []
     tried: set[str] = set()
+    lines: dict[str, int] = {}
     for number, cells in rows[1:]:
         key = cells[0]
         tried |= {key, nearest(key, ALL) or key}
+        if lines.setdefault(key, number) != number:
+            message = f"{key} is given in line {lines[key]} already"
+            problems.append(
+                InputError(message, file=path, key=f"line {number}", allowed="given once")
+            )
+            continue
         if not 2 <= len(cells) <= len(heading):
             hint = decimal_comma(",".join(cells))
             message = f"{len(cells)} fields, {len(heading)} expected" + (
@@ -149,7 +157,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
             problems.append(
                 InputError(message, file=path, key=f"line {number}", value=", ".join(cells))
             )
-        elif (value := _row(dict(zip(heading, cells)), path, problems)) is not None:
+        elif (value := _row(dict(zip(heading, cells)), number, path, problems)) is not None:
             found[key] = value
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
@@ -162,7 +170,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
     return found
 
 
-def _row(entry, path, problems):
+def _row(entry, number, path, problems):
     """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
     if key not in ALL:
@@ -172,6 +180,12 @@ def _row(entry, path, problems):
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
         return None
     texts, wrong = [], len(problems)
+    if key in OF_FABRIC and entry.get("weft"):
+        allowed = (
+            f"left out in the column weft: {key} is one value of the fabric, in the column warp"
+        )
+        where = f"line {number}, {key}"
+        problems.append(InputError(file=path, key=where, value=entry["weft"], allowed=allowed))
     weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]
     for family, text in (("warp", entry["warp"]), ("weft", weft)):
         try:
@@ -194,6 +208,8 @@ def with_curves(
     yarn: FilePath | None = None,
     frame: FilePath | None = None,
     side: float | None = None,
+    bias: FilePath | None = None,
+    strip: tuple[float, float] | None = None,
 ) -> tuple[Draft, list[str]]:
     """The draft with values that are fitted to curves, and a line about each fit.
 
@@ -202,6 +218,8 @@ def with_curves(
     yarn : CSV file of a yarn's strain and force, of both families
     frame : CSV file of a picture-frame test
     side : [m] of the frame, where the file gives the force
+    bias : CSV file of a bias strip
+    strip : (width, length) [m] of it
 
     Raises
     ------
@@ -227,21 +245,32 @@ def with_curves(
         fitted.append(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
+    if frame is not None and bias is not None:
+        raise InputError("give one curve of shear: --picture-frame or --bias-extension")
     if frame is not None:
         found = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
-        law, source = found.law, f"picture-frame curve, {curves.name_of(frame)}"
-        if not found.locked:
-            source += "; ends before the yarns lock: G2 and gamma2 are not determined"
-        texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
-        texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
-        draft = replace(
-            draft, shear={key: (value, source, "fitted") for key, value in texts.items()}
-        )
-        fitted.append(
-            f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa"
-            + ("" if found.locked else ", not locked")
-        )
+        return _with_shear(draft, found, f"picture-frame curve, {curves.name_of(frame)}", fitted)
+    if bias is not None:
+        found = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
+        return _with_shear(draft, found, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
+
+
+def _with_shear(draft, found, source, fitted):
+    """(The draft with a fitted trellis law, the lines about the fits)."""
+    law, remarks = found.law, []
+    if not found.stiffens:
+        remarks.append("does not stiffen: G2 is G1, gamma1 and gamma2 are not determined")
+    elif not found.locked:
+        remarks.append("ends before the yarns lock: G2 and gamma2 are not determined")
+    if found.offset > 0:
+        remarks.append(f"the law leaves out {1e-6 * found.offset:.3g} MPa at the angle zero")
+    source = "; ".join([source, *remarks])
+    texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
+    texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
+    shear = {key: (value, source, "fitted") for key, value in texts.items()}
+    line = "; ".join([f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa", *remarks])
+    return replace(draft, shear=shear), [*fitted, line]
 
 
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:

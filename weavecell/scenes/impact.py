@@ -66,7 +66,7 @@ class ProjectileTable(Table):
         "the name of a projectile, or the path of a projectile file (*.toml)",
     ) = None
     mass: quantity(
-        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
+        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.25 to 30 diameters",
         "kg",
         "3 g",
     )
@@ -229,8 +229,8 @@ class RunTable(Table):
         most="10 ms",
     ) = 800e-6
     elements_per_crossover: whole(
-        "elements along each side of a crossover; where not given, 1 for one ply, and for a pack 2 about the impact "
-        "point and longer ones outside",
+        "elements along each side of a crossover; where not given, they follow the failure length of the yarns under "
+        "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
     ) = None

@@ -1,4 +1,4 @@
-"""A projectile's body from an STL file: checks of its surface, and its signed distance on a grid, by VTK.
+"""A projectile's body from an STL file: checks of its surface by trimesh, its signed distance on a grid by VTK.
 
 The z axis of the file is the axis of the projectile and points along its flight; x and y lie along warp and weft at no
 obliquity and roll. Where the body lies along z makes no difference: its foremost point is where the nose is.
@@ -10,11 +10,12 @@ it becomes all places of that ball in it. With K the points at least rho deep, d
 from __future__ import annotations
 
 import hashlib
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,15 +24,27 @@ from fabrics.errors import InputError
 from fabrics.units import si
 from shellfabric.projectile import solid as solid_body
 
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
 UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
 WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
 DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
-LENGTHS = (0.1, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+LENGTHS = (0.25, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+LEAST = {
+    "cone": 1 / 3,
+    "chisel": 1 / 2,
+    "hemisphere": 2 / 3,
+}  # [cylinders] volume of a body of a shape, else 1
 SHARP = 30.0  # [deg] between the normals of neighbouring triangles
 SAMPLES = 3  # of the distance, in an edge radius (docs/reports/numerics.md)
 COARSE = 4  # times further apart, where the body is deep
 MOST_SAMPLES = 8_000_000  # about 0.7 GiB while they are computed, 64 MiB then
-_SAME = 1e-6  # [largest extent] between corners that are one
+_SAME = 6  # digits of the largest extent, in which corners that are one are the same
+_HEAD, _FACET = (
+    84,
+    50,
+)  # [bytes] of a binary file: before its triangles, the last four their number, and of each
 
 
 @dataclass(frozen=True)
@@ -40,15 +53,27 @@ class Surface:
 
     Parameters
     ----------
-    points, faces : (n, 3) [m] corners; (m, 3) those of each triangle, counterclockwise seen from outside
-    volume : [m3]
+    mesh : Trimesh [m], triangles counterclockwise seen from outside
     digest : SHA-256 of the file
     """
 
-    points: FloatArray
-    faces: np.ndarray
-    volume: float
+    mesh: Trimesh
     digest: str
+
+    @property
+    def points(self) -> FloatArray:
+        """(n, 3) [m] corners."""
+        return np.array(self.mesh.vertices)
+
+    @property
+    def faces(self) -> np.ndarray:
+        """(m, 3) corners of each triangle."""
+        return np.array(self.mesh.faces)
+
+    @property
+    def volume(self) -> float:
+        """[m3]"""
+        return float(self.mesh.volume)
 
     @property
     def width(self) -> float:
@@ -63,19 +88,17 @@ class Surface:
     @property
     def sharp(self) -> bool:
         """Whether triangles meet at a convex edge by more than SHARP."""
-        corners = self.points[self.faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        edges = np.sort(_edges(self.faces), axis=1)
-        order = np.lexsort(edges.T)
-        one, other = (
-            order[k::2] % len(self.faces) for k in (0, 1)
-        )  # the two triangles of each edge
-        below = np.einsum(
-            "ij,ij->i", corners[other].mean(axis=1) - corners[one].mean(axis=1), normals[one]
+        angles = self.mesh.face_adjacency_angles[self.mesh.face_adjacency_convex]
+        return bool(np.any(angles > np.radians(SHARP)))
+
+    def off_axis(self, unit: str) -> str:
+        """What is said of a body that its axis misses, with where it lies and the shift that helps."""
+        (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
+        return (
+            "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = "
+            f"{x0:.4g} to {x1:.4g} and y = {y0:.4g} to {y1:.4g} {unit}: shift it by {-0.5 * (x0 + x1):.4g} and "
+            f"{-0.5 * (y0 + y1):.4g} {unit}"
         )
-        cosine = np.einsum("ij,ij->i", normals[one], normals[other])
-        return bool(np.any((below < 0) & (cosine < np.cos(np.radians(SHARP)))))
 
 
 def surface(path: FilePath, unit: str) -> Surface:
@@ -96,35 +119,20 @@ def surface(path: FilePath, unit: str) -> Surface:
 
 @lru_cache(maxsize=4)
 def _surface(path, unit, digest):
-    import pyvista
-    from vtkmodules.vtkIOGeometry import vtkSTLReader
-
-    reader = vtkSTLReader()
-    for source in (reader, reader.GetExecutive()):
-        source.AddObserver("ErrorEvent", lambda *_: None)  # in place of VTK's own lines
-    reader.SetFileName(path)
-    reader.Update()
-    mesh: Any = pyvista.wrap(reader.GetOutput())
-    corners = np.asarray(mesh.points, float)[mesh.regular_faces]
-    if not len(corners) or not np.all(np.isfinite(corners)):
+    mesh = _triangles(Path(path).read_bytes())
+    if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
-    scale = _SAME * np.ptp(corners.reshape(-1, 3), axis=0).max()
-    _, first, numbers = np.unique(
-        np.round(corners.reshape(-1, 3) / scale), axis=0, return_index=True, return_inverse=True
-    )
-    faces = numbers.reshape(-1, 3)
-    faces = faces[
-        (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    ]  # what has shrunk to a line or a point goes
-    _check_closed(faces, path)
-    points = UNITS[unit] * corners.reshape(-1, 3)[first]
-    points[:, 2] -= points[:, 2].max()
-    volume = solid_body.volume(points, faces)
-    if volume <= 0:
-        raise InputError(
-            "its triangles face inwards; must be a surface whose normals point outwards", file=path
-        )
-    found = Surface(points, faces, volume, digest)
+    mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
+    corners = np.sort(mesh.faces, axis=1)
+    mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))  # not what shrank to a line
+    _check_closed(mesh, path)
+    mesh.apply_scale(UNITS[unit])
+    mesh.apply_translation((0, 0, -mesh.bounds[1, 2]))
+    _check_one_body(mesh, path)
+    found = Surface(mesh, digest)
+    low, high = mesh.bounds[:, :2]
+    if np.any(low >= 0) or np.any(high <= 0):
+        raise InputError(found.off_axis(unit), file=path)
     if not WIDTHS[0] <= max(found.width, found.length) or not found.width <= WIDTHS[1]:
         low, high = (1e3 * width for width in WIDTHS)
         wide = f"{1e3 * found.width:.4g} mm wide and {1e3 * found.length:.4g} mm long in {unit}"
@@ -135,29 +143,60 @@ def _surface(path, unit, digest):
     return found
 
 
-def _edges(faces):
-    """(3 m, 2) the edges of triangles as they go round them: the first ones, the second ones, the third ones."""
-    return np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+def _triangles(content):
+    """The Trimesh of the bytes of a file; an empty one where they are not STL.
+
+    A file is binary if it is long enough for the number of triangles in its head, whatever follows them. A text may
+    begin with a byte order mark, be in capitals, and end with "end solid".
+    """
+    import trimesh
+
+    end = _HEAD + _FACET * int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
+    if _HEAD < end <= len(content):
+        kind, content = "stl", content[:end]
+    else:
+        text = (
+            content.decode("utf-8-sig", errors="replace").lower().replace("end solid", "endsolid")
+        )
+        kind, content = "stl_ascii", text.encode()
+    try:
+        return trimesh.load_mesh(io.BytesIO(content), file_type=kind, process=False)
+    except Exception:  # as many kinds as there are broken files
+        return trimesh.Trimesh()
 
 
-def _check_closed(faces, path):
+def _check_closed(mesh, path):
     """Every edge has two triangles, which go along it both ways."""
-    edges = _edges(faces)
-    _, together, count = np.unique(
-        np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
+    _, triangles = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    _, same_way = np.unique(mesh.edges, axis=0, return_counts=True)
     wrong = {
-        "is not closed: {} edges have one triangle": np.sum(count == 1),
-        "is not the surface of a body: {} edges have more than two triangles": np.sum(count > 2),
-        "has normals that point both ways: {} edges between such triangles": np.sum(
-            np.bincount(together.ravel(), np.where(edges[:, 0] < edges[:, 1], 1, -1)) != 0
-        ),
+        "is not closed: {} edges have one triangle": triangles == 1,
+        "is not the surface of a body: {} edges have more than two triangles": triangles > 2,
+        "has normals that point both ways: {} edges between such triangles": same_way > 1,
     }
-    for words, number in wrong.items():
-        if number:
+    for words, where in wrong.items():
+        if where.any():
             raise InputError(
-                f"{words.format(number)}; must be a watertight surface, normals outwards", file=path
+                f"{words.format(where.sum())}; must be a watertight surface, normals outwards",
+                file=path,
             )
+
+
+def _check_one_body(mesh, path):
+    """One surface whose normals point outwards, and in it cavities, whose normals point inwards."""
+    parts = mesh.split(only_watertight=False)
+    bodies = [part for part in parts if part.volume > 0]
+    if len(bodies) > 1:
+        volumes = " and ".join(f"{1e9 * part.volume:.4g}" for part in bodies)
+        raise InputError(
+            f"holds {len(bodies)} separate bodies, of {volumes} mm^3; must be one body", file=path
+        )
+    inwards = [part for part in parts if part.volume <= 0]
+    low, high = bodies[0].bounds if bodies else np.zeros((2, 3))
+    if any(np.any(part.bounds[0] < low) or np.any(part.bounds[1] > high) for part in inwards):
+        raise InputError(
+            "its triangles face inwards; must be a surface whose normals point outwards", file=path
+        )
 
 
 def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
@@ -245,8 +284,6 @@ def described(
 def check_mass(shot: Any) -> None:
     """Check that a body of the diameter and length of a projectile can have its mass; `data` does so for an STL file.
 
-    The largest body is the cylinder, the smallest the cone; of a sphere the volume is known.
-
     Parameters
     ----------
     shot : table [projectile], in SI
@@ -255,25 +292,18 @@ def check_mass(shot: Any) -> None:
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    ball, known = shot.shape == "sphere", shot.shape == "sphere" or shot.length is not None
-    lengths = (
-        (2 / 3 * shot.diameter if ball else shot.length,) * 2
-        if known
-        else [x * shot.diameter for x in LENGTHS]
-    )
+    least, size = LEAST.get(shot.shape, 1.0), "diameter and length"
+    lengths = [shot.length, shot.length]
+    if shot.shape == "sphere":
+        size = "diameter"
+        lengths = [2 / 3 * shot.diameter, 2 / 3 * shot.diameter]
+    elif shot.length is None:
+        size = f"diameter, {LENGTHS[0]:g} to {LENGTHS[1]:g} times as long"
+        lengths = [ratio * shot.diameter for ratio in LENGTHS]
     section = np.pi / 4 * shot.diameter**2
-    low, high = (
-        DENSITIES[0] * section * lengths[0] * (1 if ball else 1 / 3),
-        DENSITIES[1] * section * lengths[1],
-    )
+    low = DENSITIES[0] * section * lengths[0] * least
+    high = DENSITIES[1] * section * lengths[1]
     if not low <= shot.mass <= high:
-        size = (
-            "diameter"
-            if ball
-            else "diameter and length"
-            if known
-            else f"diameter, at most {LENGTHS[1]:g} times as long"
-        )
         allowed = f"from {1e3 * low:.3g} to {1e3 * high:.3g} g, for a body of this {size}, of "
         allowed += " to ".join(f"{1e-3 * density:g}" for density in DENSITIES) + " g/cm^3"
         raise InputError(key="projectile.mass", allowed=allowed)
@@ -302,9 +332,7 @@ def _solid(path, digest, unit, edge_radius):
     distances = _distances(found, axes, h, edge_radius, path)
     middle = distances[axes[0].size // 2, axes[1].size // 2]
     if not middle.min() < 0:
-        raise InputError(
-            "its z axis, x = y = 0, must lie in the body: it is the projectile's axis", file=path
-        )
+        raise InputError(found.off_axis(unit), file=path)
     return solid_body.Solid(
         f"{digest} {unit} {edge_radius!r}", h, found.points, found.faces, distances
     )
@@ -326,7 +354,7 @@ def _distances(found, axes, h, rho, path):
     def places(axes):
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
-    skin: Any = pyvista.PolyData(found.points, faces=np.insert(found.faces, 0, 3, axis=1).ravel())
+    skin: Any = pyvista.wrap(found.mesh)
     wide = [np.linspace(axis[0], axis[-1], axis.size // COARSE + 2) for axis in axes]
     at = places(wide)
     d = distance(at.reshape(-1, 3), skin).reshape(at.shape[:3])

@@ -68,10 +68,14 @@ class Target:
     def law_name(self) -> str:
         """Where the compression laws come from, in words."""
         if self.case is not None:
-            return self.case.law_name
-        if self.setup.surface is not None:
+            named = [(of.fabric.name, of.law_name) for of in self.case.materials or (self.case,)]
+        elif self.setup.surface is not None:
             return "3D response surface"
-        return self.setup.laws[0].provenance if self.setup.laws else self.setup.cell_model
+        else:
+            plies, model = self.setup.lay_up or (self.setup,), self.setup.cell_model
+            named = [(p.fabric.name, p.laws[0].provenance if p.laws else model) for p in plies]
+        found = dict.fromkeys(named)
+        return named[0][1] if len(found) == 1 else "; ".join(map(": ".join, found))
 
     @property
     def projectile(self) -> str | None:
@@ -125,14 +129,17 @@ def read(
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
-        raise InputError(
-            key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names())
-        )
+        raise unknown(name)
     table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
     return _target(
         scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text
     )
+
+
+def unknown(name: str) -> InputError:
+    """The InputError of a target that is no fabric of the catalogue and no *.toml file."""
+    return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 
 def is_input_file(name: str) -> bool:

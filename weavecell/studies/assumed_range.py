@@ -28,6 +28,7 @@ from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip
 from weavecell.studies import inputs
 
+Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
 
@@ -121,23 +122,23 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     )
 
 
-def changes(setup: ImpactSetup) -> dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]:
+def changes(setup: ImpactSetup) -> Ends:
     """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be combined.
 
     Parameters
     ----------
     setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an assumed solid law
     """
-    found: dict[str, dict[str, Any]] = {
-        name: {words: partial(_of_fabric, name=name, words=words) for words in ends}
-        for name, ends in assumed.ends(setup.fabric).items()
+    found: dict[str, dict[str, Any]] = {}
+    for fabric in setup.fabrics:
+        for name, ends in assumed.ends(fabric).items():
+            change = partial(_of_each_ply, partial(_with_end, name))
+            found.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
+    stiffness = {
+        f"yarns {end}": partial(_of_each_ply, _with_laws, end) for end in ("soft", "stiff")
     }
-    if setup.laws is not None and setup.laws[0].assumed_range is not None:
-        ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in setup.laws]
-        pairs = {end: (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
-        found["solid law"] = {
-            f"yarns {end}": partial(replace, laws=pair) for end, pair in pairs.items()
-        }
+    if any(change(setup) != setup for change in stiffness.values()):
+        found["solid law"] = stiffness
     for name, one in inputs.ranges().items():
         values = [
             end
@@ -151,17 +152,28 @@ def changes(setup: ImpactSetup) -> dict[str, dict[str, Callable[[ImpactSetup], I
     return found
 
 
-def _of_fabric(setup, name, words):
-    return replace(setup, fabric=assumed.ends(setup.fabric)[name][words])
+def _of_each_ply(change, end, setup):
+    """The set-up with change(ply, end) of itself and of every ply of its lay-up."""
+    return change(replace(setup, lay_up=tuple(change(ply, end) for ply in setup.lay_up)), end)
+
+
+def _with_end(name, ply, number):
+    """A ply with the first or the second end of what its fabric assumes of this name, if it does."""
+    ends = list(assumed.ends(ply.fabric).get(name, {}).values())
+    return replace(ply, fabric=ends[min(number, len(ends) - 1)]) if ends else ply
+
+
+def _with_laws(ply, end):
+    """A ply with one end of the ranges of its laws, where they have any."""
+    laws = ply.laws or ()
+    return replace(ply, laws=tuple((law.ends() or {end: law})[end] for law in laws) or None)
 
 
 def _of_setup(setup, name, value):
     """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
     match name:
         case "strength after weaving" if setup.failure and not setup.surface:
-            if "weaving_damage.strength" not in setup.fabric.sources:
-                damage = WeavingDamage(1.0, value, "range of a limit")
-                return replace(setup, fabric=setup.fabric.with_weaving_damage(damage))
+            return _of_each_ply(_with_woven_strength, value, setup)
         case "friction of the projectile":
             return replace(setup, projectile=replace(setup.projectile, friction=value))
         case "friction between plies" if setup.plies > 1:
@@ -171,6 +183,14 @@ def _of_setup(setup, name, value):
         case "clamp force":
             return replace(setup, edge=_gripped(setup.edge, value))
     return setup
+
+
+def _with_woven_strength(ply, value):
+    """A ply whose yarns have this share of their strength after weaving, unless its fabric says what they have."""
+    if "weaving_damage.strength" in ply.fabric.sources:
+        return ply
+    damage = WeavingDamage(1.0, value, "range of a limit")
+    return replace(ply, fabric=ply.fabric.with_weaving_damage(damage))
 
 
 def _gripped(edge, factor):
@@ -202,7 +222,8 @@ def residual_velocity(
             return "unstable", None
         return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)
 
-    return _over_ends("residual velocity", setup, outcome, velocity, shot, on_progress)
+    row = Row("nominal", outcome, velocity)
+    return over_ends("residual velocity", setup, changes(setup), row, shot, on_progress)
 
 
 def critical_velocity(
@@ -235,7 +256,8 @@ def critical_velocity(
             return str(problem), None
         return "bracket on a doubtful shot" * any(map(doubtful, limit.ends)), float(limit.velocity)
 
-    return _over_ends("critical velocity", setup, "", velocity, search, on_progress)
+    row = Row("nominal", "", velocity)
+    return over_ends("critical velocity", setup, changes(setup), row, search, on_progress)
 
 
 def doubtful(shot: Any) -> bool:
@@ -243,9 +265,16 @@ def doubtful(shot: Any) -> bool:
     return quality.status(shot.checks) == quality.DOUBTFUL
 
 
-def _over_ends(quantity, setup, outcome, velocity, run, on_progress):
-    """The AssumedRange of run(set-up) -> (outcome, velocity); None where nothing is assumed."""
-    rows, ends = [Row("nominal", outcome, velocity)], changes(setup)
+def over_ends(
+    quantity: str,
+    setup: ImpactSetup,
+    ends: Ends,
+    nominal: Row,
+    run: Callable[[ImpactSetup], tuple[str, float | None]],
+    on_progress: Callable[[float], object] | None = None,
+) -> AssumedRange | None:
+    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None where nothing is assumed."""
+    rows, velocity = [nominal], nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2
 
     def add(words, changed, varied=""):

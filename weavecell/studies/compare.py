@@ -12,14 +12,15 @@ from scipy.stats import t as student
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.files import read_csv
+from fabrics.files import read_csv, read_number
 from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.panel import quality
-from weavecell.studies import probit
+from weavecell.studies import probit, protocol
 from weavecell.studies.probit import Curve
+from weavecell.studies.protocol import SixShots
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -28,6 +29,7 @@ VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
 CONFIDENCE = 0.95
+FASTEST = 1000.0  # [m/s] of a shot
 
 
 def read(path: FilePath) -> DataFrame:
@@ -88,12 +90,12 @@ def _row(number, values, units, path):
         return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
 
     def speed(name):
-        try:
-            value = float(cells[name]) * units[name]
-        except ValueError:
-            raise refusal(name, "a number") from None
+        number = read_number(cells[name], "a finite number", file=path, key=f"{line}, {name}")
+        value = number * units[name]
         if not (value > 0 or (name == RESIDUAL and value == 0)):
             raise refusal(name, "above 0")
+        if not value <= FASTEST:
+            raise refusal(name, f"at most {FASTEST:g} m/s, as projectile.strike_velocity")
         return value
 
     if cells[OUTCOME].lower() not in OUTCOMES:
@@ -102,6 +104,8 @@ def _row(number, values, units, path):
     velocity, residual = speed(VELOCITY), speed(RESIDUAL) if cells.get(RESIDUAL) else nan
     if outcome == "stopped" and residual > 0:
         raise refusal(RESIDUAL, "left out of a stop, or 0")
+    if residual > velocity:
+        raise refusal(RESIDUAL, f"at most the velocity of the strike, {cells[VELOCITY]}")
     return {
         VELOCITY: velocity,
         OUTCOME: outcome,
@@ -117,15 +121,17 @@ class Comparison:
     ----------
     table : DataFrame, a row a test: velocity, outcomes and residual velocities as tested and as computed
     limit : the computed Limit
-    curve : probability of perforation fitted to the tests; None where all stopped or all perforated
-    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones; None of too few
+    curve : probability of perforation fitted to the tests
+    six_shots : V50 of six of the tests
+    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones
     """
 
     table: DataFrame
     limit: Limit
-    curve: Curve | None
-    tested: LambertJonas | None
-    computed: LambertJonas | None
+    curve: Curve
+    six_shots: SixShots
+    tested: LambertJonas
+    computed: LambertJonas
 
     @property
     def agree(self) -> int:
@@ -171,16 +177,18 @@ class Comparison:
             "confidence": CONFIDENCE,
             "critical_velocity_m_s": limit.velocity,
             "bracket_m_s": [limit.low, limit.high],
-            "tested_V50_m_s": curve and float(curve.V50),
-            "tested_V50_interval_m_s": curve and [float(v) for v in curve.intervals["V50"]],
-            "critical_velocity_over_V50": curve and float(limit.velocity / curve.V50),
+            "tested_v50_m_s": curve.V50,
+            "tested_v50_interval_m_s": list(curve.intervals["V50"]),
+            "tested_v50_reason": curve.reason,
+            **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
+            "critical_velocity_over_v50": limit.velocity / curve.V50,
             **{
                 f"residual_velocity_{name}_m_s": v
                 for name, v in self.difference().items()
                 if name != "shots"
             },
-            "lambert_jonas_tested": self.tested and asdict(self.tested),
-            "lambert_jonas_computed": self.computed and asdict(self.computed),
+            "lambert_jonas_tested": asdict(self.tested),
+            "lambert_jonas_computed": asdict(self.computed),
         }
 
 
@@ -198,25 +206,19 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
             "checks": [quality.status(shot.checks) for shot in shots],
         }
     )
-    perforated = (table["tested"] == "perforated").to_numpy()
-    curve = None
-    if perforated.any() and not perforated.all():
-        curve = probit.fit(table["velocity [m/s]"], perforated, confidence=CONFIDENCE)
-    known = limit.velocity if limit.single else None
+    velocities, perforated = table["velocity [m/s]"], table["tested"] == "perforated"
     return Comparison(
-        table, limit, curve, _fit(table, "tested", None), _fit(table, "computed", known)
+        table,
+        limit,
+        probit.fit(velocities, perforated, confidence=CONFIDENCE),
+        protocol.six_shots(velocities, perforated),
+        _fit(table, "tested", None),
+        _fit(table, "computed", limit.velocity if limit.single else None),
     )
 
 
 def _fit(table, kind, limit):
-    """Lambert-Jonas fit to tested or computed perforations; None of shots that are no more than its parameters."""
-    shots = table[table[kind] == "perforated"].dropna(subset=[f"{kind} residual velocity [m/s]"])
-    if len(shots) <= (3 if limit is None else 2):
-        return None
-    velocities = (
-        shots[name].to_numpy() for name in ("velocity [m/s]", f"{kind} residual velocity [m/s]")
-    )
-    try:
-        return lambert_jonas.fit(*velocities, limit=limit)
-    except InputError:
-        return None
+    """Lambert-Jonas fit to tested or computed perforations."""
+    residual = f"{kind} residual velocity [m/s]"
+    shots = table[table[kind] == "perforated"].dropna(subset=[residual])
+    return lambert_jonas.fit(shots["velocity [m/s]"], shots[residual], limit=limit)

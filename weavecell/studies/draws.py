@@ -109,11 +109,11 @@ class Draws:
         return {name: sum(draw.outcome == name for draw in self.draws) for name in OUTCOMES}
 
     def probability(self) -> tuple[float, float, float]:
-        """(share of perforations, low, high), with Wilson's interval of `CONFIDENCE`; (0, 0, 1) of no draws."""
+        """(share of perforations, low, high), with Wilson's interval of `CONFIDENCE`; (NaN, 0, 1) of no draws."""
         from scipy.stats import binomtest
 
         if not self.counted:
-            return 0.0, 0.0, 1.0
+            return nan, 0.0, 1.0
         test = binomtest(self.outcomes["perforated"], len(self.counted))
         interval = test.proportion_ci(CONFIDENCE, method="wilson")
         return float(test.statistic), float(interval.low), float(interval.high)

@@ -62,8 +62,8 @@ def fit(
 
     Raises
     ------
-    InputError : a start outside of its range, or no more points than unknowns
-    UnstableError : the model cannot be computed at the start, or on either side of a trial
+    InputError : a start outside of its range, a point that is not finite, or no more points than unknowns
+    UnstableError : the model cannot be computed at the start
 
     Examples
     --------
@@ -83,6 +83,8 @@ def fit(
         np.asarray(measured, float),
         np.array(list(unknowns.values()), float).T,
     )
+    for number in np.flatnonzero(~np.isfinite(points)):
+        raise InputError(key=f"measured[{number}]", value=points[number], allowed="finite")
     freedom, scale, width = len(points) - len(unknowns), np.abs(points).max(), high - low
     if not np.all((low <= start) & (start <= high) & (low < high)):
         raise InputError(
@@ -111,9 +113,9 @@ def fit(
                 for v in np.clip([u - axis, u, u + axis], 0.0, 1.0)
                 if np.isfinite(misfit(*v)).all()
             ]
-            if np.all(at[0] == at[-1]):
-                raise UnstableError("no run on either side of a trial")
-            columns.append((misfit(*at[-1]) - misfit(*at[0])) / np.sum(at[-1] - at[0]))
+            # without a run on either side the points tell nothing of this unknown
+            width = np.sum(at[-1] - at[0]) or 1.0
+            columns.append((misfit(*at[-1]) - misfit(*at[0])) / width)
         return np.stack(columns, axis=1)
 
     begin = np.clip((start - low) / width, 1e-6, 1 - 1e-6)

@@ -279,7 +279,7 @@ def _rows(shot):
     strike, energy, deepest = (
         result.setup.strike_velocity,
         result.strike_energy,
-        1e3 * result.step_history[:, 1].max(),
+        1e3 * result.max_deflection,
     )
     left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
     velocities, energies = (left, 0.0), (result.absorbed_energy, 0.0)
@@ -297,9 +297,12 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the strike, the largest
     deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
     panel that is perforated does not have. Velocity and energy of a projectile that perforates have none: infinite."""
-    (t, z, v), (tf, zf, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
+    (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
     common, strike = t <= tf[-1], coarse.setup.strike_velocity
-    depths = np.append(np.interp(t[common], tf, zf) - z[common], zf.max() - z.max())
+    deepest, other_deepest = coarse.max_deflection, fine.max_deflection
+    shared = coarse.t[coarse.t <= fine.t[-1]]
+    depth = np.interp(shared, fine.t, fine.deflection) - coarse.deflection[: shared.size]
+    depths = np.append(depth, other_deepest - deepest)
     ends = (max(result.residual_velocity, 0.0) for result in (coarse, fine))
     speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)
     speed, other = (np.append(history, end) / strike for history, end in speeds)
@@ -308,7 +311,7 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     norms = {
         "residual_velocity": moves.get(coarse.outcome, np.abs(other - speed).max()),
         "absorbed_energy": moves.get(coarse.outcome, np.abs(other**2 - speed**2).max()),
-        "deflection": holds and np.abs(depths).max() / z.max(),
+        "deflection": holds and np.abs(depths).max() / deepest,
         "peak_tension": holds and max(tensions, default=0.0),
     }
     return {

@@ -7,8 +7,9 @@ quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 /
 the place of V50, the logarithm of the likelihood is concave in beta, so that every profile has one top. Since P reaches
 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
 
-Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0 with V50 anywhere
-between them: the middle is given, and the intervals are those of the profile as ever, too narrow for V0 and V100 then.
+Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0, a step, with V50
+anywhere between them: the middle is given, and the intervals are those of the profile as ever, too narrow for V0 and
+V100 then. Where the fastest stop and the slowest perforation have one velocity, the step is there.
 
 statsmodels finds the same curves (a test holds them against each other). It is not used here: where shots are
 separated it does not converge, and its intervals are those of a normal distribution, too narrow for few shots.
@@ -18,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import exp, inf, log
+from math import exp, inf, log, nan
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from fabrics.errors import InputError
 
 LOW, HIGH = 0.01, 0.99
 LINKS = {"probit": norm, "logit": logistic}
+NOT_RISING = "the shots do not perforate the more the faster they are"
 _FLATTEST, _STEEPEST = 1e-3, 1e5  # beta times the range of the velocities
 
 
@@ -45,8 +47,9 @@ class Curve:
     intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite where the shots set no
         bound, and 0 where it would be below
     likelihood : its logarithm
-    separated : whether no stop was faster than a perforation
+    separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
+    reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
     """
 
     link: str
@@ -57,6 +60,21 @@ class Curve:
     likelihood: float
     separated: bool
     confidence: float
+    reason: str = ""
+
+    def words(self) -> str:
+        """V50 with its interval, or why there is none."""
+        if self.reason:
+            return f"V50 ({self.link}) not determined, because {self.reason}"
+        low, high = self.intervals["V50"]
+        known = f"{100 * self.confidence:g} % confidence"
+        words = f"V50 ({self.link}) {self.V50:.1f} m/s, {low:.1f} to {high:.1f} m/s with {known}"
+        if self.separated:
+            most = f"{self.intervals['s'][1]:.1f} m/s"
+            words += (
+                f"; no stop is faster than a perforation: a step, s = 0 ({known}: up to {most})"
+            )
+        return words
 
     def velocity(self, probability: Any) -> Any:
         """[m/s] at which a share `probability` perforates."""
@@ -70,7 +88,7 @@ class Curve:
 
     @property
     def V0(self) -> float:
-        return max(self.velocity(LOW), 0.0)
+        return float(np.maximum(self.velocity(LOW), 0.0))
 
     @property
     def V100(self) -> float:
@@ -84,6 +102,7 @@ class _Likelihood:
         self.V, self.hit, self.law = velocity, perforated, LINKS[link]
         self.range = float(np.ptp(velocity))
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
+        self.least = self.range / _STEEPEST  # [m/s] of s
 
     def __call__(self, at: float, beta: float, z: float = 0.0) -> float:
         """Of P(at) = F(z) and slope beta."""
@@ -125,34 +144,51 @@ def fit(
     link : a name of LINKS
     confidence : [-] of the intervals
 
+    Returns
+    -------
+    Curve, with a `reason` and no numbers where the shots determine none
+
     Raises
     ------
-    InputError : shots that all stopped or all perforated, unknown link, or a confidence that is no share
+    InputError : velocities that are not numbers, unknown link, or a confidence that is no share
     """
     V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
     if link not in LINKS:
         raise InputError(key="link", value=link, allowed=" or ".join(LINKS))
     if V.ndim != 1 or V.shape != hit.shape or not np.isfinite(V).all():
         raise InputError("velocities and outcomes must be two rows of the same length, and finite")
-    if not 0 < np.count_nonzero(hit) < hit.size or not np.ptp(V) > 0:
-        raise InputError(
-            "a curve of perforation needs shots that stopped and shots that perforated"
-        )
     if not 0 < confidence < 1:
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
-    likelihood, separated = _Likelihood(V, hit, link), V[hit].min() > V[~hit].max()
+    if reason := _no_curve(V, hit):
+        return _none(link, confidence, reason)
+    likelihood, separated = _Likelihood(V, hit, link), bool(V[hit].min() >= V[~hit].max())
     if separated:
-        V50, s, best = 0.5 * float(V[hit].min() + V[~hit].max()), 0.0, 0.0
+        V50, s, best = _step(likelihood)
     else:
         V50, s, best = _top(likelihood)
+        if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
+            return _none(link, confidence, NOT_RISING)
     floor = best - 0.5 * chi2.ppf(confidence, 1)
     intervals = {
-        name: interval(likelihood, P, V50 + s * LINKS[link].ppf(P), floor)
+        name: interval(likelihood, P, V50 + max(s, likelihood.least) * LINKS[link].ppf(P), floor)
         for name, P in (("V0", LOW), ("V50", 0.5), ("V100", HIGH))
     }
     intervals["s"] = _spread(likelihood, s, floor)
     deviation = s * float(LINKS[link].std())
-    return Curve(link, V50, s, deviation, intervals, best, bool(separated), confidence)
+    return Curve(link, V50, s, deviation, intervals, best, separated, confidence)
+
+
+def _no_curve(V, hit):
+    """Why shots determine no curve whatever the link, or ""."""
+    if hit.all() or not hit.any():
+        return f"all {hit.size} shots {'perforated' if hit.any() else 'stopped'}"
+    return "" if np.ptp(V) > 0 else f"all shots have one velocity, {V[0]:.4g} m/s"
+
+
+def _none(link, confidence, reason):
+    """The Curve of shots that determine none."""
+    intervals = dict.fromkeys(("V0", "V50", "V100", "s"), (nan, nan))
+    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, reason)
 
 
 def band(
@@ -161,7 +197,9 @@ def band(
     """(k, 2) [m/s] intervals of the velocities at which the shares `probabilities` perforate."""
     likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
     floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
-    return np.array([interval(likelihood, P, curve.velocity(P), floor) for P in probabilities])
+    s = max(curve.s, likelihood.least)
+    places = [(P, curve.V50 + s * LINKS[curve.link].ppf(P)) for P in probabilities]
+    return np.array([interval(likelihood, P, at, floor) for P, at in places])
 
 
 def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
@@ -190,11 +228,18 @@ def _top(likelihood):
         options={"xatol": 1e-9},
     )
     best, V50 = likelihood.over_place(exp(top.x))
-    if exp(top.x) < 2 * _FLATTEST / likelihood.range:
-        raise InputError(
-            "the shots do not perforate the more the faster they are: no curve can be fitted"
-        )
     return float(V50), exp(-top.x), best
+
+
+def _step(likelihood):
+    """(V50, s = 0, likelihood) of a step, at which a share of the shots of one velocity may have perforated."""
+    V, hit = likelihood.V, likelihood.hit
+    low, high = float(V[~hit].max()), float(V[hit].min())
+    if low < high:
+        return 0.5 * (low + high), 0.0, 0.0
+    share = float(hit[low == V].mean())
+    V50 = low - likelihood.least * likelihood.law.ppf(share)
+    return V50, 0.0, likelihood(V50, 1 / likelihood.least)
 
 
 def _spread(likelihood, s, floor):

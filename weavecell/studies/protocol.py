@@ -1,9 +1,12 @@
-"""V50 as a laboratory finds it: short series of shots, up and down, on a curve of perforation that is known.
+"""V50 as a laboratory finds it: of six shots, and of short series of shots, up and down, on a curve that is known.
 
-After a perforation the next shot is slower, after a stop faster, by `STEPS[0]` until the outcome has changed once and
-by `STEPS[1]` from then on. The series ends as soon as its PAIRS fastest stops and PAIRS slowest perforations lie within
-SPAN; V50 is the mean of these 2 PAIRS velocities. A series that has not ended after MOST shots has no result. The first
-shot misses V50 by up to `STEPS[0]`, evenly distributed.
+MIL-STD-662F takes the mean of as many of the fastest stops as of the slowest perforations, here PAIRS of each, whose
+velocities lie within a spread that the test states; SPREADS are those of the standard.
+
+In a series the next shot after a perforation is slower, after a stop faster, by `STEPS[0]` until the outcome has
+changed once and by `STEPS[1]` from then on. The series ends as soon as its PAIRS fastest stops and PAIRS slowest
+perforations lie within SPAN; V50 is the mean of these 2 PAIRS velocities. A series that has not ended after MOST shots
+has no result. The first shot misses V50 by up to `STEPS[0]`, evenly distributed.
 
 This is the scheme of STANAG 2920 and MIL-STD-662F as it is commonly quoted (three and three within 40 m/s); the texts
 of the standards were not at hand, and the steps are assumed.
@@ -11,15 +14,78 @@ of the standards were not at hand, and the steps are assumed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from weavecell.studies.probit import Curve
 
 PAIRS, SPAN, STEPS, MOST = 3, 40.0, (30.0, 15.0), 12  # [-], [m/s], [m/s], [-]
 SERIES = 2000
+SPREADS = 60, 90, 100, 125  # [ft/s]
+FOOT = 0.3048  # [m]
+
+
+@dataclass(frozen=True)
+class SixShots:
+    """V50 of the PAIRS fastest stops and the PAIRS slowest perforations.
+
+    Parameters
+    ----------
+    velocity, spread : [m/s] mean of the six, and the highest less the lowest; NaN without them
+    met : [ft/s] the narrowest of SPREADS that the six are within, None of a wider spread
+    reason : why there is no such V50, or ""
+    """
+
+    velocity: float = nan
+    spread: float = nan
+    met: int | None = None
+    reason: str = ""
+
+    def words(self) -> str:
+        """V50 with its spread, or why there is none."""
+        name = (
+            f"V50 of six shots (MIL-STD-662F: {PAIRS} fastest stops, {PAIRS} slowest perforations)"
+        )
+        if self.reason:
+            return f"{name} not determined, because {self.reason}"
+        spread = f"{self.spread:.1f} m/s ({self.spread / FOOT:.0f} ft/s)"
+        met = f"meets {self.met} ft/s" if self.met else f"exceeds {SPREADS[-1]} ft/s, the widest"
+        return f"{name} {self.velocity:.1f} m/s; their spread of {spread} {met} of the standard"
+
+    def summary(self) -> dict[str, Any]:
+        """{name with unit: value}."""
+        return {
+            "six_shot_v50_m_s": self.velocity,
+            "six_shot_spread_m_s": self.spread,
+            "six_shot_spread_met_ft_s": self.met,
+        }
+
+
+def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
+    """The V50 of six of some shots.
+
+    Parameters
+    ----------
+    velocity : (n,) [m/s]
+    perforated : (n,) bool
+    """
+    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    chosen = _chosen(V[~hit].tolist(), V[hit].tolist())
+    if len(chosen) < 2 * PAIRS:
+        return SixShots(reason=f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated")
+    spread = max(chosen) - min(chosen)
+    met = next((width for width in SPREADS if round(spread / FOOT, 3) <= width), None)
+    return SixShots(float(np.mean(chosen)), spread, met)
+
+
+def _chosen(stops: Sequence[float], perforations: Sequence[float]) -> list[float]:
+    """Velocities of the fastest stops and the slowest perforations, PAIRS of each where there are so many."""
+    return [*sorted(stops)[-PAIRS:], *sorted(perforations)[:PAIRS]]
 
 
 @dataclass(frozen=True)
@@ -55,6 +121,8 @@ class Series:
 
 def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
     """Fire `count` series on a fitted curve; the same seed gives the same."""
+    if curve.reason:
+        return Series(*(nan,) * 4, shots=nan, share=0.0)
     random = np.random.default_rng(seed)
     v50, shots = np.array([one_series(curve, random) for _ in range(count)], float).T
     results = v50[np.isfinite(v50)]
@@ -81,7 +149,7 @@ def one_series(curve: Curve, random: np.random.Generator) -> tuple[float, int]:
         (perforations if hit else stops).append(velocity)
         if stops and perforations:
             step = STEPS[1]
-        chosen = [*sorted(stops)[-PAIRS:], *sorted(perforations)[:PAIRS]]
+        chosen = _chosen(stops, perforations)
         if len(chosen) == 2 * PAIRS and max(chosen) - min(chosen) <= SPAN:
             return float(np.mean(chosen)), shot
         velocity += -step if hit else step

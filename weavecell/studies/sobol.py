@@ -43,6 +43,7 @@ class Indices:
     first, first_half, total, total_half : (D,) indices and half widths of their intervals; NaN if nothing varies
     mean, deviation : of the quantity over the sample, in its unit
     perforated : [-] share of the sample that perforated
+    unstable : number of shots that became unstable, with which no index is determined
     """
 
     velocity: float
@@ -55,6 +56,7 @@ class Indices:
     mean: float
     deviation: float
     perforated: float
+    unstable: int = 0
 
 
 def problem(entries: Mapping[str, inputs.Entry]) -> dict[str, Any]:
@@ -76,7 +78,7 @@ def estimate(problem: Mapping[str, Any], y: np.ndarray, seed: int) -> tuple[np.n
     """(first, its half width, total, its half width), (D,) each, of a quantity y (N (D + 2),) on a sample."""
     from SALib.analyze import sobol
 
-    if not np.ptp(y) > 1e-12 * np.abs(y).max():
+    if np.isnan(y).any() or not np.ptp(y) > 1e-12 * np.abs(y).max():
         return (np.full(problem["num_vars"], np.nan),) * 4
     indices = sobol.analyze(
         problem, y, calc_second_order=False, num_resamples=1000, conf_level=CONFIDENCE, seed=seed
@@ -95,16 +97,15 @@ def shots(
     factors : tuple of (name, factor)
     velocities : tuple of [m/s]
     """
-    changed, values = inputs.changed_setup(setup, **dict(factors)), {}
+    changed = inputs.changed_setup(setup, **dict(factors))
+    values: dict[tuple[float, str], float] = {}
     table = changed.table()  # of the cell, whatever the velocity
     for velocity in velocities:
         try:
             result: Any = run(replace(changed, strike_velocity=velocity), table=table)
-        except UnstableError as trouble:
-            changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
-            raise UnstableError(
-                str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}"
-            ) from None
+        except UnstableError:
+            values |= {(velocity, name): np.nan for name in (*QUANTITIES, "perforated")}
+            continue
         values[velocity, "velocity"] = float(
             np.interp(INSTANT, result.t, np.maximum(result.v, 0.0))
         )
@@ -128,7 +129,7 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `simulation.run`
+    InputError : as `simulation.run`
     """
     factors = problem(inputs.table("range"))
     rows = sample(factors, samples, seed)
@@ -149,11 +150,18 @@ def study(
 
     def indices(velocity, quantity):
         y = np.array([row[velocity, quantity] for row in values])
-        perforated = float(np.mean([row[velocity, "perforated"] for row in values]))
+        perforated = float(np.nanmean([row[velocity, "perforated"] for row in values]))
         estimates = estimate(factors, y, seed)
         names = tuple(factors["names"])
         return Indices(
-            velocity, quantity, names, *estimates, float(y.mean()), float(y.std()), perforated
+            velocity,
+            quantity,
+            names,
+            *estimates,
+            float(np.nanmean(y)),
+            float(np.nanstd(y)),
+            perforated,
+            int(np.isnan(y).sum()),
         )
 
     return tuple(indices(velocity, quantity) for velocity in velocities for quantity in QUANTITIES)

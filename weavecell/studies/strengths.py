@@ -145,6 +145,6 @@ def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray,
     """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
     lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_axes[::-1])
     return tuple(
-        grading_of_panels.weakest(factors, np.rint(x[axes] / (2 * w)))
+        grading_of_panels.weakest(factors, np.fix((1 + 1e-9) * x[axes] / (2 * w)))
         for factors, x, w, axes in lines
     )

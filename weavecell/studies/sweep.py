@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fabrics.errors import UndecidedError, UnstableError
+from fabrics.errors import UndecidedError, UnstableError, WeavecellError
 from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
 from shellfabric.panel import quality
@@ -49,16 +49,16 @@ def row(
         if quantity == "v50":
             study = v50.study(setup, inputs.published(), **options)
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
+            reason = study.curves["probit"].reason
             return {
-                "outcome": "fitted",
+                "outcome": f"not determined: {reason}" if reason else "fitted",
                 **study.summary(),
                 "checks": f"doubtful: {names}" if names else quality.OK,
             }
         return shot(setup) if quantity == "shot" else critical_velocity(setup, tolerance)
-    except (UnstableError, UndecidedError) as problem:
-        return {
-            "outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"
-        }
+    except WeavecellError as problem:
+        kinds = {UnstableError: "unstable", UndecidedError: "undecided"}
+        return {"outcome": f"{kinds.get(type(problem), 'not determined')}: {problem}"}
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
@@ -83,12 +83,12 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
 
 
 def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
-    """The critical velocity, in its bracket, or the middle of the zone of mixed outcomes where there is one."""
+    """The critical velocity, in its bracket, or the zone of mixed outcomes where there is one."""
     limit = limits.search(setup, tolerance=tolerance, scan=ScanRange()).limit
     low, high = limit.mixed_zone or (limit.low, limit.high)
     return {
         "outcome": "single limit" if limit.single else MIXED,
-        "critical_velocity_m_s": 0.5 * (low + high),
+        "critical_velocity_m_s": 0.5 * (low + high) if limit.single else None,
         "lower_m_s": float(low),
         "upper_m_s": float(high),
         "shots": len(limit.shots),

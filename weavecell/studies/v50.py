@@ -8,7 +8,8 @@ velocity would be below a tenth of its strike velocity: by v_r^2 = V^2 - V50^2 i
 
 Velocities are chosen in rounds of a given size from the outcomes of all rounds before: nothing depends on the number
 of workers. The first round covers the deterministic limit by `FIRST` either way; then velocities are spread evenly over
-the probabilities of the curve fitted so far, or, where no stop is faster than a perforation, over the gap between them.
+the probabilities of the curve fitted so far, or, where no stop is faster than a perforation, over the gap between them,
+or, where the shots determine no curve, over the range fired so far.
 Without scatter that is a search of the gap, and V50 goes to the deterministic limit.
 """
 
@@ -17,25 +18,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from math import nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
-from weavecell.studies import probit, protocol, strengths
+from weavecell.studies import assumed_range, probit, protocol, strengths
+from weavecell.studies.assumed_range import AssumedRange
 from weavecell.studies.inputs import Scatter, changed_setup, published
-from weavecell.studies.protocol import Series
+from weavecell.studies.protocol import Series, SixShots
 
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
 STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
+BEYOND = 0.5, 1.5  # of the lowest and the highest velocity so far: between them lies the next round
+LARGEST = 2  # contributors to the range of the limit whose ends V50 is computed with
 WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
 
 
@@ -52,6 +57,7 @@ class Shot:
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn
     balance : [-] error of the energy balance over the strike energy
     doubtful : names of the quality checks of the shot that are beyond their limits
+    failure : why the shot has no outcome, or ""
     """
 
     number: int
@@ -64,6 +70,7 @@ class Shot:
     weakest: tuple[float, float]
     balance: float
     doubtful: tuple[str, ...] = ()
+    failure: str = ""
 
 
 @dataclass(frozen=True)
@@ -73,15 +80,19 @@ class Study:
     Parameters
     ----------
     deterministic : (low, high) [m/s] bracket of the limit without scatter
-    shots : tuple of Shot, by number
+    shots : tuple of Shot, by number, that have an outcome
     curves : {link: probit.Curve}
     scatter : Scatter
+    failures : why other shots have none: they became unstable, or neither stopped nor perforated
+    assumed_range : of V50, or of the limit without scatter, over what is assumed; None where it was not asked for
     """
 
     deterministic: tuple[float, float]
     shots: tuple
     curves: dict
     scatter: Scatter
+    failures: tuple[str, ...] = ()
+    assumed_range: AssumedRange | None = None
 
     @cached_property
     def series(self) -> Series:
@@ -89,10 +100,17 @@ class Study:
         return protocol.series(self.curves["probit"])
 
     @cached_property
-    def fit(self) -> LambertJonas | None:
-        """Lambert-Jonas fit to the residual velocities; None of fewer than four perforations."""
-        through = [(shot.velocity, shot.residual) for shot in self.shots if shot.perforated]
-        return lambert_jonas.fit(*zip(*through)) if len(through) > 3 else None
+    def lambert_jonas(self) -> LambertJonas:
+        """Lambert-Jonas fit to the residual velocities."""
+        through = [shot for shot in self.shots if shot.perforated]
+        strikes = [shot.velocity for shot in through]
+        return lambert_jonas.fit(strikes, [shot.residual for shot in through])
+
+    @property
+    def six_shots(self) -> SixShots:
+        """V50 of six of the shots."""
+        velocities = [shot.velocity for shot in self.shots]
+        return protocol.six_shots(velocities, [shot.perforated for shot in self.shots])
 
     @property
     def doubtful(self) -> int:
@@ -107,13 +125,16 @@ class Study:
             "v50_m_s": curve.V50,
             "v50_low_m_s": low,
             "v50_high_m_s": high,
+            "v50_reason": curve.reason,
+            **self.six_shots.summary(),
             "confidence": curve.confidence,
             "standard_deviation_m_s": curve.deviation,
             "limit_without_scatter_m_s": sum(self.deterministic) / 2,
             "shots": len(self.shots),
             "perforated": sum(shot.perforated for shot in self.shots),
             "doubtful": self.doubtful,
-            "energy_error_max": max(shot.balance for shot in self.shots),
+            "without_outcome": len(self.failures),
+            "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
             **{
                 f"series_{name}_m_s": getattr(self.series, name)
                 for name in ("mean", "deviation", "low", "high")
@@ -125,27 +146,15 @@ class Study:
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
     """The shot of a number at its drawn panel."""
     drawn = strengths.drawn(setup, scatter, seed, number)
+    panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
-    except UnstableError as problem:
-        raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
-    left, through, weakest, balance = (
-        shot.residual_velocity,
-        shot.perforated,
-        drawn.weakest,
-        shot.balance,
-    )
-    doubtful = tuple(check.name for check in shot.checks if check.doubtful)
-    return Shot(
-        number,
-        velocity,
-        left,
-        through,
-        **drawn.factors,
-        weakest=weakest,
-        balance=balance,
-        doubtful=doubtful,
-    )
+    except (UndecidedError, UnstableError) as problem:
+        told = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
+        return Shot(number, velocity, nan, False, **panel, balance=nan, failure=told)
+    panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
+    left, through = shot.residual_velocity, shot.perforated
+    return Shot(number, velocity, left, through, **panel, balance=shot.balance)
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
@@ -186,15 +195,21 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
     V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    least, most = BEYOND[0] * V.min(), BEYOND[1] * V.max()
     if hit.all():
-        return np.linspace(0.5, 1.0, count, endpoint=False) * V.min()
+        return np.linspace(least, V.min(), count, endpoint=False)
     if not hit.any():
-        return np.linspace(1.5, 1.0, count, endpoint=False)[::-1] * V.max()
+        return np.linspace(most, V.max(), count, endpoint=False)[::-1]
     low, high = V[~hit].max(), V[hit].min()
     if low < high:
         wider = WIDER * (high - low) if scatters else 0.0
-        return np.linspace(low - wider, high + wider, count + 2)[1:-1]
-    return probit.fit(V, hit).velocity(np.linspace(*SPREAD, count))
+        placed = np.linspace(low - wider, high + wider, count + 2)[1:-1]
+    else:
+        curve = probit.fit(V, hit)
+        placed = curve.velocity(np.linspace(*SPREAD, count))
+        if curve.reason:
+            placed = np.linspace(V.min(), V.max(), count)
+    return np.clip(placed, least, most)
 
 
 def study(
@@ -223,7 +238,8 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn`, or too few shots
+    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before the first shot, or
+        too few shots
     """
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
@@ -239,10 +255,9 @@ def study(
         (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
-            if fired:
-                velocities = plan(
-                    [s.velocity for s in fired], [s.perforated for s in fired], count, scatters
-                )
+            if known := [shot for shot in fired if not shot.failure]:
+                outcomes = [shot.perforated for shot in known]
+                velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
             fired += run_cache.results(
@@ -254,6 +269,72 @@ def study(
                 report=partial(lambda begun, done, _: report(begun + done, shots), begun),
                 **runs,
             )
-    V, hit = [shot.velocity for shot in fired], [shot.perforated for shot in fired]
-    curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
-    return Study(bracket, tuple(fired), curves, scatter)
+    counted = tuple(shot for shot in fired if not shot.failure)
+    failures = tuple(shot.failure for shot in fired if shot.failure)
+    curves = {link: _curve(counted, link) for link in probit.LINKS}
+    return Study(bracket, counted, curves, scatter, failures)
+
+
+def _curve(shots, link="probit"):
+    velocities = [shot.velocity for shot in shots]
+    return probit.fit(velocities, [shot.perforated for shot in shots], link=link)
+
+
+def over_assumed(
+    setup: ImpactSetup,
+    found: Study,
+    *,
+    again: bool,
+    seed: int,
+    tolerance: float = 1.0,
+    report: Callable[[int, int], object] = lambda done, total: None,
+    **runs: Any,
+) -> AssumedRange | None:
+    """Range over what is assumed: of the limit without scatter, or of V50 itself.
+
+    The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST contributors to its
+    range: the drawn panels of the study are shot at again, at velocities that are to the limit as those of the study.
+
+    Parameters
+    ----------
+    setup, seed, tolerance, runs : as of `study`
+    found : what `study` returned
+    again : whether V50 is computed
+    report : called as report(searches done, searches), and then as report(shots done, shots)
+    """
+    setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
+    ends, middle = assumed_range.changes(setup), 0.5 * sum(found.deterministic)
+
+    def limit_of(changed):
+        (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)
+        return of_one
+
+    each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
+    run_cache.results(_searched, each, report=report, **runs)  # beside each other
+    nominal = assumed_range.Row("nominal", "", middle)
+    limits = assumed_range.over_ends("limit without scatter", setup, ends, nominal, limit_of)
+    curve = found.curves["probit"]
+    if not again or limits is None or curve.reason:
+        return limits
+
+    def v50_of(changed):
+        problem, limit = limit_of(changed)
+        if limit is None:
+            return problem, None
+        places = [(s.number, round(limit / middle * s.velocity, 6)) for s in found.shots]
+        arguments = [(changed, found.scatter, seed, *place) for place in places]
+        shots = run_cache.results(fire, arguments, report=report, **runs)
+        other = _curve([shot for shot in shots if not shot.failure])
+        return other.reason, None if other.reason else other.V50
+
+    largest = {name: ends[name] for name in list(limits.widths)[:LARGEST]}
+    nominal = assumed_range.Row("nominal", "", curve.V50)
+    return assumed_range.over_ends("V50", setup, largest, nominal, v50_of)
+
+
+def _searched(setup, tolerance):
+    """("", the limit without scatter [m/s]), or (why there is none, None)."""
+    try:
+        return "", 0.5 * sum(deterministic(setup, tolerance))
+    except WeavecellError as problem:
+        return str(problem), None

@@ -61,28 +61,45 @@ def test_no_projectile_leaves_faster_than_it_came():
     assert found.a == pytest.approx(1.0, abs=1e-6)
     assert found.intervals["a"] is None
     assert found.intervals["p"] is not None
-    assert found.words().startswith("a not determined (at its bound 1), p = ")
+    assert found.words().startswith("a = 1 (the highest value there can be), p = ")
     scatter = curve(STRIKE, 0.9, 2.6, 100.0) * (1 + 0.3 * (-1.0) ** np.arange(15))
-    assert ", p not determined (" in fit(STRIKE, scatter, limit=100.0).words()
-    assert (
-        fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith("p not determined (-inf to inf)")
-    )
+    assert ", p not determined, about " in fit(STRIKE, scatter, limit=100.0).words()
+    assert fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith(" (-inf to inf)")
+
+
+def test_a_bound_that_is_the_answer_is_said_to_be_it():
+    """Exact sets of a = 1 all give 1; p at the end of the search is not determined."""
+    random = np.random.default_rng(4)
+    for _ in range(40):
+        strike = np.sort(random.uniform(105.0, 300.0, 8))
+        found = fit(strike, curve(strike, 1.0, random.uniform(1.5, 6.0), 100.0))
+        assert found.words().startswith("a = 1 (")
+        assert found.a == pytest.approx(1.0, abs=1e-6)
+    sharp = fit(STRIKE, 0.9 * STRIKE, limit=100.0)
+    assert "p not determined (at the bound 50 of the search)" in sharp.words()
+
+
+@pytest.mark.parametrize(
+    ("strike", "residual", "limit", "told"),
+    [
+        ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], None, "3 perforations do not determine its 3"),
+        ([90.0, 110.0, 120.0], [0.0, 60.0, 70.0], 100.0, "2 perforations do not determine its 2"),
+        ([], [], None, "0 perforations do not determine its 3"),
+        (STRIKE, 0.8 * STRIKE, 120.0, "a shot perforates at 101 m/s, below the limit, 120 m/s"),
+    ],
+)
+def test_shots_that_determine_no_curve_give_one_without_numbers(strike, residual, limit, told):
+    found = fit(strike, residual, limit=limit)
+    assert found.words().startswith(f"not determined, because {told}")
+    assert np.isnan([found.a, found.p, found.limit, found.residual_rms]).all()
 
 
 @pytest.mark.parametrize(
     "strike, residual, options, told",
     [
-        ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], {}, "3 perforations do not determine 3"),
-        (
-            [90.0, 110.0, 120.0],
-            [0.0, 60.0, 70.0],
-            {"limit": 100.0},
-            "2 perforations do not determine 2",
-        ),
         ([110.0, 120.0], [50.0], {}, "same length"),
         ([110.0, np.nan, 1.0], [50.0, 60.0, 0.0], {}, "above 0"),
         ([110.0, 120.0, 130.0], [50.0, -60.0, 1.0], {}, "above 0"),
-        (STRIKE, 0.8 * STRIKE, {"limit": 120.0}, "below the slowest perforation, 101 m/s"),
         (STRIKE, 0.8 * STRIKE, {"confidence": 95.0}, "confidence = 95.0"),
     ],
 )

@@ -247,7 +247,7 @@ def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
 
 
 def test_without_friction_nothing_is_rubbed(tables):
-    panel = Panel(tables["equilibrium"], (0.0306, 0.0306), numerics=Numerics())
+    panel = Panel(tables["equilibrium"], (0.03048, 0.03048), numerics=Numerics())
     run = fire(panel)
     assert run.state.friction_state.size == 0
     assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()

@@ -179,7 +179,7 @@ def test_what_is_shown_ends_at_the_opening(changes):
 def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt():
     """The deceleration does not depend on the angle until waves have come back from the frame."""
     panels = [
-        make_panel(0.06, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)
+        make_panel(0.05842, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)
     ]
     straight, turned = (fire(panel, 80.0, 500)[2][:, 1] for panel in panels)
     assert_allclose(turned[:60], straight[:60], rtol=1e-6)

@@ -10,7 +10,7 @@ from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 def sliding(tables):
     """Make a panel of 24 x 24 crossovers as a whole with sliding crossovers."""
 
-    def make(mu=0.2, cohesion=0.0, table=None, side=0.0306, **changes):
+    def make(mu=0.2, cohesion=0.0, table=None, side=0.03048, **changes):
         chosen = {
             "friction": CrossoverFriction(mu, cohesion),
             "numerics": Numerics(threads=1),

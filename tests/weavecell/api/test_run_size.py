@@ -7,6 +7,8 @@ import pytest
 import weavecell as wc
 from shellfabric.impact import simulation
 from tests.scene_text import impact_scene
+from weavecell.api.run_size import SHOTS_OF_A_SEARCH
+from weavecell.studies import assumed_range
 
 PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"}
 
@@ -31,3 +33,22 @@ def test_the_command_writes_nothing(command, tmp_path):
     assert code == 0
     assert "nothing is run" in out
     assert not (tmp_path / "out").exists()
+
+
+def test_the_forecast_of_a_study_counts_its_shots(tmp_path, monkeypatch):
+    """Of a V50 the shots and a search; with a range two searches more for each assumption, and six times the shots."""
+    monkeypatch.chdir(tmp_path)
+    panel = {"opening": "50 mm", "check": True}
+    plain = wc.v50("S-720", shots=20, **panel)
+    assert (plain.shots, plain.searches) == (20 + SHOTS_OF_A_SEARCH, 1)
+    ends = sum(map(len, assumed_range.changes(wc.setup("S-720", 1.0, opening="50 mm")).values()))
+    whole = wc.v50("S-720", shots=20, assumed_range=True, **panel)
+    assert whole.searches == 1 + ends + 2
+    assert whole.shots == 7 * 20 + SHOTS_OF_A_SEARCH * whole.searches
+    limit = wc.critical_velocity("S-720", **panel)
+    assert limit.shots == SHOTS_OF_A_SEARCH + 8 + 18
+    assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
+    over = {"panel.plies": [1, 2]}
+    swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
+    assert (swept.shots, swept.searches) == (2 * (SHOTS_OF_A_SEARCH + 18), 2)
+    assert not list(tmp_path.iterdir())

@@ -267,8 +267,6 @@ def of_shot(s):
         lengths = f"{1e3 * s['pulled_out_length_m']:.4g} {1e3 * s['largest_window_m']:.4g}"
         yield f" 1 {s['pulled_out_segments']} {lengths} {s['crossover_friction_work_J']:.4g} "
         yield f"{100 * s['crossover_friction_work_J'] / s['strike_energy_J']:.3g} % of the strike energy"
-    if "back_face_signature_mm" in s:
-        yield f"dent so far {s['back_face_signature_mm']:.3g} mm"
 
 
 SAID = {

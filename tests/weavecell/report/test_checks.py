@@ -66,7 +66,10 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
         (2.0, "no back-face signature yet: the block moves with"),
     ):
         energies = {"backing_kinetic": [kinetic], "backing_plastic": [120.0]}
-        shot = SimpleNamespace(signature_mm=9.0, strike_energy=300.0, energies=energies)
+        block = SimpleNamespace(back_face_signature=9e-3)
+        shot = SimpleNamespace(backing=block, strike_energy=300.0, energies=energies)
+        for name in ("block_motion", "block_moves", "back_face_signature_mm"):
+            setattr(shot, name, getattr(ImpactRecord, name).fget(shot))
         assert chapters_shot.dent(shot).startswith(said)
 
 

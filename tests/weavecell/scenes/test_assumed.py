@@ -295,3 +295,13 @@ def test_a_law_outside_the_ends_of_its_range_says_at_which_forces():
         == replace(law, F_range=None).outside_ends()
         == []
     )
+
+
+def test_the_published_shear_of_a_glass_weave_lies_in_the_assumed_range():
+    """36.8 kPa: the bias test of a glass plain weave."""
+    fabric = catalogue.load("glass-balanced")
+    soft, stiff = (
+        assumed.family_of(fabric).shear(fabric.weave, fabric.yarn_width, end).G1
+        for end in ("soft", "stiff")
+    )
+    assert soft < 36.8e3 < stiff

@@ -40,6 +40,12 @@ def facets():
     return np.asarray(mesh.points)[mesh.regular_faces]
 
 
+def centred(corners):
+    """Triangles about the middle of the cube, from which they can be made smaller."""
+    middle = corners.reshape(-1, 3).mean(axis=0)
+    return corners - middle + middle / 0.8
+
+
 def ascii_file(path, corners):
     """Write triangles as a text, as they are."""
     rows = ["solid"]
@@ -73,6 +79,23 @@ def ascii_file(path, corners):
             lambda c: c / 25.4,
             "is 0.2895 mm wide and 0.2047 mm long in mm; must be a body of 0.5 to 100 mm: see ",
         ),
+        (
+            lambda c: np.add(c, [60, 61, 0]),
+            "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = 57.4 "
+            "to 62.6 and y = 58.4 to 63.6 mm: shift it by -60 and -61 mm",
+        ),
+        (
+            lambda c: np.concatenate([c, 0.5 * c + [0, 0, 10]]),
+            "holds 2 separate bodies, of 140.6 and 17.58 mm^3; must be one body",
+        ),
+        (
+            lambda c: np.concatenate([c, np.add(c, [0, 0, 10])[:, ::-1]]),
+            "its triangles face inwards",
+        ),
+        (
+            lambda c: np.concatenate([c, 0.8 * centred(c)[:, ::-1], 0.2 * centred(c)]),
+            "holds 2 separate bodies, of 140.6 and 1.125 mm^3",
+        ),
         (lambda c: c[:0], "holds no triangles; must be an STL file, ASCII or binary"),
         (lambda c: np.where(c == c.max(), np.nan, c), "holds no triangles"),
     ],
@@ -96,6 +119,43 @@ def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
     assert (caplog.text, *capfd.readouterr()) == ("", "", ""), "VTK has reported it too"
     with pytest.raises(InputError, match="cannot be read; must be an STL file"):
         stl_file.surface(tmp_path / "nowhere.stl", "mm")
+
+
+def test_a_cavity_is_allowed(tmp_path):
+    corners = facets()
+    hole = 0.5 * (corners - corners.reshape(-1, 3).mean(axis=0)) + corners.reshape(-1, 3).mean(
+        axis=0
+    )
+    path = ascii_file(tmp_path / "body.stl", np.concatenate([corners, hole[:, ::-1]]))
+    assert stl_file.surface(path, "mm").volume == pytest.approx(7 / 8 * 5.2e-3**3, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace(b"endsolid", b"end solid"),
+        bytes.upper,
+        lambda text: b"\xef\xbb\xbf" + text,
+        lambda text: text.replace(b"\n", b"\r\n"),
+        lambda text: text + b"\n\n",
+        lambda text: text.replace(b"endsolid", b"END SOLID cube"),
+        lambda text: text.replace(b"solid\n", b"solid K\xf6rper\n", 1),
+    ],
+)
+def test_a_text_as_other_programs_write_it(tmp_path, change):
+    path = ascii_file(tmp_path / "body.stl", facets())
+    path.write_bytes(change(path.read_bytes()))
+    assert stl_file.surface(path, "mm").volume == pytest.approx(5.2e-3**3, rel=1e-6)
+
+
+@pytest.mark.parametrize("tail", [b"", b"\0" * 7, b"solid of nothing", b"x" * 501])
+@pytest.mark.parametrize("head", [b"solid of a program", b"head"])
+def test_a_binary_file_with_more_behind_its_triangles(tmp_path, head, tail):
+    records = np.zeros(12, np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")]))
+    records["numbers"][:, 3:] = facets().reshape(12, 9)
+    path = tmp_path / "body.stl"
+    path.write_bytes(head.ljust(80) + np.uint32(12).tobytes() + records.tobytes() + tail)
+    assert stl_file.surface(path, "mm").volume == pytest.approx(5.2e-3**3, rel=1e-6)
 
 
 def test_text_and_binary_hold_the_same_body(tmp_path):

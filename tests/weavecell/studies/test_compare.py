@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from shellfabric.impact.ballistic_limit import Limit, Shot
-from weavecell.studies import compare
+from weavecell.studies import compare, protocol
 
 TABLE = """# a pack, made up
 outcome, velocity [km/h], residual velocity [m/s]
@@ -47,19 +47,41 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
     assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
     summary = found.summary()
-    assert summary["tested_V50_m_s"] == pytest.approx(
+    assert summary["tested_v50_m_s"] == pytest.approx(
         115.0
     )  # between 110, stopped, and 120, perforated
-    assert summary["critical_velocity_over_V50"] == pytest.approx(105 / 115)
-    low, high = summary["tested_V50_interval_m_s"]
+    assert summary["critical_velocity_over_v50"] == pytest.approx(105 / 115)
+    low, high = summary["tested_v50_interval_m_s"]
     assert low < 115 < high
-    assert found.tested is None  # two residual velocities determine no curve
+    assert found.tested.words() == (
+        "not determined, because 2 perforations do not determine its 3 parameters"
+    )
     assert found.computed.limit == 105.0
+
+
+def test_the_v50_that_laboratories_state(tmp_path):
+    """430 PP, 445 PP, 452 CP, 455 PP, 470 CP, 480 CP: by hand 2732 / 6 ft/s within 50 ft/s."""
+    fired = "velocity [ft/s], outcome\n430,PP\n445,PP\n452,CP\n455,PP\n470,CP\n480,CP\n"
+    tests = read(tmp_path, fired)
+    shots = [shot(v, 0.0) for v in tests["velocity"]]
+    found = compare.compare(tests, shots, Limit(104.0, 106.0, ())).six_shots
+    assert found.velocity == pytest.approx(2732 / 6 * 0.3048)
+    assert found.spread == pytest.approx(50 * 0.3048)
+    assert found.met == 60
+
+
+@pytest.mark.parametrize(("spread", "met"), [(60.0, 60), (60.5, 90), (125.0, 125), (126.0, None)])
+def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
+    feet = np.array([0.0, 0.0, 0.0, spread, spread, spread]) + 1000.0
+    found = protocol.six_shots(0.3048 * feet, feet > 1000.0)
+    assert (found.met, found.velocity) == (met, pytest.approx(0.3048 * (1000.0 + spread / 2)))
+    few = protocol.six_shots([100.0, 110.0, 120.0], [False, True, True])
+    assert few.words().endswith("not determined, because 1 shots stopped and 2 perforated")
 
 
 def test_of_one_outcome_there_is_no_v50(tmp_path):
     tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
     found = compare.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
-    assert found.curve is None
-    assert found.summary()["tested_V50_m_s"] is None
+    assert found.curve.reason == "all 2 shots perforated"
+    assert np.isnan(found.summary()["tested_v50_m_s"])
     assert found.difference()["mean"] is None

@@ -20,7 +20,7 @@ ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
 @pytest.fixture(scope="module")
 def setup():
     fabric = catalogue.load("S-720").with_effective_density()
-    return ImpactSetup(fabric, 90.0, opening=0.0306, end_time=60e-6, table_size=51)
+    return ImpactSetup(fabric, 90.0, opening=0.03048, end_time=60e-6, table_size=51)
 
 
 def made(number, outcome, residual):

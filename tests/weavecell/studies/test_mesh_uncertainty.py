@@ -92,6 +92,9 @@ def result_of(setup, outcome, residual):
         outcome=outcome,
         residual_velocity=residual,
         step_history=panel,
+        t=panel[:, 0],
+        deflection=panel[:, 1],
+        max_deflection=1e-3,
         peak_tension=(10.0, 20.0),
         strike_energy=2.4,
         absorbed_energy=1.6,
@@ -164,6 +167,7 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
 def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", -0.1)
     other.step_history = np.array([[0.0, 2e-3, 5.0, 0.0]])
+    other.deflection, other.max_deflection = np.array([2e-3]), 2e-3
     found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
@@ -277,3 +281,17 @@ def test_outcomes_that_differ_have_no_interval(setup):
         "the outcome depends on the mesh: stopped, and perforated on the finer one"
         in chapters.words(pair)
     )
+
+
+def test_the_peak_deflection_is_that_of_the_fabric(setup):
+    """As max_deflection_m and the report have it, and no travel of the projectile; its norm is of these histories."""
+    one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", 0.0)
+    t = np.linspace(0.0, 1e-4, 5)
+    for result, depths in ((one, [0, 4, 9, 8, 8]), (other, [0, 4, 10, 9, 8])):
+        result.t, result.deflection = t, 1e-3 * np.array(depths)
+        result.max_deflection = result.deflection.max()
+        result.step_history = np.column_stack([t, 0.1 * t, 40 - t, 0 * t])
+    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
+    deflection = found["peak deflection"]
+    assert (deflection.value, deflection.other) == (pytest.approx(9.0), pytest.approx(10.0))
+    assert deflection.uncertainty == pytest.approx(mesh_uncertainty.index(1.0))

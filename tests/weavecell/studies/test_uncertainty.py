@@ -1,8 +1,10 @@
 """Scatter: indices and likelihoods against closed forms, draws, rounds, and the limit without scatter."""
 
+import hashlib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import gamma
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +14,11 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.studies import inputs, probit, protocol, sobol, strengths, v50
+from weavecell.studies import assumed_range, inputs, probit, protocol, sobol, strengths, v50
 
-OPENING = 0.0306
+OPENING = 0.03048
 
 
 def setup_of(fabric, opening, **others):
@@ -108,10 +110,89 @@ def test_separated_shots():
     low, high = curve.intervals["V50"]
     assert low < 100
     assert 105 < high
-    with pytest.raises(InputError, match="stopped and shots"):
-        probit.fit([90, 95], [True, True])
     few = probit.fit(range(50, 130, 10), [False, True, False, False, True, False, True, True])
     assert (few.V0, few.intervals["V0"][0]) == (0.0, 0.0)  # no velocity is below 0
+
+
+def test_a_step_at_the_velocity_of_a_stop_and_a_perforation():
+    """The likelihood is largest for s = 0 there, whatever the share that perforated, and the interval is found."""
+    V, hit = [100.0, 110.0, *[140.0] * 22, 160.0], [False, False, True, *[False] * 21, True]
+    curve = probit.fit(V, hit)
+    assert (curve.V50, curve.s, curve.separated) == (pytest.approx(140.0, abs=0.01), 0.0, True)
+    assert "a step, s = 0" in curve.words()
+    assert curve.likelihood == pytest.approx(np.log(1 / 22) + 21 * np.log(21 / 22), rel=1e-3)
+    assert np.isfinite(probit.band(V, hit, curve, (0.01, 0.5))).all()
+
+
+@pytest.mark.parametrize(
+    ("velocities", "outcomes", "told"),
+    [
+        ([130, 135, 140, 145, 150, 155], "CCCPPP", "do not perforate the more the faster"),
+        ([100, 110, 120, 130], "PCCP", "do not perforate the more the faster"),
+        ([140, 140, 140, 140], "PCPC", "all shots have one velocity, 140 m/s"),
+        ([100, 110], "CC", "all 2 shots perforated"),
+        ([100, 110], "PP", "all 2 shots stopped"),
+        ([], "", "all 0 shots stopped"),
+    ],
+)
+def test_shots_that_determine_no_v50_say_why(velocities, outcomes, told):
+    hit = np.array([letter == "C" for letter in outcomes], bool)
+    for link in probit.LINKS:
+        curve = probit.fit(velocities, hit, link=link)
+        assert told in curve.reason
+        assert np.isnan([curve.V50, curve.s, curve.V0, curve.V100]).all()
+    assert protocol.series(curve).share == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "v50", "s"),
+    [("set1", 108.535, 11.008), ("set2", 244.369, 12.583), ("set3", 403.700, 15.816)],
+)
+def test_the_probits_of_three_sets_that_statsmodels_found(name, v50, s):
+    """Drawn sets of 12, 20 and 40 shots, answers by its generalised linear model."""
+    rows = np.genfromtxt(Path(__file__).with_name(f"{name}.csv"), str, delimiter=",", skip_header=1)
+    curve = probit.fit(rows[:, 0].astype(float), np.char.strip(rows[:, 1]) == "CP")
+    assert (curve.V50, curve.s) == (pytest.approx(v50, abs=1e-3), pytest.approx(s, abs=1e-3))
+
+
+def test_separated_shots_have_the_interval_of_a_public_answer():
+    """R-help, 2003: by the profile likelihood of a logistic curve s up to 0.8 is consistent with the data."""
+    stops = [-5.8, -4.8, -2.8667, -1.6667, -0.8667, -0.7333]
+    V = 10 + np.array([*stops, -0.1333, 1.2, 1.3333])
+    curve = probit.fit(V, V > 9.5, link="logit")
+    assert curve.intervals["s"] == (0.0, pytest.approx(0.806, abs=1e-3))
+    assert curve.intervals["V50"] == pytest.approx((9.10, 10.42), abs=0.01)
+
+
+def test_the_next_round_is_within_reach_whatever_the_outcomes():
+    """All outcomes of four shots: velocities above 0, within half and 1.5 times those fired; where there is no curve
+    over their range."""
+    V = np.array([20.0, 60.0, 100.0, 300.0])
+    for number in range(16):
+        hit = np.array([bool(number >> k & 1) for k in range(4)])
+        placed = v50.plan(V, hit, 5, True)
+        assert len(placed) == 5
+        assert placed.min() >= 10.0
+        assert placed.max() <= 450.0
+    placed = v50.plan(V, np.array([False, True, True, False]), 5, True)
+    assert (placed[0], placed[-1]) == (20.0, 300.0)
+
+
+def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkeypatch):
+    """Outcomes against the velocity, one shot without any: what was fired is kept, V50 is not determined."""
+
+    def fire(setup, scatter, seed, number, velocity):
+        shot = v50.Shot(number, velocity, 0.0, velocity < 50, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0)
+        return replace(shot, failure="shot 3: broken") if number == 3 else shot
+
+    monkeypatch.setattr(v50, "fire", fire)
+    monkeypatch.setattr(v50, "deterministic", lambda *_: (49.0, 51.0))
+    monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(inputs[1][-1]))
+    found = v50.study(setup_of(fabric, 0.08), v50.Scatter(), shots=12, batch=4, folder=tmp_path)
+    assert (len(found.shots), found.failures) == (11, ("shot 3: broken",))
+    told = found.summary()
+    assert told["v50_reason"] == probit.NOT_RISING
+    assert np.isnan(told["v50_m_s"])
 
 
 def test_drawn_strengths(fabric):
@@ -293,3 +374,50 @@ def test_one_series_by_hand():
         pytest.approx((3 * 200 + 215 + 215 + 230) / 6),
         6,
     )
+
+
+def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path, monkeypatch):
+    """A limit that goes with the root of the failure length: V50 does too, by the panels of the study."""
+    fired = []
+
+    def limit_of(setup):
+        return 100.0 * (setup.fabric.failure_length / fabric.failure_length) ** 0.5
+
+    def fire(setup, scatter, seed, number, velocity):
+        fired.append(number)
+        through = velocity > limit_of(setup)
+        return v50.Shot(number, velocity, 0.0, through, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0)
+
+    def digest(inputs, *_):
+        name, (changed, *others) = inputs
+        kept = name, limit_of(changed), others
+        return hashlib.sha256(repr(kept).encode()).hexdigest()
+
+    monkeypatch.setattr(v50, "fire", fire)
+    monkeypatch.setattr(v50, "_searched", lambda setup, _: ("", limit_of(setup)))
+    monkeypatch.setattr(v50.run_cache, "key", digest)
+    setup = setup_of(fabric, 0.08)
+    shots = tuple(fire(setup, None, 1, n, v) for n, v in enumerate((90.0, 95.0, 105.0, 110.0)))
+    fired.clear()
+    curves = {"probit": probit.fit([90, 95, 105, 110], [False, False, True, True])}
+    study = v50.Study((99.5, 100.5), shots, curves, v50.Scatter())
+    alone = v50.over_assumed(setup, study, again=False, seed=1, folder=tmp_path)
+    assert (alone.quantity, fired) == ("limit without scatter", [])
+    found = v50.over_assumed(setup, study, again=True, seed=1, folder=tmp_path)
+    assert set(fired) == {0, 1, 2, 3}
+    assert (found.low, found.high) == pytest.approx((100 * 0.5**0.5, 100 * 2**0.5))
+    assert next(iter(found.widths)) == "failure length"
+
+
+def test_the_ends_of_a_lay_up_are_those_of_each_of_its_fabrics(fabric):
+    other = catalogue.load("S-728").with_effective_density()
+    plies = (Ply(fabric, fabric.laws), Ply(other, other.laws))
+    setup = setup_of(fabric, 0.08, plies=2, lay_up=plies)
+    low, high = (
+        change(setup) for change in assumed_range.changes(setup)["failure length"].values()
+    )
+    for k, own in enumerate((fabric, other)):
+        lengths = [end.lay_up[k].fabric.failure_length for end in (low, high)]
+        assert lengths == pytest.approx([0.5 * own.failure_length, 2 * own.failure_length])
+    assert low.fabric == low.lay_up[0].fabric
+    assert {"strength after weaving", "friction between plies"} < set(assumed_range.changes(setup))

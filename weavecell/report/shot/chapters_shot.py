@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Cut
     from weavecell.studies.assumed_range import AssumedRange
 
-AT_REST = 0.01  # of the energy that the block has taken up: its motion can no longer change the dent by more
+# beside a number of cut yarns that is not whole
+PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 
 
@@ -69,10 +70,17 @@ def _dent(record):
 
 def _load(record):
     """How many yarns are cut, or how near to the strength the tension came."""
-    if count := record.cut_yarns[-1]:
-        return f"{count:.1f} cut yarns"
+    if record.cut_yarns[-1]:
+        return cut(record.cut_yarns[-1:])
     family, peak = max(record.peaks.items(), key=lambda item: item[1].share)
     return f"peak tension {text(peak.share, '1', 'share', '.3g')} of the strength ({family})"
+
+
+def cut(counts: Sequence[float]) -> str:
+    """Numbers of cut yarns, with what they count where one is not whole."""
+    numbers = ", ".join(f"{count:.1f}".removesuffix(".0") for count in counts)
+    whole = all(float(count).is_integer() for count in counts)
+    return f"{numbers} cut yarns of warp and weft" + ("" if whole else f" ({PARTS})")
 
 
 def card(record: ImpactRecord) -> Card:
@@ -120,7 +128,10 @@ def ply_table(record: ImpactRecord) -> Table:
         }
     )
     deepest = text(record.max_penetration_ratio.max(), "1", "share", ".0f")
-    caption = f"Plies, from the front. A ply was pressed into the next by at most {deepest} of its thickness."
+    caption = (
+        f"Plies, from the front. Cut yarns: {PARTS}. A ply was pressed into the next by at most {deepest} of its "
+        "thickness."
+    )
     if record.guard_impulses:
         caption += f" Plies were kept from passing through each other by {record.guard_impulses:g} impulses."
     return Table.of(table, caption)
@@ -268,7 +279,7 @@ def assumptions(
         )
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
-        pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
+    pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, at any strain rate; "
     fails += "each yarn's is drawn about that." if drawn else "it is the same for all yarns."
     shot, between = setup.projectile, setup.ply_friction
@@ -428,13 +439,16 @@ def body(record: ImpactRecord) -> list[Section]:
         sections.append(Section("bar", "The projectile as a bar", lead, (figure,)))
     if record.backing is not None:
         block = record.backing
-        lead = (
-            f"{dent(record).capitalize()}; volume of the dent {text(block.volume, 'm3', form='.3g')}. "
-            f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
-            f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
-            f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. {int(block.gone.sum())} bricks of "
-            f"{'the block' if block.share == 1 else 'its modelled part'} are eroded."
-        )
+        lead = f"{dent(record).capitalize()}. "
+        if not record.block_moves:
+            lead += (
+                f"Volume of the dent {text(block.volume, 'm3', form='.3g')}. "
+                f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
+                f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
+                f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. "
+            )
+        part = "the block" if block.share == 1 else "its modelled part"
+        lead += f"{int(block.gone.sum())} bricks of {part} are eroded."
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
         deep = pictures.render(pictures_body.depth_map, block, kind="png")
@@ -449,14 +463,10 @@ def body(record: ImpactRecord) -> list[Section]:
 
 def dent(record: ImpactRecord) -> str:
     """The back-face signature; of a block that still moves at the end, that there is none yet."""
-    depth = f"{record.signature_mm:.3g} mm"
-    taken = {
-        name: values[-1] for name, values in record.energies.items() if name.startswith("backing_")
-    }
-    moves = text(taken["backing_kinetic"] / record.strike_energy, "1", "share", ".2g")
-    if taken["backing_kinetic"] > AT_REST * sum(taken.values()):
-        return f"no back-face signature yet: the block moves with {moves} of the strike energy, dent so far {depth}"
-    return f"back-face signature {depth} (dent in the block)"
+    if record.block_moves:
+        moves = text(record.block_motion, "1", "share", ".2g")
+        return f"no back-face signature yet: the block moves with {moves} of the strike energy"
+    return f"back-face signature {record.back_face_signature_mm:.3g} mm (dent in the block)"
 
 
 def _slips(record):

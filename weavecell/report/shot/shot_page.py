@@ -24,8 +24,8 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     found = [motion, chapters_shot.chapter(shot, view.still(shot)), chapters_shot.mesh(shot, used)]
     if shot.pair is not None:
         found.append(chapters_discretisation.section(shot.pair))
-    if shot.range is not None:
-        found.append(chapters_shot.assumed(shot.range))
+    if shot.assumed_range is not None:
+        found.append(chapters_shot.assumed(shot.assumed_range))
     ends = (
         dict.fromkeys((0, shot.count - 1)) if shot.measured else ()
     )  # the ply that is struck, and the last

@@ -1,0 +1,122 @@
+"""The opening between the edges of a panel is the one that was asked for, whatever the weave and the mesh."""
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from panels import table
+
+from fabrics import catalogue
+from fabrics.fabric import Fabric
+from shellfabric.impact.simulation import OPENING_ERROR, ImpactSetup
+from shellfabric.panel.model import Panel
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction
+from weavecell.decks import ls_dyna, model
+
+NAMES = catalogue.list_names()
+
+
+def fabric_of(name: str, warp: float, weft: float) -> Fabric:
+    """A fabric of the catalogue with other counts of its yarns."""
+    fabric = catalogue.load(name)
+    weave = fabric.weave
+    counts = {"warp_count": warp * weave.warp_count, "weft_count": weft * weave.weft_count}
+    return replace(fabric, weave=replace(weave, **counts))
+
+
+def setup_of(fabric: Fabric, **changes: Any) -> ImpactSetup:
+    """A shot at one ply of a fabric, which needs no law of its yarns."""
+    small = Projectile(radius=1.5e-3, edge_radius=0.3e-3)
+    given = {"strike_velocity": 90.0, "projectile": small, "cell_model": "decoupled"}
+    return ImpactSetup(fabric=fabric, **given | changes)
+
+
+def edges(panel: Panel) -> np.ndarray:
+    """(2,) [m] between the lines at the edges of the whole panel, its modelled part mirrored."""
+    found = []
+    for x, mirrored in zip(panel.lines(), panel.mirrors):
+        found.append(2 * x[-1] if mirrored else x[-1] - x[0])
+    return np.array(found)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    name=st.sampled_from(NAMES),
+    counts=st.tuples(st.floats(0.6, 1.6), st.floats(0.6, 1.6)),
+    sides=st.tuples(st.floats(0.03, 0.4), st.floats(0.03, 0.4)),
+    mesh=st.sampled_from([{}, {"elements_per_crossover": 1}, {"elements_per_crossover": 3}]),
+    symmetry=st.sampled_from(["quarter", "half", "whole"]),
+    edge=st.sampled_from(["clamped", "free"]),
+)
+def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, edge):
+    """Graded (the default of clamped edges) or not, and for every modelled part on the same lines."""
+    fabric = fabric_of(name, *counts)
+    assume(
+        min(sides) > 16 * max(fabric.weave.w)
+    )  # four crossovers at least, and those under the nose
+    setup = setup_of(fabric, opening=sides, edge=edge, **mesh)
+    whole = replace(setup, symmetry="whole")
+    panels = [one.panel(one.plain_table()) for one in (replace(setup, symmetry=symmetry), whole)]
+    for panel in panels:
+        np.testing.assert_allclose(edges(panel), sides, rtol=1e-9)
+        np.testing.assert_allclose(panel.held_opening, sides, rtol=1e-9)
+    area = np.prod(sides)
+    assert panels[0].areas.sum() / panels[0].share == pytest.approx(area, rel=1e-9)
+    for mine, all_of_them, mirrored in zip(panels[0].lines(), panels[1].lines(), panels[0].mirrors):
+        half = all_of_them[all_of_them.size // 2 :] if mirrored else all_of_them
+        np.testing.assert_allclose(mine, half, rtol=0, atol=1e-12)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(0.08, 0.3), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+def test_a_graded_panel_struck_off_its_middle_has_its_opening(side, along, across):
+    """Its edges lie at different distances from the impact point, both on lines of the grid."""
+    struck = along * side, across * side
+    changes = {"opening": side, "impact_point": struck, "symmetry": "whole"}
+    setup = setup_of(table().model.fabric, **changes)
+    panel = setup.panel(setup.plain_table())
+    np.testing.assert_allclose(panel.held_opening, side, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"round": True},
+        {"weave_angle": 0.5, "symmetry": "whole"},
+        {"impact_point": (0.011, 0.0), "symmetry": "whole", "elements_per_crossover": 1},
+    ],
+)
+def test_an_edge_that_follows_yarns_is_told(changes):
+    """Of a staircase the held nodes are counted by hand: all that do not move."""
+    setup = setup_of(table().model.fabric, opening=0.12, **changes)
+    (line,) = setup.notes
+    panel = setup.panel(setup.plain_table())
+    assert np.abs(np.array(panel.held_opening) / 0.12 - 1).max() > OPENING_ERROR
+    assert f"{1e3 * panel.held_opening[0]:.1f} by {1e3 * panel.held_opening[1]:.1f} mm" in line
+    assert "in place of 120.0 by 120.0" in line
+
+
+@pytest.mark.parametrize("opening", [0.16, 0.15, 0.12])
+def test_a_deck_has_the_opening(opening):
+    setup = setup_of(table().model.fabric, opening=opening, cell_model="compressible")
+    deck = model.build(setup, ls_dyna, "kg-m-s", "plane", title="S-720, 90 m/s", source="published")
+    x, y, _ = deck.plies[0].points.T
+    assert 2 * x.max() == pytest.approx(opening, rel=1e-9)
+    assert 2 * y.max() == pytest.approx(opening, rel=1e-9)
+    lines = "".join(ls_dyna.write(deck, "ply").values()).splitlines()
+    titles = [after for line, after in pairwise(lines) if line.endswith("TITLE")]
+    assert titles
+    assert not any("," in title for title in titles)
+
+
+def test_sliding_yarns_are_as_many_as_fit_and_it_is_told():
+    fabric = table().model.fabric
+    setup = setup_of(fabric, opening=0.16, crossovers=CrossoverFriction(mu=0.3))
+    spacing = 2e3 * np.array(fabric.weave.w)
+    held = 2 * np.floor(80 / spacing) * spacing
+    assert f"the opening is {held[0]:.1f} by {held[1]:.1f} mm in place of 160.0" in setup.notes[0]
