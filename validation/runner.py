@@ -12,7 +12,6 @@ import statistics
 import sys
 import time
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -88,7 +87,10 @@ def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
     """The rows of a study's CSV; `options` of `solved`."""
     content = study.content
     rows = study.rows(quick)
-    solver = partial(solved, study, **options)
+
+    def solver(rows):
+        return solved(study, rows, **options)
+
     if "map" in content:
         records = judges.mapped(study, rows, solver)
     elif "cost" in content:

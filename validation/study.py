@@ -159,7 +159,7 @@ def merged(first: Record, changes: Record) -> Record:
     both = dict(first)
     for key, value in changes.items():
         inner = both.get(key)
-        if isinstance(value, Mapping) and isinstance(inner, Mapping):
+        if isinstance(value, dict) and isinstance(inner, dict):
             value = merged(inner, value)
         both[key] = value
     return both
@@ -274,8 +274,8 @@ def write(
     path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None
 ) -> None:
     """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
-    columns = list(reduce(or_, records, {}))
-    shown = dict(zip(columns, columns)) | (headings or {})
+    columns: Record = reduce(or_, records, {})
+    shown = dict(zip(columns, columns)) | dict(headings or {})
     with write_whole(path) as file:
         if made:
             file.write(f"# {made}\n")

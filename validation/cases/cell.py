@@ -151,7 +151,7 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> di
     curves = []
     for changes in ({}, options):
         cell = CellModel(weave, form="equilibrium", **changes)
-        ratio = ()
+        ratio: tuple[float, ...] = ()
         if test != "free":
             ratio = (float(test.removeprefix("k = ")), 1.0)
         curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))

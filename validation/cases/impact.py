@@ -163,7 +163,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     """
     this = setup(**keywords)
     crossing = [0]
-    hooks = ()
+    hooks: tuple[Any, ...] = ()
     if crossings:
         hooks = (lambda solver: crossing.append(int(plies_cross(solver))),)
     began = time.process_time()

@@ -88,7 +88,8 @@ def paths(
             mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
         )
     numerics = _numerics(factors or {}, friction=friction)
-    stepping = replace(Steps(), **(steps or {}))
+    fields: Any = steps or {}
+    stepping = replace(Steps(), **fields)
     histories = []
     unknowns = 0
     values: dict[str, float] = {}
