@@ -68,7 +68,8 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
         beside.chmod(0o666 & ~_umask())
         os.replace(beside, path)
     except OSError as problem:
-        if problem.filename in (None, str(beside)):
+        # an error without a number has a text of its own, which a file name would hide
+        if problem.errno is not None and problem.filename in (None, str(beside)):
             problem.filename = str(path)
         raise
     finally:

@@ -52,7 +52,7 @@ SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differe
         "path_laws",
         "sizes",
     ),
-    *("error", "balance"),
+    *("error", "balance", "yarn_snap"),
 )
 
 

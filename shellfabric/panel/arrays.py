@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.ply_law import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
@@ -37,14 +38,14 @@ Constants = namedtuple(
     "half_strength2 rate_law erosion_gap_ratio window_limits points_per_side shape_functions point_law "
     "projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps nose_shape nose_parameters "
     "projectile_length frame tilted window_follows body_depth draw_in_reach foremost_offset shoulder friction "
-    "slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h bar_area bar_law bar_substeps "
+    "slip_node slip_axis slip_data bending packing yarn_ends bar_mass bar_h bar_area bar_law bar_substeps "
     "has_backing line_offset1 line_offset2",
 )
 State = namedtuple(
     "State",
     "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length intact_fraction failed "
     "filtered_tension warm_rows warm_blocks rate_damage failure_sums element_flag block_damage tension_stale "
-    "block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
+    "packed_blocks block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
     "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
     "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth "
     "bar_u bar_v bar_plastic bar_stress bar_energy",
@@ -59,21 +60,21 @@ Work = namedtuple(
 by_reference(Constants, State, Work)
 
 
-def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
+def constants(panel: Panel, bends: bool = False) -> Constants:
     """What the kernels need to know, as plain numbers and arrays.
 
     Computed once: all runs of a panel read the same arrays, and no kernel writes to them.
 
-    out_of_plane : whether the kernels know of bending and jamming even if this panel has neither, as they have to where
-        another ply of its pack has
+    bends : whether the kernels know of bending even if this panel has none, as they have to if another ply of its pack
+        has it
     """
     kept: dict[bool, Constants] = panel.__dict__.setdefault("_constants", {})
-    if out_of_plane not in kept:
-        kept[out_of_plane] = _constants(panel, out_of_plane)
-    return kept[out_of_plane]
+    if bends not in kept:
+        kept[bends] = _constants(panel, bends)
+    return kept[bends]
 
 
-def _constants(panel, out_of_plane):
+def _constants(panel, bends):
     """The constants, computed anew."""
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
@@ -182,7 +183,8 @@ def _constants(panel, out_of_plane):
         slip_node=rim_node,
         slip_axis=rim_axis,
         slip_data=rim,
-        **_out_of_plane(panel, out_of_plane),
+        bending=_bending(panel) if bends or any(panel.bending) else None,
+        packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
         yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None,
         **dynamics.constants(shot, panel.share, dt),
@@ -250,6 +252,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         failure_sums=np.zeros(2),
         block_damage=np.zeros(blocks, np.uint8),
         tension_stale=np.zeros(blocks, np.bool_),
+        packed_blocks=np.zeros(blocks, np.bool_),
         block_max_tension=np.zeros((blocks, 2)),
         element_flag=np.zeros(slots, np.uint8),
         f_contact=three(),
@@ -289,18 +292,6 @@ def work(panel: Panel) -> Work:
     rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
     rows["contact_scratch"] = contact.scratch(const)
     return Work(**rows)
-
-
-def _out_of_plane(panel, wanted):
-    """Constants of bending and jamming; None, for which the kernels are compiled without them, where there is none."""
-    if not (wanted or has_out_of_plane(panel)):
-        return {"bending": None, "jamming": None}
-    return {"bending": _bending(panel), "jamming": np.array(panel.jam, float)}
-
-
-def has_out_of_plane(panel: Panel) -> bool:
-    """Whether a panel has bending or jamming."""
-    return any(panel.bending) or panel.jam[0] > 0
 
 
 def _bending(panel):

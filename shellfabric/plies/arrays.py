@@ -13,7 +13,7 @@ from shellfabric.jit.by_reference import by_reference
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.plies.frame_kernels import TALL, WIDE
-from shellfabric.plies.near_kernels import NEAR
+from shellfabric.plies.near_kernels import NEAR, SLOTS
 
 _PAIRS, _ENTRIES = (
     60,
@@ -23,11 +23,11 @@ _PAIRS, _ENTRIES = (
 PackContact = namedtuple(
     "PackContact",
     "x v rest f force window grid_window base shape slots turns dt kick mirror torn dropped failures "
-    "points first_point closest_a closest_b first_element area laws law_step friction stick_damping "
-    "side_by_side lanes thickness thickest longest energy work "
+    "points first_point closest_a closest_b closed given touched first_element area laws law_step friction "
+    "stick_damping side_by_side lanes thickness thickest longest energy work "
     "y impulse guard_force guard_window has_planes tile_ply first_tile tiles_across travel way travel_then boxed "
     "plane_due box order block_speed pair_tiles pair_due pair_seen clearance looked_at holes covered open pressed "
-    "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need "
+    "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need row_distance "
     "node_step node_list root cluster count guard",
 )
 Stack = namedtuple(
@@ -35,7 +35,8 @@ Stack = namedtuple(
     "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns",
 )
 # what does not follow from the plies, of a checkpoint
-KEPT = ["force", "window", "closest_a", "closest_b", "dropped", "energy", "work", "guard"]
+KEPT = ["force", "window", "closest_a", "closest_b", "closed", "given", "touched"]
+KEPT += ["dropped", "energy", "work", "guard", "count"]
 
 by_reference(PackContact, Stack)
 
@@ -100,11 +101,12 @@ def pack_contact(
         count=np.array([0, 0, 0, 0, 1, 1, 0]),
         guard=np.array([0.0, 0.0, NEAR, 0.0]),
         **of_points,
+        **_zeros("closed given touched", SLOTS, of_points["closest_a"].size),
         **_zeros("v y impulse", 3, nodes),
         **_zeros("f", plies, 2, 3, slots),
         **_zeros("force", plies, 2, 3, own),
         **_zeros("guard_force", plies, 3, own),
-        **_zeros("energy", plies, 3),
+        **_zeros("energy", plies, 4),
         **_zeros("work", plies),
         **_zeros("cluster", nodes, 5),
         **_zeros("dropped torn", nodes, kind=np.uint8),
@@ -154,7 +156,7 @@ def _lists(entries, nodes, pairs):
         **_zeros("facet_box", 2, most, 6),
         **_zeros("row_nodes", rows, 6, kind=np.int32),
         **_zeros("row_normal", rows, 3),
-        **_zeros("row_need", rows),
+        **_zeros("row_need row_distance", rows),
     }
 
 

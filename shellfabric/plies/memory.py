@@ -14,7 +14,8 @@ from shellfabric.panel.model import Panel
 from shellfabric.sliding.model import SlidingPanel
 
 ELEMENT = 310.0  # [bytes] of an element of one ply with pinned crossovers: 303 to 318
-LARGER = 540.0  # [bytes] of an element of a pack, 390 to 539, or of sliding crossovers, 495 to 522
+SLIDING = 540.0  # [bytes] of an element of one ply of sliding crossovers: 495 to 522
+PACK = 640.0  # [bytes] of an element of a pack: 390 to 539, and 96 of the closures of its points where plies touch
 SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
 WRITTEN = 1100.0  # [bytes] of an element of the largest ply while pictures and files are made, after the run: 1090
 BRICK = 1270.0  # [bytes] of an element of the block behind the panel: 1266
@@ -30,10 +31,10 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     written : whether pictures and files are made of the results
     """
     counts, backing = [ply.elements for ply in plies], plies[0].backing
-    larger = len(plies) > 1 or isinstance(plies[0], SlidingPanel)
-    run = sum(counts) * (LARGER if larger else ELEMENT) + (
-        BRICK * prod(backing.count) if backing else 0.0
-    )
+    element = SLIDING if isinstance(plies[0], SlidingPanel) else ELEMENT
+    if len(plies) > 1:
+        element = PACK
+    run = sum(counts) * element + (BRICK * prod(backing.count) if backing else 0.0)
     return max(run, WRITTEN * max(counts) if written else 0.0) + SNAPSHOT * snapshots * sum(counts)
 
 

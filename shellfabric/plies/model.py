@@ -30,7 +30,7 @@ from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
+from shellfabric.panel.arrays import Constants, State, Work
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
@@ -106,6 +106,14 @@ class Pack:
                 allowed="sliding in all plies of a pack, or in none",
             )
         friction.check(self.friction, first.numerics.cfl)
+
+    def at_shorter_step(self, factor: float) -> Pack:
+        """The pack with a time step that is `factor` times as long."""
+
+        def of(ply):
+            return replace(ply, numerics=replace(ply.numerics, cfl=factor * ply.numerics.cfl))
+
+        return replace(self, plies=self._each(of))
 
     @classmethod
     def stacked(
@@ -249,10 +257,10 @@ class Pack:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
         if len(self.plies) == 1:
             return (self.plies[0].constants(),)
-        out_of_plane = any(has_out_of_plane(ply) for ply in self.plies)
+        bends = any(any(ply.bending) for ply in self.plies)
 
         def of(ply):
-            const = self._in_step(ply).constants(out_of_plane)
+            const = self._in_step(ply).constants(bends)
             law = const.point_law._replace(implicit_factor=self._firmer(self._in_step(ply)))
             return const._replace(dt=self.time_step, point_law=law)
 

@@ -25,6 +25,7 @@ from shellfabric.plies.separation_kernels import cross, difference, dot, lower_b
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 PAIRS, ENTRIES, ROWS, NODES, STEP, REMAKE, PRESSED = range(7)  # of contact.count
+SLOTS = 4  # rows of contact.closed, given and touched: of the next ply, and of three behind it
 WORK, IMPULSES, LEAST, FAILED = range(4)  # of contact.guard
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of contact.guard[FAILED]
 _TILE_REACH, _REACH = 2.0, 0.4  # thicknesses
@@ -243,7 +244,7 @@ def add_row(contact, nodes, n, distance, thickness):
         contact.row_nodes[row, r] = nodes[r]
     for c in range(3):
         contact.row_normal[row, c] = n[c]
-    contact.row_need[row] = needed(distance, thickness)
+    contact.row_need[row], contact.row_distance[row] = needed(distance, thickness), distance
     contact.guard[LEAST] = min(contact.guard[LEAST], distance / thickness)
     contact.count[ROWS] = row + 1
 

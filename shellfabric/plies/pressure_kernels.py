@@ -1,4 +1,4 @@
-"""Pressure and friction between plies, point by point, from where they are now alone: the contact remembers nothing.
+"""Pressure and friction between plies, point by point, from where they are now.
 
 Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of
 a ply behind it that is closest to x, d their distance, t the mean thickness of both plies, v the velocity of x over y:
@@ -8,9 +8,12 @@ a ply behind it that is closest to x, d their distance, t the mean thickness of 
 with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
 limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
 rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
-or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest;
-in torn plies at most twice the area now: a loose patch, which has no stiffness in compression, can contract to a point,
-and would press there with all of its area on one node.
+or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
+fabric does not contract much below it (`cloth.packing_kernels`).
+
+Closure by motion. Of torn plies the closest point may jump, surfaces change and plies come to meet through a hole, each
+at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v beyond
+_JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is remembered.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
 the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
@@ -57,7 +60,7 @@ from shellfabric.plies.frame_kernels import (
     extend_window,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
-from shellfabric.plies.near_kernels import PRESSED, tile_bounds
+from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
 from shellfabric.plies.separation_kernels import cross, difference, dot
 from shellfabric.plies.surface_kernels import (
     interpolate8,
@@ -74,11 +77,13 @@ from shellfabric.plies.surface_kernels import (
     weights_at,
 )
 
-SPRING, DEEPEST, FRICTION = range(3)  # of contact.energy: of the points of a ply on plies behind it
+# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose element was dropped
+SPRING, DEEPEST, FRICTION, LOST = range(4)
 _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
 _LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
 _BERTH = 1.1  # [thicknesses] from which on a point counts as clear: its closest point is followed to a few hundredths
+_JUMP = 0.01  # [thicknesses] in a step that no motion has made
 _FAR = 1e30
 
 
@@ -247,8 +252,14 @@ def press_point(contact, p, q, row, j, a, b, tile):
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
     s, element = contact.shape[p, STRIDE], row // contact.points**2
+    number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
     if contact.dropped[contact.base[p] + element * s + j]:
+        for slot in range(SLOTS):
+            contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
+    held = 0.0
+    if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
+        held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
     torn = is_torn(contact, p, at_a, at_b)
     i, wa, _, _ = weights_at(torn, at_a, contact.shape[p, NI])
@@ -262,8 +273,36 @@ def press_point(contact, p, q, row, j, a, b, tile):
     distance = math.sqrt(dot(w, w))
     if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
         n = -w[0] / distance, -w[1] / distance, -w[2] / distance
-        push(contact, p, q, (element, j, i, j0), k, wa, wb, closest, n, thickness - distance)
+        at = element, j, i, j0
+        push(contact, p, q, at, k, wa, wb, closest, n, thickness - distance, number)
+        if held > 0.0:
+            held -= point_energy(contact, p, element, j, number)
+    contact.energy[p, LOST] += max(held, 0.0)
     return a, b, distance - _BERTH * thickness if ended else 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def slot_of(p, q):
+    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for the next ply."""
+    if q == p + 1:
+        return 0
+    return 1 + (q - p - 2) % (SLOTS - 1)
+
+
+@kernel(_nrt=False)
+def point_energy(contact, p, i, j, number):
+    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last touched."""
+    area = contact.area[contact.first_element[p] + i * contact.shape[p, NJ] + j]
+    closure = contact.closed[number] - contact.given[number]
+    return area * law_at(contact.laws[p], contact.law_step[p], closure)[2]
+
+
+@kernel(_nrt=False)
+def held_energy(contact, p, i, j, number):
+    """`point_energy` of a point that touched a step ago, else 0."""
+    if contact.touched[number] != contact.count[STEP] - 1.0:
+        return 0.0
+    return point_energy(contact, p, i, j, number)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -299,14 +338,30 @@ def closest_point(contact, q, x, a, b, thickness):
             a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
             searched = True
             continue
-        ended = torn or max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
+        ended = max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
         go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
         a, b = a + go, b + turn
+        if torn:
+            w, closest = on_facet(contact, q, x, (a, b), (I, J))
+            return (a, b), w, closest, False
         if ended or iteration == _ITERATIONS - 1:
             none = 0.0, 0.0, 0.0
             w = offset_after(w, slopes, second if near else (none, none, none), go, turn)
-            return (a, b), w, (I, J, K, za, zb), ended and not torn
+            return (a, b), w, (I, J, K, za, zb), ended
     return (a, b), w, (I, J, K, za, zb), False
+
+
+@kernel(_nrt=False, forceinline=True)
+def on_facet(contact, q, x, place, facet):
+    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of `push`)."""
+    (a, b), (i, j), s = place, facet, contact.shape[q, STRIDE]
+    k, za, zb = (
+        contact.base[q] + i * s + j,
+        (1.0 - (a - i), a - i, 0.0),
+        (1.0 - (b - j), b - j, 0.0),
+    )
+    y = vector_at(contact.x, k, s, za, zb)
+    return (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (i, j, k, za, zb)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -355,23 +410,21 @@ def bounds(contact, p, torn, i, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def push(contact, p, q, at, k, wa, wb, closest, n, closure):
+def push(contact, p, q, at, k, wa, wb, closest, n, closure, number):
     """Force between a point of ply p and its closest point on ply q.
 
     at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these
     nodes and their weights; closest : (row, column, number) of the first node about the closest point, and the weights
-    there; n : from the point to the closest one; closure [m]
+    there; n : from the point to the closest one; closure [m]; number : of the point, of `given`
     """
     (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
     s, S = contact.shape[p, STRIDE], contact.shape[q, STRIDE]
     area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
-    if contact.failures[p] > 0:
-        k_e = contact.base[p] + e_i * s + e_j
-        area *= min(1.0, 2.0 * diagonals(contact.x, k_e, s) / diagonals(contact.rest, k_e, s))
-    spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
     v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
     v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
     closing = dot(n, v)
+    closure = moved_closure(contact, p, q, number, closure, closing)
+    spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
     f = area * max(0.0, spring + damping * closing)
     v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
     speed = math.sqrt(dot(v, v))
@@ -392,27 +445,36 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
 
 
 @kernel(_nrt=False, forceinline=True)
-def diagonals(x, k, s):
-    """Size [m^2] of the product of the diagonals of the element at slot k, twice its area."""
-    n = cross(difference(x, k, k + s + 1), difference(x, k + s, k + 1))
-    return math.sqrt(dot(n, n))
+def moved_closure(contact, p, q, number, closure, closing):
+    """The closure [m] of a point less what no motion has made of it: what it had when first seen, and what jumps."""
+    now, jump, given = float(contact.count[STEP]), closure - contact.dt * closing, 0.0
+    if contact.failures[p] + contact.failures[q] > 0:
+        if contact.touched[number] == now - 1.0:
+            jump, given = jump - contact.closed[number], contact.given[number]
+        if abs(jump) > _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[q]):
+            given = max(0.0, given + jump)
+    given = min(given, closure)
+    contact.touched[number], contact.closed[number], contact.given[number] = now, closure, given
+    return closure - given
 
 
 @kernel(_nrt=False, forceinline=True)
-def diagonals8(x, k, s):
-    """`diagonals` of the eight elements from slot k on."""
-    n = cross(difference8(x, k, k + s + 1), difference8(x, k + s, k + 1))
-    return sqrt(dot(n, n))
-
-
-@kernel(_nrt=False, forceinline=True)
-def difference8(x, a, b):
-    """The vectors from the eight nodes from slot a on to those from b on."""
-    return (
-        load(x[0], b) - load(x[0], a),
-        load(x[1], b) - load(x[1], a),
-        load(x[2], b) - load(x[2], a),
+def moved_closure8(contact, p, q, count, closure, closing, which):
+    """`moved_closure` on the next ply of those of eight points from number q on that are `which`."""
+    now, given = float(contact.count[STEP]), broadcast(0.0)
+    if contact.failures[p] + contact.failures[p + 1] > 0:
+        long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
+        given = where(long_ago, 0.0, load(contact.given[0], q))
+        jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
+        most = _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[p + 1])
+        given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
+        given = minimum(given, closure)
+    masked_store(
+        contact.touched[0], q, where(which, broadcast(now), load(contact.touched[0], q)), count
     )
+    masked_store(contact.closed[0], q, where(which, closure, load(contact.closed[0], q)), count)
+    masked_store(contact.given[0], q, where(which, given, load(contact.given[0], q)), count)
+    return closure - given
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -497,6 +559,8 @@ def press_points8(contact, p, row, j, q, count):
             n,
             thickness - distance,
             touching,
+            q,
+            count,
         )
         clear = 0.0
     return all_of & ~fit, clear
@@ -556,23 +620,19 @@ def within8(contact, p, A, B):
 
 
 @kernel(_nrt=False, forceinline=True)
-def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
+def push8(contact, p, at, k, wa, wb, closest, n, closure, touching, q, count):
     """`push` between those of eight points of ply p and the next whose bits are set; arguments of the first."""
     (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
     s, S, which = contact.shape[p, STRIDE], contact.shape[p + 1, STRIDE], mask_from_bits(touching)
     area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
-    if contact.failures[p] > 0:
-        k_e = contact.base[p] + e_i * s + e_j
-        area = area * minimum(
-            2.0 * diagonals8(contact.x, k_e, s) / diagonals8(contact.rest, k_e, s), 1.0
-        )
-    spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     v = (
         point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
         point_mean8(contact.v[1], k, s, wa, wb) - interpolate8(contact.v[1], K, S, za, zb, tall),
         point_mean8(contact.v[2], k, s, wa, wb) - interpolate8(contact.v[2], K, S, za, zb, tall),
     )
     closing = dot(n, v)
+    closure = moved_closure8(contact, p, q, count, closure, closing, which)
+    spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
     force, row = (f * n[0], f * n[1], f * n[2]), contact.energy[p]
     if contact.friction > 0.0:

@@ -121,6 +121,13 @@ class Pressed:
             press_once(Items(self.states), Items(self.consts), self.contact)
         return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
 
+    def press_as_moved(self):
+        """`press`, as if all closure had come by motion."""
+        self.press()
+        self.contact.given[:] = 0.0
+        self.contact.touched[:] += 1  # of the two steps that a press counts
+        return self.press()
+
     def force(self, ply, side):
         """(ni+1, nj+1, 3) [N] of the plies on one side of a ply."""
         return np.stack(

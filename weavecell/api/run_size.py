@@ -56,7 +56,7 @@ class RunSize(Result):
     time_step: float
     memory: float
     cpu_time: tuple[float, float]
-    assumed: tuple[str, ...]
+    assumed: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...]) -> RunSize:

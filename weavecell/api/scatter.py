@@ -100,8 +100,8 @@ def v50(
     Examples
     --------
     >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> round(curve.v50, -1)  # [m/s]
-    80.0
+    >>> 80 < curve.v50 < 90  # [m/s]
+    True
     """
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs

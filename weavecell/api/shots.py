@@ -267,7 +267,7 @@ class ShotResult(ImpactRecord, Result):
     --------
     >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot
-    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.1 m/s, checks ok)
+    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.2 m/s, checks ok)
     >>> f"{1e3 * shot.deflection[-1]:.1f} mm"
     '1.6 mm'
     >>> shot.to_vtk("shot").name
@@ -436,6 +436,10 @@ class ShotResult(ImpactRecord, Result):
         lines.append(
             f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J"
         )
+        if self.step_factor < 1.0:
+            lines.append(
+                f"made again with {self.step_factor:g} of the time step, to which the first run lost more than 0.4 %"
+            )
         if self.rigid_check:
             lines.append(self.rigid_check)
         if self.backing is not None:

@@ -119,7 +119,10 @@ class Cloud:
             width, n = separation(self.guard.x, own)
             if width > 0:
                 self.guard.row_nodes[rows], self.guard.row_normal[rows] = own, n
-                self.guard.row_need[rows] = guard_kernels.needed.py_func(width, 1.0)
+                self.guard.row_need[rows], self.guard.row_distance[rows] = (
+                    guard_kernels.needed.py_func(width, 1.0),
+                    width,
+                )
                 rows += 1
         self.rows, self.guard.y[:, :nodes] = (
             rows,
@@ -175,6 +178,7 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
                 guard_kernels.needed.py_func(guard.x[0, k], 1.0),
                 row + 1,
             )
+            guard.row_distance[row] = guard.x[0, k]
     (given, resolved), before = cloud.project()
     assert given > 0
     assert resolved
@@ -187,6 +191,27 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
             np.abs(guard.impulse[:, :nodes].sum(axis=1)).max()
             < 1e-12 * np.abs(guard.impulse[:, :nodes]).sum()
         )
+
+
+def test_a_stack_that_is_struck_does_not_move_as_one(ply):
+    """Impulses alone hold sixteen nodes apart of which the first is struck: each keeps a velocity of its own."""
+    cloud, count, apart = Cloud(ply, 0), 16, 0.1
+    guard, cloud.nodes, cloud.rows = cloud.guard, count, count - 1
+    guard.kick[:count], guard.x[:, :count], guard.x[2, :count] = 1.0, 0.0, apart * np.arange(count)
+    for row in range(cloud.rows):
+        guard.row_nodes[row], guard.row_normal[row] = [row] * 3 + [row + 1] * 3, (0.0, 0.0, 1.0)
+        guard.row_need[row], guard.row_distance[row] = (
+            guard_kernels.needed.py_func(apart, 1.0),
+            apart,
+        )
+    guard.y[:, :count] = guard.x[:, :count]
+    guard.y[2, 0] += 30 * apart
+    (_, resolved), before = cloud.project()
+    ways = guard.y[2, :count] - guard.x[2, :count]
+    assert resolved
+    assert cloud.left().min() > 1 - 3e-3
+    assert cloud.kinetic(guard.y[:, :count]) < cloud.kinetic(before)
+    assert np.unique(np.round(ways, 9)).size > 4
 
 
 def test_no_motion_satisfies_every_row(ply):
@@ -277,7 +302,7 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
         march._sample()
         assert not plies_cross(march)
     np.testing.assert_allclose(momentum(), before, atol=1e-12 * before[2])
-    taken = march.sample("ply_contact") + march.sample("ply_guard")
+    taken = march.sample("ply_contact") + march.sample("ply_collisions")
     assert 0.1 < taken[-1] / march.sample("kinetic_fabric")[0] < 1
     assert abs(march.sample("error")).max() < 1e-3 * taken[-1]
 
@@ -348,7 +373,7 @@ def test_torn_plies_do_not_pass_through_each_other():
     assert march.sample("cut_yarns")[-1] > 50
     assert march.held_apart > 0
     assert not any(seen)
-    assert 0.0 < march.sample("ply_guard")[-1] < 0.005 * march.strike_energy
+    assert 0.0 < march.sample("ply_collisions")[-1] < 0.005 * march.strike_energy
     assert march.contact.guard[near_kernels.LEAST] > 0.04
 
 

@@ -21,6 +21,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.schema import tables_in
+from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
@@ -317,8 +318,8 @@ def test_assumed_laws_are_named_and_ranged():
         len(alone) == 12
     )  # two ends each of trellis, solid law, thickness, warp share, length; of the set-up two
     assert {"crimp", "trellis law", "solid law", "failure length"} < set(found.assumed_range.shares)
-    assert found.assumed_range.low <= found.residual_velocity <= found.range.high
-    assert found.assumed_range.low < found.range.high
+    assert found.assumed_range.low <= found.residual_velocity <= found.assumed_range.high
+    assert found.assumed_range.low < found.assumed_range.high
     assert "assumed_range" in found.summary()
 
 
@@ -405,7 +406,9 @@ def test_a_sweep_counts_its_doubtful_shots():
 
 @pytest.mark.parametrize("call", [wc.impact, wc.setup, wc.v50])
 def test_sliding_yarns_warn_at_the_line_of_the_user(call):
-    given = {"opening": "30 mm", "crossovers": "sliding", "crossover_friction": 0.1}
+    # 30 spacings of the yarns, which sliding plies hold whole
+    opening = ["28.2223 mm", "29.3077 mm"]
+    given = {"opening": opening, "crossovers": "sliding", "crossover_friction": 0.1}
     target = ("S-726",) if call is wc.v50 else ("S-726", 96.0)
     more = (
         {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}
@@ -432,7 +435,8 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
         )
     ]
     target = Target(None, wc.setup("S-720", 100.0), "", "S-720", from_file=False)
-    found = wc.CriticalVelocityResult(target, Limit(100.0, 110.0, tuple(shots)))
+    too_few = lambert_jonas.fit(np.array([]), np.array([]))
+    found = wc.CriticalVelocityResult(target, Limit(100.0, 110.0, tuple(shots)), too_few)
     assert found.doubtful
     assert (
         found.bracket_checks
@@ -491,7 +495,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     )
     low, high = found.bracket
     assert low < found.critical_velocity < high <= low + 10
-    assert found.fit is not None
+    assert found.lambert_jonas is not None
     assert found.summary()["plies"] == 2
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(
         s.strike_velocity for s in found.limit.shots

@@ -90,7 +90,7 @@ def limit(_):
     ]
     return found.summary() | {
         "bracket_m_s": found.bracket,
-        "lambert_jonas": asdict(found.fit),
+        "lambert_jonas": asdict(found.lambert_jonas),
         "shots": entries,
     }
 

@@ -103,7 +103,7 @@ ASIDE, ON, PART, WINDOW = (
 @pytest.mark.parametrize("support", [honoured.IMPACT, honoured.LIMITS], ids=["impact", "limits"])
 def test_part_and_impact_point_of_sliding_plies(caplog, panel, symmetry, spacings, notes, support):
     """By default one sliding ply is computed whole and struck off a crossover; what is doubtful is said everywhere."""
-    table = TABLE | {"panel": {"opening": "50 mm", "crossovers": "sliding"} | panel}
+    table = TABLE | {"panel": {"opening": "50.8 mm", "crossovers": "sliding"} | panel}
     with caplog.at_level("INFO", "weavecell"):
         setup = build.setup(build.build(scenes_impact.check(table, "s", support), "s", "s"), "s")
     assert setup.symmetry == symmetry

@@ -23,7 +23,9 @@ def setup():
     """One element per crossover."""
     fabric = catalogue.load("S-720").with_effective_density()
     mesh = {"elements_per_crossover": 1, "table_size": 51}
-    return ImpactSetup(fabric, 40.0, opening=0.06, end_time=120e-6, audit_interval=20e-6, **mesh)
+    # whole crossovers, so that no element is longer than a crossover
+    opening = 48 * 2 * fabric.weave.w[0]
+    return ImpactSetup(fabric, 40.0, opening=opening, end_time=120e-6, audit_interval=20e-6, **mesh)
 
 
 @pytest.fixture(scope="module")

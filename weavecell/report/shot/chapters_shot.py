@@ -143,6 +143,7 @@ def cost(record: ImpactRecord, setup: ImpactSetup) -> tuple[Table, ...]:
     rows = (
         ("elements", f"{record.elements}"),
         ("steps", f"{record.steps}"),
+        ("factor on the time step, below 1 of a run made again", f"{record.step_factor:g}"),
         ("time integration [s]", f"{record.wall_time:.4g}"),
         ("ns per element and step", f"{record.ns_per_element_step:.4g}"),
         ("formulation residual [%]", f"{100 * unstored / record.strike_energy:.4g}"),
