@@ -5,6 +5,7 @@ What makes a process grow are results held by fixtures, caches without a bound, 
 
 import importlib
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -49,12 +50,17 @@ def memory():
 
 @pytest.fixture
 def command(capsys, tmp_path, monkeypatch):
-    """Run `weavecell ...` in this process and an empty folder; returns (exit code, stdout, stderr)."""
+    """Run `weavecell LINE` in this process and an empty folder, as a shell would; returns (exit code, stdout, stderr).
+
+    The line may also be given word by word.
+    """
     from weavecell.cli import app
 
     monkeypatch.chdir(tmp_path)
 
     def run(*words):
+        if len(words) == 1:
+            words = shlex.split(words[0])
         with pytest.raises(SystemExit) as leaving:
             app.main([str(word) for word in words])
         out, err = capsys.readouterr()

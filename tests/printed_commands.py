@@ -46,7 +46,8 @@ def of(page: str) -> list[Printed]:
     text = (ROOT / page).read_text("utf-8")
     found = []
     for block in _BLOCK.finditer(text):
-        language, inside = block[3], block[4]
+        language = block[3]
+        inside = block[4]
         before = text[: block.start()].rstrip().rsplit("\n\n", 1)[-1]
         named = _FILE.findall(before) if before.rstrip().endswith(":") else []
         if language == "python":
@@ -73,9 +74,13 @@ def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
 
     from weavecell.cli.app import program
 
-    command, name, rest = typer.main.get_command(program()), "weavecell", argv[1:]
+    command = typer.main.get_command(program())
+    name = "weavecell"
+    rest = argv[1:]
     while rest and rest[0] in getattr(command, "commands", {}):
-        command, name, rest = command.commands[rest[0]], f"{name} {rest[0]}", rest[1:]
+        command = command.commands[rest[0]]
+        name = f"{name} {rest[0]}"
+        rest = rest[1:]
     if getattr(command, "commands", None):
         return name, command.make_parser(command.context_class(command)).parse_args(list(rest[:1]))[
             0
@@ -91,7 +96,8 @@ def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
 
 def files(name: str, values: dict[str, Any]) -> tuple[list[str], list[str]]:
     """(files that a call reads, files and folders that it makes), as far as its words tell."""
-    reads, makes = [], []
+    reads = []
+    makes = []
     first = ""
     for key, value in values.items():
         for each in value if isinstance(value, (list, tuple)) else [value]:

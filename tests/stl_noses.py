@@ -15,7 +15,10 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid
 from weavecell.api import runs
 
-MASS, RADIUS, EDGE, LENGTH = 1.1e-3, 2.7e-3, 0.3e-3, 8e-3
+MASS = 1.1e-3
+RADIUS = 2.7e-3
+EDGE = 0.3e-3
+LENGTH = 8e-3
 NOSES = {
     "flat": Projectile(MASS, RADIUS, EDGE, length=LENGTH),
     "hemisphere": Projectile(MASS, RADIUS, EDGE, "hemisphere", length=LENGTH),
@@ -36,7 +39,8 @@ def triangles(
     """Corners (n, 3) [m] and triangles (m, 3) of the surface of a projectile; parameters as of its `surface`."""
     rings = shot.surface(rise=rise, around=around)[:, :-1]
     rings = rings[np.r_[True, np.abs(np.diff(rings, axis=0)).max(axis=(1, 2)) > 1e-9]]
-    n, m = len(rings) - 2, rings.shape[1]
+    n = len(rings) - 2
+    m = rings.shape[1]
     here = np.arange(n * m).reshape(n, m)
     next_ = np.roll(here, -1, axis=1)
     faces = [
@@ -77,7 +81,8 @@ def sampled(shot: Projectile, samples: int) -> Projectile:
 def errors(shot: Projectile, other: Projectile, count: int = 4000) -> tuple[FloatArray, FloatArray]:
     """(m,) differences of the distance over the edge radius, and [deg] of the normal, at places where contact acts: up
     to half an edge radius deep."""
-    rng, end = np.random.default_rng(0), shot.length or 2 * shot.radius
+    rng = np.random.default_rng(0)
+    end = shot.length or 2 * shot.radius
     away = shot.radius + 0.05 * shot.edge_radius
     places = np.column_stack(
         [rng.uniform(-away, away, (4 * count, 2)), rng.uniform(-end, 0, 4 * count)]

@@ -136,7 +136,7 @@ STUDIES = [
 
 
 @pytest.mark.parametrize(
-    ("page", "kind", "name", "options"), STUDIES, ids=lambda text: str(text).splitlines()[:1]
+    "page, kind, name, options", STUDIES, ids=lambda text: str(text).splitlines()[:1]
 )
 def test_tables_and_figures_of_studies_are_in_their_files(tool, page, kind, name, options):
     """Twelve rows of a table at most, two tables and one figure a page."""

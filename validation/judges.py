@@ -17,19 +17,24 @@ one thread, after compilation (`study.solve`).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import isnan, nan, sqrt
-from typing import Any, TypeAlias
+from functools import partial
+from math import nan, sqrt
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.richardson import extrapolate
 from validation.study import Record, Row, Study, evaluated, merged, record
+from validation.values import Values
 
-Solver: TypeAlias = Callable[[Sequence[Row]], list[tuple[dict[str, Any], dict[str, Any]]]]
+Solver: TypeAlias = Callable[[Sequence[Row]], list[tuple[Row, Values, Values]]]
 
-STABLE, WRONG, FAILED = "stable", "wrong", "failed"
-ABOVE, BELOW = "above", "below"
+STABLE = "stable"
+WRONG = "wrong"
+FAILED = "failed"
+ABOVE = "above"
+BELOW = "below"
 HALVINGS = 5  # of the ratio between a stable value and one that is not
 GAIN = 0.1  # of the error, that a dearer method has to take off
 ALIKE = 1e-4  # [-] errors below are all alike
@@ -41,60 +46,74 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     Parameters
     ----------
     study, rows : Study, and its cases
-    solver : gives a pair (result, result of the reference) for each of some rows
+    solver : gives (row, result, result of the reference) for each of some rows
     """
-    entry, records = study.content["map"], list[Record]()
+    entry = study.content["map"]
+    x = entry["x"]
+    y = entry["y"]
+    start, home = entry.get("default", (None, None))
+    records: list[Record] = []
+    outcomes = {}
 
     def judge(row, result, reference):
         found = record(row, result, reference)
-        stable = "problem" not in found and evaluated(entry["stable"], result, reference)
-        records.append(
-            found | {"outcome": FAILED if "problem" in found else STABLE if stable else WRONG}
-        )
-        return records[-1]["outcome"]
+        outcome = FAILED
+        if "problem" not in found:
+            outcome = WRONG
+            if evaluated(entry["stable"], result, reference):
+                outcome = STABLE
+        records.append(found | {"outcome": outcome})
+        outcomes[row.labels[x], row.labels[y]] = outcome
 
-    x, y = entry["x"], entry["y"]
-    start, home = entry.get("default", (None, None))
-    outcomes = {
-        (row.labels[x], row.labels[y]): judge(row, *pair) for row, pair in zip(rows, solver(rows))
-    }
-
-    def at(place, line):
+    def outcome_at(line, place):
         if (place, line) not in outcomes:
-            row = study.row_at({x: place, y: line})
-            outcomes[place, line] = judge(row, *solver([row])[0])
+            judge(*solver([study.row_at({x: place, y: line})])[0])
         return outcomes[place, line]
 
-    lines = dict.fromkeys(line for _, line in outcomes) if entry.get("every_row") else [home]
+    for case in solver(rows):
+        judge(*case)
+    lines = [home]
+    if entry.get("every_row"):
+        lines = list(dict.fromkeys(line for _, line in outcomes))
     edges = []
     for side in entry.get("sides", ()):
         for line in lines:
             places = [place for place, of_line in outcomes if of_line == line]
-            edge, beyond = _edge(places, start, side, lambda place, line=line: at(place, line))
-            margin = edge / start if side == ABOVE else start / edge
+            edge, beyond = _edge(places, start, side, partial(outcome_at, line))
+            margin = edge / start
+            if side == BELOW:
+                margin = start / edge
             edges.append({x: edge, y: line, "outcome": f"edge {side}: {beyond}", "margin": margin})
     return records + edges
 
 
-def _edge(places, start, side, at):
+def _edge(places, start, side, outcome_at):
     """(edge of the stable region about `start`, outcome beyond it)."""
-    if at(start) != STABLE:
-        return start, at(start)
-    further = sorted(
-        (v for v in places if (v > start if side == ABOVE else v < start)), reverse=side == BELOW
-    )
-    count = next((n for n, value in enumerate(further) if at(value) != STABLE), len(further))
-    inside = further[count - 1] if count else start
-    if count == len(further):
+    beyond = outcome_at(start)
+    if beyond != STABLE:
+        return start, beyond
+    if side == ABOVE:
+        further = sorted(place for place in places if place > start)
+    else:
+        further = sorted((place for place in places if place < start), reverse=True)
+    inside = start
+    for outside in further:
+        beyond = outcome_at(outside)
+        if beyond != STABLE:
+            break
+        inside = outside
+    else:
         return inside, "none on the axis"
-    outside = further[count]
-    beyond = at(outside)
-    for _ in range(HALVINGS if outside > 0 else 0):
+    if outside <= 0:
+        return inside, beyond
+    for _ in range(HALVINGS):
         middle = sqrt(inside * outside)
-        if at(middle) == STABLE:
+        outcome = outcome_at(middle)
+        if outcome == STABLE:
             inside = middle
         else:
-            outside, beyond = middle, at(middle)
+            outside = middle
+            beyond = outcome
     return inside, beyond
 
 
@@ -104,52 +123,57 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     Parameters as of `mapped`; results have "cpu_s".
     """
     entry = study.content["cost"]
-    first, quantities = next(iter(rows[0].labels)), rows[0].quantities
-    records = [
-        record(row, *pair) | {"CPU [s]": pair[0].get("cpu_s", nan)}
-        for row, pair in zip(rows, solver(rows))
-    ]
+    quantities = rows[0].quantities
+    first = next(iter(rows[0].labels))
+    records = []
+    for row, result, reference in solver(rows):
+        records.append(record(row, result, reference) | {"CPU [s]": result.get("cpu_s", nan)})
     if "exact" in entry:
-        values = next(found for found in records if found[first] == entry["exact"])
+        exact = next(found for found in records if found[first] == entry["exact"])
         known = dict.fromkeys(quantities, 0.0)
-        records.remove(values)
+        records.remove(exact)
     else:
-        values, known = _reference(study, entry, quantities, solver)
-    last = {first: "reference"} | {name: values[name] for name in quantities}
+        exact, known = _reference(study, entry, quantities, solver)
+    last = {first: "reference"} | _chosen(exact, quantities)
+    costs = [found["CPU [s]"] for found in records]
     for group, names in entry["groups"].items():
-        column, least = f"error of {group} [%]", max(ALIKE, *(known[name] for name in names))
+        column = f"error of {group} [%]"
+        largest_known = max(_chosen(known, names).values())
+        limits = np.array([*_chosen(exact, names).values()])
+        errors = []
         for found in records:
-            off = [
-                nan if found[name] is None else abs(found[name] / values[name] - 1)
-                for name in names
-            ]
-            found[column] = nan if any(map(isnan, off)) else 100 * max(off)
-        errors = [max(0.01 * found[column], least) for found in records]
-        best = non_dominated([found["CPU [s]"] for found in records], errors, GAIN)
-        for number, found in enumerate(records):
-            found["Pareto-optimal in"] = found.get("Pareto-optimal in", "") + f"{group}; " * (
-                number in best
-            )
-        last[column] = 100 * max(known[name] for name in names)
+            # a case that ended with an error has no numbers, but None
+            values = np.array([*_chosen(found, names).values()], float)
+            errors.append(np.abs(values / limits - 1).max())
+            found[column] = 100 * errors[-1]
+            found.setdefault("Pareto-optimal in", "")
+        for number in non_dominated(costs, np.maximum(errors, max(ALIKE, largest_known)), GAIN):
+            records[number]["Pareto-optimal in"] += f"{group}; "
+        last[column] = 100 * largest_known
     return [*records, last]
+
+
+def _chosen(values, names):
+    return {name: values[name] for name in names}
 
 
 def _reference(study, entry, quantities, solver):
     """({quantity: limit}, {quantity: [-] what it is known to})."""
+    sizes, changes = zip(*entry["meshes"])
     base = entry.get("reference", {})
-    meshes = [study.row_of(merged(base, changes)) for _, changes in entry["meshes"]]
-    coarsest = merged(base, entry["meshes"][0][1])
-    finer = [study.row_of(merged(coarsest, changes)) for changes in entry.get("finer", ())]
-    found = [record(row, *pair) for row, pair in zip([*meshes, *finer], solver([*meshes, *finer]))]
-    limits, known = {}, {}
+    meshes = [merged(base, change) for change in changes]
+    finer = [merged(meshes[0], change) for change in entry.get("finer", ())]
+    found = [record(*case) for case in solver([*map(study.row_of, [*meshes, *finer])])]
+    limits = {}
+    known = {}
     for name in quantities:
-        values = [one[name] for one in found[: len(meshes)]]
-        limit = extrapolate([size for size, _ in entry["meshes"]], values)
-        moved = sum(abs(one[name] - values[0]) for one in found[len(meshes) :])
+        values = np.array([one[name] for one in found])
+        of_meshes = values[: len(meshes)]
+        limit = extrapolate(sizes, of_meshes)
+        moved = np.abs(values[len(meshes) :] - values[0]).sum()
+        off = limit.scatter + 0.25 * abs(limit.limit - of_meshes[-1]) + moved
         limits[name] = limit.limit
-        known[name] = (limit.scatter + 0.25 * abs(limit.limit - values[-1]) + moved) / abs(
-            limit.limit
-        )
+        known[name] = off / abs(limit.limit)
     return limits, known
 
 
@@ -165,11 +189,12 @@ def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> lis
     -------
     list of int, from the cheapest to that of the lowest error
     """
-    cost, error = np.asarray(cost, float), np.asarray(error, float)
-    good = [int(i) for i in np.flatnonzero(np.isfinite(cost) & np.isfinite(error))]
-    kept, least = [], np.inf
-    for i in sorted(good, key=lambda i: (cost[i], error[i])):
-        if error[i] < least:
-            kept.append(i)
-            least = (1 - margin) * error[i]
+    cost = np.asarray(cost, float)
+    error = np.asarray(error, float)
+    kept = []
+    least = np.inf
+    for number in np.lexsort((error, cost)):
+        if np.isfinite(cost[number]) and error[number] < least:
+            kept.append(int(number))
+            least = (1 - margin) * error[number]
     return kept

@@ -1,15 +1,11 @@
-"""What programs share: their command line.
+"""The command line that the programs share.
 
-The options of `python -m validation...` are the parameters of its main function, by their annotations:
+The options of `python -m validation ...` are the parameters of the program's main function, by their annotations:
 
-    def main(fabrics: Sequence[str] = ("S-720",), *, page: Path | None = None, jobs: int = 1, resume: bool = False):
+    def main(parts: Sequence[str] = (), *, page: Path | None = None, jobs: int = 1, quick: bool = False):
         ...
 
-    if __name__ == "__main__":
-        program(main, resume="take shots that are done from the folder")
-
-Positional parameters are arguments, the others options: a bool is a flag, a Sequence takes any number of values, a
-tuple as many as it has, a Literal one of its values.
+Positional parameters are arguments, the others options. A bool is a flag, and a Sequence takes any number of values.
 """
 
 from __future__ import annotations
@@ -18,8 +14,7 @@ import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, signature
-from types import NoneType
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from fabrics.errors import WeavecellError, marked
 
@@ -30,19 +25,18 @@ NOTES = {
 }
 
 
-def program(main: Callable[..., object], words: Sequence[str] = (), **notes: str) -> None:
+def program(main: Callable[..., Any], words: Sequence[str], **notes: str) -> None:
     """Run the main function of a module with the options of the command line; an error of ours is one line.
 
     Parameters
     ----------
     main : of the module that is run; a number that it returns is the exit code
-    words : name of a program of `python -m validation`, and its arguments; those of the process by default
-    notes : what --help says of a parameter, where NOTES does not
+    words : name of a program of `python -m validation`, and its arguments
+    notes : what --help says of a parameter, if not what NOTES says
     """
-    name, *arguments = words or ("",)
-
+    name, *arguments = words
     try:
-        code: Any = main(**options(main, NOTES | notes, arguments if words else None, name))
+        code = main(**options(main, NOTES | notes, arguments, name))
     except WeavecellError as problem:
         print(marked(problem), file=sys.stderr)
         code = problem.exit_code
@@ -50,41 +44,31 @@ def program(main: Callable[..., object], words: Sequence[str] = (), **notes: str
 
 
 def options(
-    main: Callable[..., object],
-    notes: Mapping[str, str],
-    arguments: Sequence[str] | None = None,
-    program: str = "",
+    main: Callable[..., Any], notes: Mapping[str, str], arguments: Sequence[str], name: str = ""
 ) -> Any:
-    """{parameter: value} from the arguments of the command line; those of the process by default."""
-    module = main.__globals__  # type: ignore[attr-defined]
-    name = f"validation {program}" if program else module["__spec__"].name.removesuffix(".__main__")
-    text = next(part for part in module["__doc__"].split("\n\n") if "python -m" not in part)
-    parser = argparse.ArgumentParser(prog=f"python -m {name}", description=text)
+    """{parameter: value} from the arguments of the command line."""
+    sections = main.__globals__["__doc__"].split("\n\n")
+    text = next(section for section in sections if "python -m" not in section)
+    parser = argparse.ArgumentParser(prog=f"python -m validation {name}", description=text)
     for parameter in signature(main, eval_str=True).parameters.values():
-        given = {"help": notes.get(parameter.name, "").replace("%", "%%"), **_values(parameter)}
+        given = _reader(parameter.annotation)
+        given["help"] = notes.get(parameter.name, "").replace("%", "%%")
+        if parameter.default is not Parameter.empty:
+            given["default"] = parameter.default
+        flag = parameter.name
         if parameter.kind is Parameter.KEYWORD_ONLY:
-            parser.add_argument(
-                f"--{parameter.name.replace('_', '-')}", default=parameter.default, **given
-            )
-        elif parameter.default is Parameter.empty:
-            parser.add_argument(parameter.name, **given)
-        else:
-            parser.add_argument(
-                parameter.name, default=parameter.default, **{"nargs": "?", **given}
-            )
+            flag = f"--{flag.replace('_', '-')}"
+        parser.add_argument(flag, **given)
     return vars(parser.parse_args(arguments))
 
 
-def _values(parameter):
-    """How a parser reads the values of a parameter."""
-    kind = parameter.annotation
-    if NoneType in get_args(kind):
-        [kind] = (one for one in get_args(kind) if one is not NoneType)
-    origin, parts = get_origin(kind), get_args(kind)
-    if origin is Literal:
-        return {"choices": parts}
-    if origin is tuple:
-        return {"nargs": len(parts), "type": parts[0]}
-    if origin is Sequence:
-        return {"nargs": "*", "type": parts[0]}
-    return {"action": "store_true"} if kind is bool else {"type": kind}
+def _reader(kind):
+    """How a parser reads the values of a parameter with this annotation."""
+    if kind is bool:
+        return {"action": "store_true"}
+    parts = get_args(kind) or (kind,)
+    # the first part of "Path | None" says how a given value is read
+    reader = {"type": parts[0]}
+    if get_origin(kind) is Sequence:
+        reader["nargs"] = "*"
+    return reader

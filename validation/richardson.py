@@ -22,8 +22,10 @@ from numpy.typing import ArrayLike
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from validation.values import rms
 
-LOWEST, HIGHEST = 0.5, 2.1
+LOWEST = 0.5
+HIGHEST = 2.1
 _ORDERS = (1e-6, 60.0)  # between which an order is looked for
 
 
@@ -52,7 +54,8 @@ def observed_order(
 ) -> float | None:
     """Order p of three values on meshes of falling size; None where there is no p > 0."""
     h1, h2, h3 = sizes
-    coarse, fine = values[0] - values[1], values[1] - values[2]
+    coarse = values[0] - values[1]
+    fine = values[1] - values[2]
     if coarse * fine <= 0:
         return None
     ratio = coarse / fine
@@ -65,7 +68,9 @@ def observed_order(
 
     from scipy.optimize import brentq
 
-    return float(brentq(excess, *_ORDERS)) if excess(_ORDERS[1]) > 0 else _ORDERS[1]
+    if excess(_ORDERS[1]) > 0:
+        return float(brentq(excess, *_ORDERS))
+    return _ORDERS[1]
 
 
 def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extrapolation:
@@ -81,7 +86,8 @@ def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extr
     ------
     InputError : fewer than three meshes, sizes that do not fall, or values that are not numbers
     """
-    h, f = np.asarray(sizes, float), np.asarray(values, float)
+    h = np.asarray(sizes, float)
+    f = np.asarray(values, float)
     if (
         h.ndim != 1
         or h.size < 3
@@ -104,13 +110,15 @@ def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extr
         return Extrapolation(float(limit), p, "Richardson", "", 0.0)
     if p is None:
         steps = np.diff(f[-3:])
-        remark = "not monotone" if steps[0] * steps[1] <= 0 else "steps do not shrink"
+        remark = "steps do not shrink"
+        if steps[0] * steps[1] <= 0:
+            remark = "not monotone"
     else:
         remark = f"observed order {p:.1f} is {'below 0.5' if p < LOWEST else 'above the formal 2'}"
     fits = []
     for order, name in ((1, "first order"), (2, "second order")):
         A = np.column_stack([np.ones_like(h), h**order])
         solution = np.linalg.lstsq(A, f, rcond=None)[0]
-        fits.append((float(np.sqrt(np.mean((A @ solution - f) ** 2))), float(solution[0]), name))
+        fits.append((rms(A @ solution - f), float(solution[0]), name))
     scatter, limit, name = min(fits)
     return Extrapolation(limit, p, name, remark, scatter)

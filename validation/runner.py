@@ -19,13 +19,12 @@ from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from validation import cases, judges, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
+from validation.values import Values
 from weavecell.results import provenance
 
 KEPT = Path("results/studies")
-LONG_ENOUGH, MOST_RUNS = (
-    0.6,
-    5,
-)  # [s] of CPU, after which a run that is timed is not repeated; most repeats
+LONG_ENOUGH = 0.6  # [s] of CPU, after which a run that is timed is not repeated
+MOST_RUNS = 5
 NOTES = {
     "names": "of studies, or all",
     "quick": "few and short cases; the CSV goes to results/studies",
@@ -33,7 +32,7 @@ NOTES = {
 }
 
 
-def solve(run: str, keywords: dict[str, Any], warm: dict[str, Any] | None = None) -> dict[str, Any]:
+def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
     """What a function of validation/cases returns, or its error as "problem".
 
     With keywords of a `warm` run, which compiles what the case needs, it has "cpu_s" [s] as well: CPU time, the median
@@ -54,64 +53,60 @@ def solve(run: str, keywords: dict[str, Any], warm: dict[str, Any] | None = None
         return {"problem": str(problem)}
 
 
-class Solver:
-    """What the cases of a study come to, each with its reference: calling it with rows gives pairs of results.
+def solved(study: Study, rows: Sequence[Row], **options: Any) -> list[tuple[Row, Values, Values]]:
+    """(case, what it comes to, what its reference comes to or an empty dict) of cases of a study.
 
     Parameters
     ----------
-    study : Study
+    study, rows : Study, and some of its cases
     options : executor and jobs of `run_cache.results`
     """
+    content = study.content
+    warm = content.get("cost", {}).get("warm")
+    tasks = {}
+    for row in rows:
+        for table in (row.keywords, row.reference):
+            if table is not None:
+                tasks[repr(table)] = (
+                    content["run"],
+                    table,
+                    None if warm is None else merged(table, warm),
+                )
 
-    def __init__(self, study: Study, **options: Any) -> None:
-        self.study, self.options = study, options
-
-    def __call__(self, rows: Sequence[Row]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        content = self.study.content
-        warm = content.get("cost", {}).get("warm")
-        tables = {
-            repr(table): table
-            for row in rows
-            for table in (row.keywords, row.reference)
-            if table is not None
-        }
-        arguments = [
-            (content["run"], table, *([] if warm is None else [merged(table, warm)]))
-            for table in tables.values()
-        ]
-        found = run_cache.results(
-            solve, arguments, folder=KEPT / self.study.name, report=self._tell, **self.options
-        )
-        by_table = dict(zip(tables, found))
-        return [
-            (by_table[repr(row.keywords)], by_table.get(repr(row.reference), {})) for row in rows
-        ]
-
-    def _tell(self, done, total):
+    def tell(done, total):
         if total > 2:
-            print(f"{self.study.name}: {done} of {total}", file=sys.stderr, flush=True)
+            print(f"{study.name}: {done} of {total}", file=sys.stderr, flush=True)
+
+    folder = KEPT / study.name
+    found = run_cache.results(solve, list(tasks.values()), folder=folder, report=tell, **options)
+    known = dict(zip(tasks, found))
+    return [(row, known[repr(row.keywords)], known.get(repr(row.reference), {})) for row in rows]
 
 
 def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
-    """The rows of a study's CSV; `options` of `Solver`."""
-    content, rows, solver = study.content, study.rows(quick), Solver(study, **options)
+    """The rows of a study's CSV; `options` of `solved`."""
+    content = study.content
+    rows = study.rows(quick)
+
+    def solver(rows):
+        return solved(study, rows, **options)
+
     if "map" in content:
         records = judges.mapped(study, rows, solver)
     elif "cost" in content:
         records = judges.charted(study, rows, solver)
     else:
-        records = [record(row, *pair) for row, pair in zip(rows, solver(rows))]
-    fits = {} if quick else content.get("fits", {})
-    first = next(iter(records[0]))
-    lookup = of(records)
-    return records + [
-        {first: name}
-        | {
-            column: eval(expression, NAMES | {"of": lookup})
-            for column, expression in columns.items()
-        }
-        for name, columns in fits.items()
-    ]
+        records = [record(*case) for case in solver(rows)]
+    if quick:
+        return records
+    known = NAMES | {"of": of(records)}
+    fits = []
+    for name, columns in content.get("fits", {}).items():
+        fit = {next(iter(records[0])): name}
+        for column, expression in columns.items():
+            fit[column] = eval(expression, known)
+        fits.append(fit)
+    return records + fits
 
 
 def main(
@@ -123,17 +118,26 @@ def main(
     out: Path | None = None,
 ) -> int:
     """Run studies and write their CSVs; returns 1 where one does not come out as its file expects, else 0."""
+    if list(names) == ["all"]:
+        names = study.all_names()
+    folder = DATA
+    words = ""
+    if quick:
+        folder = KEPT
+        words = " --quick"
     failed = 0
-    for name in study.all_names() if list(names) == ["all"] else names:
-        chosen, stamp = study.load(name), provenance.stamp()
+    for name in names:
+        chosen = study.load(name)
+        stamp = provenance.stamp()
         records = run(chosen, quick=quick, jobs=jobs, executor=executor)
-        path = (out or (KEPT if quick else DATA)) / f"{name}.csv"
-        words = " --quick" if quick else ""
+        path = (out or folder) / f"{name}.csv"
         command = f"python -m validation study {name}{words}"
         made = f"{command}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
         study.write(path, records, made, chosen.content.get("columns"))
         print(f"{name}: {len(records)} rows in {path}")
-        for expression in [] if quick else study.unmet(chosen, records):
+        if quick:
+            continue
+        for expression in study.unmet(chosen, records):
             print(f"{name}: not as expected: {expression}")
             failed = 1
     return failed

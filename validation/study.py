@@ -29,11 +29,12 @@ from __future__ import annotations
 import csv
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import product
 from math import isnan
+from operator import or_
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -50,7 +51,7 @@ _NUMPY = (
     "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan "
     "polyfit sqrt std sum"
 )
-NAMES: dict[str, Any] = {name: getattr(np, name) for name in _NUMPY.split()} | {
+NAMES: Record = {name: getattr(np, name) for name in _NUMPY.split()} | {
     "__builtins__": {
         "__import__": __import__
     },  # numpy imports parts of itself when they are first used
@@ -71,9 +72,9 @@ Record = dict[str, Any]  # {column: value} of a row of the CSV
 class Row:
     """One case: what stands in the table, the keywords of its run and of its reference, and its quantities."""
 
-    labels: dict[str, Any]
-    keywords: dict[str, Any]
-    reference: dict[str, Any] | None
+    labels: Record
+    keywords: Record
+    reference: Record | None
     quantities: dict[str, str]
 
 
@@ -82,46 +83,46 @@ class Study:
     """A study by its name and the content of its file."""
 
     name: str
-    content: dict[str, Any]
+    content: Record
 
     def rows(self, quick: bool = False) -> list[Row]:
         """All cases, or those of a short look."""
-        content, short = self.content, dict(self.content.get("quick", {})) if quick else {}
-        most = short.pop("most", 2 if quick else None)
-        base = merged(content.get("base", {}), short)
-        rows = [row for case in content.get("case", [{}]) for row in self._rows_of(case, base)]
+        content = self.content
+        base = content.get("base", {})
+        most = None
+        if quick:
+            short = {"most": 2} | content.get("quick", {})
+            most = short.pop("most")
+            base = merged(base, short)
+        rows: list[Row] = []
+        for case in content.get("case", [{}]):
+            rows += self._rows_of(case, base)
         return rows[:most]
 
-    def row_at(self, chosen: Mapping[str, Any]) -> Row:
+    def row_at(self, chosen: Record) -> Row:
         """The case at other values {key of `each`: value}, of a study without [[case]]."""
         return self._row({}, self.content.get("base", {}), self.content["each"], dict(chosen))
 
-    def row_of(self, changes: Mapping[str, Any]) -> Row:
+    def row_of(self, changes: Record) -> Row:
         """The case of [base] with changes."""
         return Row({}, merged(self.content["base"], changes), None, self.content["quantities"])
 
-    def _rows_of(self, case: Mapping[str, Any], base: Mapping[str, Any]) -> Iterator[Row]:
-        varied = {**self.content.get("each", {}), **case.get("each", {})}
-        choices = [
-            [dict(zip(keys(key), values(key, one))) for one in entries]
-            for key, entries in varied.items()
-        ]
+    def _rows_of(self, case, base):
+        varied = self.content.get("each", {}) | case.get("each", {})
+        choices = []
+        for heading, entries in varied.items():
+            names = keys(heading)
+            choices.append([dict(zip(names, values(heading, entry))) for entry in entries])
         for places in product(*choices):
-            yield self._row(
-                case, base, varied, {key: value for place in places for key, value in place.items()}
-            )
+            yield self._row(case, base, varied, reduce(or_, places, {}))
 
-    def _row(
-        self,
-        case: Mapping[str, Any],
-        base: Mapping[str, Any],
-        varied: Mapping[str, Any],
-        chosen: Record,
-    ) -> Row:
+    def _row(self, case, base, varied, chosen):
         other = None
         if "reference" in self.content:
             other = self._keywords(case, base, varied, chosen | self.content["reference"])
-        shown = {"name": filled(case["name"], chosen)} if "name" in case else {}
+        shown = {}
+        if "name" in case:
+            shown["name"] = filled(case["name"], chosen)
         quantities = self.content.get("quantities", {}) | case.get("quantities", {})
         return Row(shown | chosen, self._keywords(case, base, varied, chosen), other, quantities)
 
@@ -135,11 +136,9 @@ class Study:
             elif isinstance(labelled, Mapping):
                 found = merged(found, filled(labelled[value], chosen))
             elif key not in used:
-                *tables, last = key.split(".")
-                found = merged(
-                    found,
-                    reduce(lambda inner, table: {table: inner}, reversed(tables), {last: value}),
-                )
+                for table in reversed(key.split(".")):
+                    value = {table: value}
+                found = merged(found, value)
         return found
 
 
@@ -150,25 +149,25 @@ def keys(heading: str) -> list[str]:
 
 def values(heading: str, entry: Any) -> Sequence[Any]:
     """The values of an entry under a heading."""
-    return entry if "," in heading else [entry]
+    if "," in heading:
+        return entry
+    return [entry]
 
 
-def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def merged(first: Record, changes: Record) -> Record:
     """A table with changes; tables in it are merged as well."""
     both = dict(first)
     for key, value in changes.items():
         inner = both.get(key)
-        both[key] = (
-            merged(inner, value)
-            if isinstance(value, Mapping) and isinstance(inner, Mapping)
-            else value
-        )
+        if isinstance(value, dict) and isinstance(inner, dict):
+            value = merged(inner, value)
+        both[key] = value
     return both
 
 
 def filled(
     entry: Any,
-    chosen: Mapping[str, Any],
+    chosen: Record,
     used: set[str] | None = None,
     shown: Callable[[Any], str] | None = None,
 ) -> Any:
@@ -213,38 +212,37 @@ def load(name: str) -> Study:
     return Study(name, content)
 
 
-def evaluated(
-    expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None
-) -> Any:
+def evaluated(expression: str, result: Record, reference: Record | None = None) -> Any:
     """Value of a quantity of a result."""
-    known = (
-        NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
-    )
-    return eval(expression, known)  # of a file of ours
+    known = NAMES | result
+    if reference is not None:
+        known["ref"] = SimpleNamespace(**reference)
+    # the expressions are those of our own files
+    return eval(expression, known)
 
 
-def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) -> Record:
+def record(row: Row, result: Record, reference: Record) -> Record:
     """The row of the CSV of a case."""
-    problem = result.get("problem") or reference.get("problem", "")
+    problem = result.get("problem") or reference.get("problem")
     if problem:
         return row.labels | dict.fromkeys(row.quantities) | {"problem": problem}
-    known = dict(result) | {"row": row.labels}
-    return row.labels | {
-        name: evaluated(expression, known, reference) for name, expression in row.quantities.items()
-    }
+    found = dict(row.labels)
+    for name, expression in row.quantities.items():
+        found[name] = evaluated(expression, result | {"row": row.labels}, reference)
+    return found
 
 
 def of(records: Sequence[Record]) -> Callable[..., Any]:
     """of(column, where={}): the values of a column, where others have these values; numbers as an array."""
 
-    def values_of(column: str, where: Mapping[str, Any] | None = None) -> Any:
-        chosen = [
-            one
-            for one in records
-            if all(one.get(key) == value for key, value in (where or {}).items())
-        ]
-        found = [one[column] for one in chosen if one.get(column) not in (None, "")]
-        return np.array(found) if all(isinstance(value, (int, float)) for value in found) else found
+    def values_of(column: str, where: Record | None = None) -> Any:
+        found = []
+        for one in records:
+            if (where or {}).items() <= one.items() and one.get(column) not in (None, ""):
+                found.append(one[column])
+        if all(isinstance(value, (int, float)) for value in found):
+            return np.array(found)
+        return found
 
     return values_of
 
@@ -262,24 +260,29 @@ def text(value: Any) -> str:
     if value is None or (isinstance(value, float) and isnan(value)):
         return ""
     if isinstance(value, (bool, np.bool_)):
-        return "yes" if value else "no"
+        if value:
+            return "yes"
+        return "no"
     if isinstance(value, (float, np.floating)):
         return f"{value:.5g}"
-    return (
-        " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
-    )
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return " / ".join(map(text, value))
+    return str(value)
 
 
 def write(
     path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None
 ) -> None:
     """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
-    columns = list(dict.fromkeys(column for one in records for column in one))
+    columns: Record = reduce(or_, records, {})
+    shown = dict(zip(columns, columns)) | dict(headings or {})
     with write_whole(path) as file:
-        file.write(f"# {made}\n" if made else "")
+        if made:
+            file.write(f"# {made}\n")
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([(headings or {}).get(column, column) for column in columns])
-        writer.writerows([text(one.get(column)) for column in columns] for one in records)
+        writer.writerow(map(shown.get, columns))
+        for one in records:
+            writer.writerow(map(text, map(one.get, columns)))
 
 
 def markdown(rows: Sequence[Sequence[object]]) -> str:

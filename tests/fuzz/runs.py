@@ -24,10 +24,8 @@ from shellfabric.impact import simulation
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
 
-TIME_LIMIT, WALL_LIMIT = (
-    120.0,
-    600.0,
-)  # [s] of CPU time of the steps; of a run that compiles kernels too
+TIME_LIMIT = 120.0  # [s] of CPU time of the steps
+WALL_LIMIT = 600.0  # [s] of a run that compiles kernels too
 ENERGY_ERROR_LIMIT = 0.005  # of the strike energy, at normal termination
 
 
@@ -118,10 +116,8 @@ def summary(rows) -> str:
     """Counts of the outcomes, the largest energy error, and how many runs are doubtful."""
     ended = [row for row in rows if row["outcome"] == "ok"]
     counts = Counter(row["end"] if row["outcome"] == "ok" else row["outcome"] for row in rows)
-    error, cpu = (
-        max((row["energy_error"] for row in ended), default=0),
-        sum(row["cpu_time"] for row in rows),
-    )
+    error = max((row["energy_error"] for row in ended), default=0)
+    cpu = sum(row["cpu_time"] for row in rows)
     torn, doubtful = (sum(bool(row[name]) for row in ended) for name in ("cut_yarns", "doubtful"))
     return (
         f"{len(rows)} scenes: {', '.join(f'{n} {name}' for name, n in counts.most_common())}; {torn} with torn yarns, "

@@ -27,21 +27,18 @@ FIBRES = {
     "carbon": ((1.70, 1.85), (200.0, 270.0), (1.5, 2.1)),
 }
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
-PLIES, PACKS = (1, 1, 2, 3, 4), (2, 3, 4, 5, 6, 8)
+PLIES = (1, 1, 2, 3, 4)
+PACKS = (2, 3, 4, 5, 6, 8)
 BACKINGS = ("Roma Plastilina No. 1", "gelatine 10 %", "gelatine 20 %", "")
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
 # as Kevlar 129 in the thesis
 _SOLID = {"E_a": "1 MPa", "E_c": "2 GPa", "K_r": 0.02, "K_G": 0.001, "V_c": 1.0, "Vf0": 0.7}
-_PACKING, _FLATNESS = (
-    0.65,
-    4.5,
-)  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
+_PACKING = 0.65  # share of fibres in a yarn's section: typical, not a law
+_FLATNESS = 4.5  # width of the section over its thickness: typical too
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
-_FINE_PACK, _SHORTEST = (
-    3.0,
-    30.0,
-)  # budgets that a pack on its default mesh may cost, if these microseconds fit in
+_FINE_PACK = 3.0  # budgets that a pack on its default mesh may cost
+_SHORTEST = 30.0  # [us] that must fit into them
 
 
 @dataclass(frozen=True)
@@ -166,7 +163,8 @@ class Draw:
 def sample_fabric(draw, name) -> dict:
     """The table of a fabric file: yarns of one class of fibres; half of the fabrics have two like yarns."""
     density, modulus, strain = FIBRES[draw.choice(tuple(FIBRES))]
-    alike, warp = draw.choice((True, False)), None
+    alike = draw.choice((True, False))
+    warp = None
     found = {"name": f"{name}-fabric"}
     for family in ("warp", "weft"):
         if warp is None or not alike:
@@ -249,14 +247,16 @@ def _height(yarn, other):
 def sample_projectile(draw, half) -> dict:
     """The table [projectile] for a panel of a half width [mm]."""
     diameter = draw.log_uniform(3, min(15, 0.95 * half))
-    shape, speed = draw.choice(SHAPES), draw.uniform(20, 700)
+    shape = draw.choice(SHAPES)
+    speed = draw.uniform(20, 700)
     found = {
         "shape": shape,
         "diameter": _text(diameter, "mm"),
         "strike_velocity": _text(speed, "m/s"),
     }
     radius = 0.5 * diameter
-    depth, slenderness = radius, draw.uniform(0.7, 3)
+    depth = radius
+    slenderness = draw.uniform(0.7, 3)
     if shape != "sphere":
         edge = max(0.1, radius * draw.log_uniform(0.04, 0.3))
         found["edge_radius"] = _text(edge, "mm")
@@ -297,8 +297,10 @@ def sample_projectile(draw, half) -> dict:
 
 def sample_body(draw, shot, file) -> tuple[dict, str]:
     """The table [projectile] with the body of an STL file for its nose, and its text: a frustum of 3 to 6 sides."""
-    radius, sides = 0.5 * _number(shot["diameter"]), draw.choice((4, 3, 5, 6))
-    front, length = radius * draw.uniform(0.3, 1), radius * draw.uniform(0.8, 3)
+    radius = 0.5 * _number(shot["diameter"])
+    sides = draw.choice((4, 3, 5, 6))
+    front = radius * draw.uniform(0.3, 1)
+    length = radius * draw.uniform(0.8, 3)
     corners = [
         (math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)) for k in range(sides)
     ]
@@ -362,7 +364,8 @@ def sample_other(draw, fabric, name) -> dict:
     found = {
         key: dict(value) if isinstance(value, dict) else value for key, value in fabric.items()
     }
-    counts, modulus = draw.uniform(0.8, 1.25), draw.uniform(0.6, 1.5)
+    counts = draw.uniform(0.8, 1.25)
+    modulus = draw.uniform(0.6, 1.5)
     for family in ("warp", "weft"):
         found[family]["count"] = _text(counts * _number(fabric[family]["count"]), "/cm")
         found[family]["modulus"] = _text(modulus * _number(fabric[family]["modulus"]), "GPa")
@@ -401,10 +404,13 @@ def sample_plies(draw, count, other, thickness, angled=False) -> list:
 
 def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
     """The table [run], and the panel's opening, within the budget of element updates."""
-    E, rho = _number(fabric["warp"]["modulus"]), _number(fabric["warp"]["fibre_density"])
+    E = _number(fabric["warp"]["modulus"])
+    rho = _number(fabric["warp"]["fibre_density"])
     step = 0.7 * min(cells) / math.sqrt(E / rho / 2)  # [us], from mm and mm/us
-    speed, diameter = 1e-3 * _number(shot["strike_velocity"]), _number(shot["diameter"])
-    plies, whole = panel.get("plies", 1), panel["symmetry"] == "whole"
+    speed = 1e-3 * _number(shot["strike_velocity"])
+    diameter = _number(shot["diameter"])
+    plies = panel.get("plies", 1)
+    whole = panel["symmetry"] == "whole"
     end = min(max(draw.uniform(6, 25) / speed, 100), 250)
     per_step = (
         (4 if whole else 1) * plies * (_PACK_COST if plies > 1 else 1) / (cells[0] * cells[1])

@@ -39,7 +39,7 @@ def test_packs_before_a_block_are_set_ups(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("error", "outcome"),
+    "error, outcome",
     [(InputError("no"), "rejected"), (UnstableError("no"), "guard"), (KeyError("no"), "traceback")],
 )
 def test_an_error_is_an_outcome(monkeypatch, error, outcome):
@@ -54,7 +54,7 @@ def test_an_error_is_an_outcome(monkeypatch, error, outcome):
     assert (runs.failures([row], guards=0) == []) == (outcome == "rejected")
 
 
-@pytest.mark.parametrize(("error", "fine"), [(0.004, True), (0.006, False), (float("nan"), False)])
+@pytest.mark.parametrize("error, fine", [(0.004, True), (0.006, False), (float("nan"), False)])
 def test_an_energy_error_above_the_limit_is_a_failure(error, fine):
     row = {"name": "", "outcome": "ok", "message": "", "energy_error": error}
     assert (runs.failures([row], guards=0) == []) == fine

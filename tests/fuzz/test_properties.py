@@ -48,7 +48,8 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
     model = model_of(setup_of(scene))
     weave = model.fabric.weave
     x, y = np.array([stretches(model, place) for place in places]).T
-    found, step = model.solve(x, y), 1e-6
+    found = model.solve(x, y)
+    step = 1e-6
     for key, yarn in zip(("T1", "T2"), weave.yarns):
         assert np.all(found[key] >= -1e-9 * yarn.strength)
     assert np.all(found["W"] >= -1e-12 * weave.warp.strength * weave.w1)
@@ -58,7 +59,8 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
         ("N1", (step, 0), weave.w1, weave.warp),
         ("N2", (0, step), weave.w2, weave.weft),
     ):
-        ahead, behind = model.solve(x + a, y + b), model.solve(x - a, y - b)
+        ahead = model.solve(x + a, y + b)
+        behind = model.solve(x - a, y - b)
         slope = (ahead["W"] - behind["W"]) / (4 * w * step)
         bend = np.abs(
             ahead[key] + behind[key] - 2 * found[key]
@@ -70,7 +72,8 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
 def test_a_yarn_that_is_stretched_further_is_not_slacker(scene, one, other):
     """At the other's stretch, of a tension and of the force conjugate to it."""
     model = model_of(setup_of(scene))
-    (x1, y1), (x2, y2) = stretches(model, one), stretches(model, other)
+    x1, y1 = stretches(model, one)
+    x2, y2 = stretches(model, other)
     for family, yarn in enumerate(model.fabric.weave.yarns):
         ends = ((x1, y1), (x2, y1)) if family == 0 else ((x1, y1), (x1, y2))
         low, high = (model.solve(*end) for end in sorted(ends, key=lambda end: end[family]))

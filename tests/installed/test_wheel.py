@@ -31,10 +31,8 @@ def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
     code += "; print(*files, *sys.path, sep='\\n')"
     done = installed.run("python", "-c", code, at=tmp_path)
     assert done.returncode == 0, done.stderr
-    files, paths = (
-        done.stdout.splitlines()[: len(PACKAGES)],
-        done.stdout.splitlines()[len(PACKAGES) :],
-    )
+    files = done.stdout.splitlines()[: len(PACKAGES)]
+    paths = done.stdout.splitlines()[len(PACKAGES) :]
     assert all(Path(file).is_relative_to(installed.packages) for file in files)
     assert str(ROOT) not in paths
 

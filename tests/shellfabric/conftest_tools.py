@@ -20,7 +20,8 @@ def bring(panel, state, x):
 def solver_at_rest(target, strike_velocity):
     """PackSolver of one thread, for steps without samples and checks of the energy."""
     solver = PackSolver(target, strike_velocity, 1.0)
-    solver.threads, solver.exchange = 1, np.inf
+    solver.threads = 1
+    solver.exchange = np.inf
     return solver
 
 
@@ -49,7 +50,8 @@ def far_from_nose(pack):
 def collide(pack, velocity, steps):
     """Let the first of two plies fly at the other: (solver, momentum (3,) [N s] and energy [J] before)."""
     solver = far_from_nose(pack)
-    front, velocity = solver.states[0], np.asarray(velocity)
+    front = solver.states[0]
+    velocity = np.asarray(velocity)
     for v, speed in zip(front.v, velocity):
         v[:] = np.where(front.mass > 0, speed, 0.0)
     solver.samples.clear()
@@ -146,5 +148,6 @@ class Pressed:
                 grid(const, state.v[c])[:] = rng.normal(0, 5, X.shape)
             if const.mirror_x:
                 for x in (state.u, state.v):
-                    grid(const, x[0])[0], grid(const, x[1])[:, 0] = 0.0, 0.0
+                    grid(const, x[0])[0] = 0.0
+                    grid(const, x[1])[:, 0] = 0.0
         return self

@@ -53,7 +53,8 @@ def plain_potential(table, stretch1, stretch2):
     """[J] of crossovers by the table's spline; above the table as `table_kernels` has it, below it as at its edge."""
 
     def derivative(c, place, orders):
-        (p, q), (m, n) = place, orders
+        p, q = place
+        m, n = orders
         terms = ((a, b) for a in range(m, 3) for b in range(n, 3))
         return sum(
             c[3 * a + b] * perm(a, m) * p ** (a - m) * perm(b, n) * q ** (b - n) for a, b in terms
@@ -62,8 +63,10 @@ def plain_potential(table, stretch1, stretch2):
     axes = (stretch1, table.stretch1), (stretch2, table.stretch2)
     places = np.array([np.maximum((stretch - x[0]) / (x[1] - x[0]), 0) for stretch, x in axes])
     cell = [np.minimum(place.astype(int), n - 1) for place, n in zip(places, table.spline.shape)]
-    inside, over = np.minimum(places - cell, 1), np.maximum(places - cell - 1, 0)
-    cells, corner = np.moveaxis(table.spline[tuple(cell)], -1, 0), table.spline[-1, -1]
+    inside = np.minimum(places - cell, 1)
+    over = np.maximum(places - cell - 1, 0)
+    cells = np.moveaxis(table.spline[tuple(cell)], -1, 0)
+    corner = table.spline[-1, -1]
     far = over / (1 + over * np.reshape(table.steps, (2, 1, 1)) / packed_table.REACH)
     W = derivative(cells, inside, (0, 0)) + far.prod(axis=0) * derivative(cells, inside, (1, 1))
     for k, orders in enumerate(((1, 0), (0, 1))):
@@ -84,14 +87,19 @@ def beside(values):
 def plain_energies(panel, x):
     """[J] of yarns, trellis, bending and packing with the nodes at x (ni+1, nj+1, 3), from the definitions alone."""
     sides = panel.sides or tuple(map(np.full, panel.counts, panel.spacing))
-    stretches, crossing, lengths, sums = [], [], [], []
+    stretches = []
+    crossing = []
+    lengths = []
+    sums = []
     bending = 0.0
     for axis, count in enumerate(
         (panel.weave.warp_count, panel.weave.weft_count)
     ):  # arrays of edges: along, across
-        own, yarns = sides[axis][:, None], count * tributary(sides[1 - axis])
+        own = sides[axis][:, None]
+        yarns = count * tributary(sides[1 - axis])
         edge = np.diff(np.moveaxis(x, axis, 0), axis=0) / own[..., None]
-        stretch, length = np.linalg.norm(edge, axis=-1), own * yarns
+        stretch = np.linalg.norm(edge, axis=-1)
+        length = own * yarns
         t = edge / stretch[..., None]
         turns = np.sum((t[1:] - t[:-1]) ** 2, axis=-1) / (own[1:] + own[:-1])
         for end, kind in zip((0, -1), boundary.yarn_ends(panel)[axis]):
@@ -135,7 +143,8 @@ def plain_trellis(panel, sides, stretches, sums):
     to G2 at gamma2. Drawn together, mean edges count as longer than they are."""
     if not panel.trellis:
         return 0.0
-    shear, lengths = panel.fabric.shear, [stretch[:, 1:] + stretch[:, :-1] for stretch in stretches]
+    shear = panel.fabric.shear
+    lengths = [stretch[:, 1:] + stretch[:, :-1] for stretch in stretches]
     lengths = [
         s + np.maximum(2 * FADE_STRETCH - s, 0) ** 2 / (4 * FADE_STRETCH)
         for s in (lengths[0], lengths[1].T)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from conftest_tools import Pressed, grid
+from numpy.testing import assert_allclose
 from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
 
@@ -83,18 +84,17 @@ def state_at(panel, *places, damage=INTACT, torn=()):
 
     torn : segments (family, row, column) that have failed, as all their images, in crossovers from the impact point
     """
-    state, const, work, random = (
-        panel.state(1.0),
-        panel.constants(),
-        panel.work(),
-        np.random.default_rng(0),
-    )
+    state = panel.state(1.0)
+    const = panel.constants()
+    work = panel.work()
+    random = np.random.default_rng(0)
     for part in (
         part for parts in work for part in (parts if isinstance(parts, tuple) else (parts,))
     ):
         part[...] = random.uniform(0.5, 2.0, part.shape)
     for family, *place in torn:
-        lines, n = [], panel.lines_per_crossover
+        lines = []
+        n = panel.lines_per_crossover
         for axis, at in enumerate(place):
             middle = 0 if panel.mirrors[axis] else panel.counts[axis] // 2
             lines.append(
@@ -136,7 +136,9 @@ def elements(
 
     def make(seed, symmetry):
         panel = make_panel(side, symmetry=symmetry, **changes)
-        (X, Y, _), (s1, s2), dt = np.moveaxis(rest(panel), -1, 0), stretch, panel.time_step
+        X, Y, _ = np.moveaxis(rest(panel), -1, 0)
+        s1, s2 = stretch
+        dt = panel.time_step
         x = X * (s1 + shear * (2 * Y / side) ** 2), Y * (s2 + 0.5 * shear * (2 * X / side) ** 2)
         x = np.stack([*x, 5e-4 * s1 * np.cos(200 * X) * np.cos(170 * Y)], axis=-1)
         x += at_random(
@@ -186,7 +188,9 @@ def nose(implicit=False, elements=1, **shape):
         panel = make_panel(
             symmetry=symmetry, projectile=Projectile(**shape), elements_per_crossover=elements
         )
-        const, flat, tip = panel.constants(), rest(panel), panel.state(1.0).projectile_position
+        const = panel.constants()
+        flat = rest(panel)
+        tip = panel.state(1.0).projectile_position
         law = const.point_law._replace(implicit_factor=16.0 if implicit else 0.0)
         x = [
             flat + at_random(flat, panel.mirrors, 0.05 * const.dx, seed),
@@ -205,7 +209,8 @@ def nose(implicit=False, elements=1, **shape):
                 set_nodal(state.dv_contact, 5.0 * v[0])
             set_nodal(state.u, x[0] - flat)
             set_nodal(state.v, v[0])
-            state.projectile_position[:], state.projectile_velocity[:] = x[1], v[1]
+            state.projectile_position[:] = x[1]
+            state.projectile_velocity[:] = v[1]
             scratch = panel.work().contact_scratch
             _, spring = contact_kernels.contact_forces(
                 state, const._replace(point_law=law), scratch
@@ -227,7 +232,8 @@ def plies(stacking, points):
         pack = Pack.stacked(
             ply, 2, stacking=stacking, gap=0.1e-3, law=law, contact=PlyContact(points=points)
         )
-        pressed, x = Pressed(pack), []
+        pressed = Pressed(pack)
+        x = []
         flat = [rest(part) + np.array([0.0, 0.0, z]) for part, z in zip(pack.plies, pack.places)]
         for part, height in zip(flat, (3.25e-3, 3e-3)):
             bulge = height * np.exp(
@@ -260,7 +266,8 @@ def block(kind):
     """A bent block: its bricks, a sphere that has gone into its face, or points on that."""
 
     def make(seed, symmetry):
-        backing, random = replace(BLOCK, mirrors=SYMMETRIES[symmetry]), np.random.default_rng(seed)
+        backing = replace(BLOCK, mirrors=SYMMETRIES[symmetry])
+        random = np.random.default_rng(seed)
         flat = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
         height = lambda x: 2e-3 * np.cos(250 * x[..., 0]) + 1e-3 * np.cos(400 * x[..., 1])  # noqa: E731
         x = flat + at_random(flat, backing.mirrors, 3e-5, seed)
@@ -273,7 +280,8 @@ def block(kind):
         others = {"bricks": [], "nose": [np.array([0, 0, 3.5e-3])], "points": [points]}[kind]
 
         def bear(x, v):
-            body, on_others = backing.block(1e-9), []
+            body = backing.block(1e-9)
+            on_others = []
             body.x[:], body.v[:] = x[0].reshape(-1, 3), v[0].reshape(-1, 3)
             if kind == "bricks":
                 bricks = (body._gradient, body._volume, body._twist, body._control, body._edges)
@@ -291,10 +299,9 @@ def block(kind):
                     np.full(64 * x[1].size // points.size, 1e3),
                 )
                 body.press(*contact)
-                body._outer[:], body._memory[:] = (
-                    0.0,
-                    (1.0, 0.0),
-                )  # no depth is that of a step of the face
+                # no depth is that of a step of the face
+                body._outer[:] = 0.0
+                body._memory[:] = (1.0, 0.0)
                 on_others = [body.press(*contact, damping=1e-3 * contact[2]).reshape(x[1].shape)]
             stored = sum(body.energies()[name] for name in ("elastic", "hourglass", "contact"))
             return [-(body._outer + body._drags).reshape(flat.shape), *on_others], stored
@@ -410,7 +417,8 @@ def test_forces_add_up_to_nothing_and_have_no_moment(name, seed):
     """About the axes about which the bodies may be turned."""
     case = case_of(name, seed)
     force = case.forces(case.x, velocities(case))
-    arms, size = [x - centre(case.x) for x in case.x], max(np.abs(f).sum() for f in force)
+    arms = [x - centre(case.x) for x in case.x]
+    size = max(np.abs(f).sum() for f in force)
     total = sum(f.reshape(-1, 3).sum(axis=0) for f in force)
     moment = sum(np.cross(arm, f).reshape(-1, 3).sum(axis=0) for arm, f in zip(arms, force))
     assert np.abs(total).max() < 1e-12 * size
@@ -422,37 +430,37 @@ def test_forces_add_up_to_nothing_and_have_no_moment(name, seed):
 @all_but("turn")
 def test_turned_bodies_have_turned_forces(name, seed):
     case = case_of(name, seed)
-    v, angles, origin = (
-        velocities(case),
-        np.random.default_rng(seed).uniform(0.3, 1.0, len(case.axes)),
-        centre(case.x),
-    )
+    v = velocities(case)
+    angles = np.random.default_rng(seed).uniform(0.3, 1.0, len(case.axes))
+    origin = centre(case.x)
     turn = Rotation.from_rotvec(angles @ case.axes).as_matrix().T
     turned = case.forces(
         [(x - origin) @ turn + origin for x in case.x], [part @ turn for part in v]
     )
     for after, before in zip(turned, case.forces(case.x, v)):
-        np.testing.assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
+        assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
 
 
 @pytest.mark.parametrize("symmetry", ["half", "quarter"])
 @all_but("parts")
 def test_a_part_has_the_forces_and_the_energy_of_the_whole(name, seed, symmetry):
     """Forces on what lies on a plane of symmetry are those of one side, but for those that hold it there."""
-    part, whole = case_of(name, seed, symmetry), case_of(name, seed)
-    images, v = 2 ** sum(part.mirrors), velocities(part)
+    part = case_of(name, seed, symmetry)
+    whole = case_of(name, seed)
+    images = 2 ** sum(part.mirrors)
+    v = velocities(part)
     x = [unfold(x, x, part.mirrors) for x in part.x]
     forces = whole.forces(x, [unfold(*both, part.mirrors) for both in zip(v, part.x)])
     for place, mine, theirs in zip(part.x, part.forces(part.x, v), forces):
         if place.ndim == 1:
-            np.testing.assert_allclose(images * mine[2], theirs[2], rtol=1e-9)
+            assert_allclose(images * mine[2], theirs[2], rtol=1e-9)
             continue
         theirs = theirs[tuple(slice(-n, None) for n in place.shape[:-1])].copy()
         for axis in np.flatnonzero(part.mirrors):
             on_plane = place[..., axis] == 0.0
             theirs[on_plane] *= 0.5
             theirs[on_plane, axis] = mine[on_plane, axis] = 0.0
-        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
+        assert_allclose(mine, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
     if part.energy:
         assert images * part.energy(part.x) == pytest.approx(whole.energy(x), rel=1e-9)
 
@@ -468,7 +476,8 @@ def test_motion_is_damped(name, seed):
 @all_but("audit")
 def test_the_audit_has_the_energies_of_the_definitions(name, seed):
     """Found eight at once, and one by one as where yarns have failed."""
-    panel, x = case_of(name, seed).panel, case_of(name, seed).x[0]
+    panel = case_of(name, seed).panel
+    x = case_of(name, seed).x[0]
     for damage in (INTACT, DAMAGED):
         energies = audited(state_at(panel, x, damage=damage), panel)
-        np.testing.assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)
+        assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)

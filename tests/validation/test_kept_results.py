@@ -46,7 +46,8 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     panel = Panel(
         CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.03048, 0.03048)
     )
-    solver, path = PackSolver(panel, 50.0, 2e-6), tmp_path / "checkpoint.h5"
+    solver = PackSolver(panel, 50.0, 2e-6)
+    path = tmp_path / "checkpoint.h5"
     checkpoint.write(solver, path)
     checkpoint.read(solver, path)
     before = run_cache.version("fabrics.yarn").split()[0]
@@ -59,14 +60,15 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
-@pytest.mark.parametrize(("name", "again"), [("step_kernels.py", True), ("pictures.py", False)])
+@pytest.mark.parametrize("name, again", [("step_kernels.py", True), ("pictures.py", False)])
 def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(
     monkeypatch, name, again
 ):
     def key():
         return run_cache.code.__wrapped__("validation.runner")
 
-    before, read = key(), Path.read_bytes
+    before = key()
+    read = Path.read_bytes
     monkeypatch.setattr(
         Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name)
     )

@@ -15,7 +15,8 @@ def test_values_of_an_exact_order_give_the_limit(p, sizes):
 
 
 def test_irregular_values_are_fitted():
-    sizes, values = (1.0, 1 / 2, 1 / 3), [114.0, 119.0, 118.5]
+    sizes = (1.0, 1 / 2, 1 / 3)
+    values = [114.0, 119.0, 118.5]
     found = extrapolate(sizes, values)
     assert found.remark == "not monotone"
     assert 118.5 < found.limit < 121

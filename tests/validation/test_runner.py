@@ -86,12 +86,10 @@ def test_a_study_is_computed_compared_written_and_taken_again(monkeypatch, tmp_p
     assert study.unmet(this, records) == ["max(of('sum')) > 6"]
     study.write(tmp_path / "a.csv", records, "by hand", {"n": "elements"})
     made, rows = study.read(tmp_path / "a.csv")
-    assert (made, rows[0]["elements"], rows[0]["value"], rows[3]["problem"]) == (
-        "by hand",
-        "1",
-        "4",
-        "seven",
-    )
+    assert made == "by hand"
+    assert rows[0]["elements"] == "1"
+    assert rows[0]["value"] == "4"
+    assert rows[3]["problem"] == "seven"
     monkeypatch.setattr(cases, "function", lambda name: None)
     assert runner.run(this) == records
 
@@ -116,13 +114,12 @@ def test_a_map_finds_the_edges_about_its_default(monkeypatch, tmp_path):
     }
     records = runner.run(made_up(monkeypatch, tmp_path, valley, content))
     outcomes = {(one["x"], one["y"]): one["outcome"] for one in records}
-    assert (outcomes[0.1, 1.0], outcomes[2.0, 1.0], outcomes[8.0, 0.5]) == (
-        "wrong",
-        STABLE,
-        "failed",
-    )
+    assert outcomes[0.1, 1.0] == "wrong"
+    assert outcomes[2.0, 1.0] == STABLE
+    assert outcomes[8.0, 0.5] == "failed"
     above, below = records[-2:]
-    assert (above["outcome"], below["outcome"]) == ("edge above: failed", "edge below: wrong")
+    assert above["outcome"] == "edge above: failed"
+    assert below["outcome"] == "edge below: wrong"
     assert above["margin"] == pytest.approx(3.0, rel=0.05)
     assert below["margin"] == pytest.approx(1 / 0.3, rel=0.08)
 

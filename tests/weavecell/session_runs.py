@@ -19,7 +19,8 @@ import weavecell as wc
 from tests.scene_text import toml
 
 _TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-SCENES, RUNS = _TABLES["scene"], _TABLES["run"]
+SCENES = _TABLES["scene"]
+RUNS = _TABLES["run"]
 SHORT = {"warp only": (1, 0), "equibiaxial": (1, 1)}  # paths of a calibration
 
 
@@ -68,7 +69,9 @@ def _called(name):
     """(exit code, standard output, standard error) of a run in this folder and process."""
     from weavecell.cli import app
 
-    out, err, code = io.StringIO(), io.StringIO(), None
+    out = io.StringIO()
+    err = io.StringIO()
+    code = None
     within = small_calibration() if name == "calibrate" else contextlib.nullcontext()
     with within, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
@@ -81,7 +84,8 @@ def _called(name):
 def set_up(table):
     """The set-up of the table of an input file, by the Python interface."""
     table = copy.deepcopy(table)
-    fabric, velocity = table["fabric"].pop("name"), table["projectile"].pop("strike_velocity")
+    fabric = table["fabric"].pop("name")
+    velocity = table["projectile"].pop("strike_velocity")
     options = table.pop("fabric") | table.pop("panel") | table.pop("run") | table
     for key in ("title", "outputs", "checkpoint_interval"):
         options.pop(key, None)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from fabrics.errors import InputError
+from validation.values import Values
 
 MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "solid"
 
 
-def function(name: str) -> Callable[..., dict[str, Any]]:
+def function(name: str) -> Callable[..., Values]:
     """A function by "module.function"; its module is imported when it is needed, since `solid` needs dolfinx.
 
     Raises

@@ -24,8 +24,10 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models import bare_impact
+from validation.values import Values, largest
 
-VELOCITY, PROJECTILE = 300.0, Projectile(mass=8.1e-3)
+VELOCITY = 300.0
+PROJECTILE = Projectile(mass=8.1e-3)
 # half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
@@ -73,7 +75,7 @@ def march(
     return PackSolver(pack, VELOCITY, 1e-3)
 
 
-def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) -> dict[str, Any]:
+def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) -> Values:
     """A shot at a target before its block, or at the bare block without plies, until the projectile turns back.
 
     Parameters
@@ -91,22 +93,26 @@ def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) 
     """
     if plies:
         run = march(plies, modulus, mass, **options).run()
-        t, z, energies = (
-            run.sample("t"),
-            run.sample("z"),
-            {name: run.sample(name) for name in run.energy_names},
-        )
-        block, outcome, eroded = (
-            run.backing.result(),
-            run.outcome,
-            int(run.backing.result().gone.sum()),
-        )
-        lost, hourglass = energies["kinetic_projectile"], energies["backing_hourglass"]
+        t = run.sample("t")
+        z = run.sample("z")
+        energies = {name: run.sample(name) for name in run.energy_names}
+        block = run.backing.result()
+        outcome = run.outcome
+        eroded = int(run.backing.result().gone.sum())
+        lost = energies["kinetic_projectile"]
+        hourglass = energies["backing_hourglass"]
     else:
         bare = bare_impact.strike(BLOCK, PROJECTILE, VELOCITY, 2e-3)
-        t, z, energies, block, eroded = bare.t, bare.z, bare.energies, bare.block, None
-        outcome = "stopped" if bare.v[-1] <= 0 else "in flight"
-        lost, hourglass = energies["projectile"], energies["hourglass"]
+        t = bare.t
+        z = bare.z
+        energies = bare.energies
+        block = bare.block
+        eroded = None
+        outcome = "in flight"
+        if bare.v[-1] <= 0:
+            outcome = "stopped"
+        lost = energies["projectile"]
+        hourglass = energies["hourglass"]
     return {
         "outcome": outcome,
         "end": float(t[-1]),
@@ -114,7 +120,7 @@ def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) 
         "crater": block.depth,
         "half_width": block.half_width,
         "wall": float(np.degrees(block.steepness)),
-        "error": float(np.abs(energies["error"]).max()) / PROJECTILE.energy(VELOCITY),
+        "error": largest(energies["error"]) / PROJECTILE.energy(VELOCITY),
         "eroded": eroded,
         "hourglass": float(hourglass[-1] / (lost[0] - lost[-1])),
     }

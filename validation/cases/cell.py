@@ -19,6 +19,7 @@ from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
 from validation.published.biaxial_glass import free_edge
+from validation.values import Values, flags, rms
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -29,7 +30,7 @@ def _stretches(fabric, d1, d2):
     return 1 + d1 / w[0], 1 + d2 / w[1]
 
 
-def newton(*, d1: float, d2: float) -> dict[str, Any]:
+def newton(*, d1: float, d2: float) -> Values:
     """The thesis's Newton iteration on two heights (App. B.3) with its printed law at end displacements [m].
 
     Returns
@@ -41,7 +42,8 @@ def newton(*, d1: float, d2: float) -> dict[str, Any]:
     ------
     UnstableError : it does not converge, or runs off
     """
-    found, model = thesis.iterate(FABRIC, d1, d2), printed(FABRIC)
+    found = thesis.iterate(FABRIC, d1, d2)
+    model = printed(FABRIC)
     if not found.converged:
         many = found.steps >= thesis.MOST
         raise UnstableError(f"no convergence in {thesis.MOST} steps" if many else "ran off")
@@ -66,7 +68,7 @@ def _miss(model, F, d1, d2):
     ) / sum(model.h0)
 
 
-def bracket(*, d1: float, d2: float) -> dict[str, Any]:
+def bracket(*, d1: float, d2: float) -> Values:
     """What `shellfabric` solves instead, one monotone equation in a bracket: F [N] and closing, as of `newton`."""
     fabric = catalogue.load(FABRIC)
     model = CellModel(fabric)
@@ -79,7 +81,7 @@ def _printed_table() -> CellTable:
     return CellModel(with_law_form(catalogue.load(FABRIC), "printed")).table(TABLE)
 
 
-def printed_law(*, d1: float, d2: float) -> dict[str, Any]:
+def printed_law(*, d1: float, d2: float) -> Values:
     """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0.
 
     Returns
@@ -97,7 +99,7 @@ def printed_law(*, d1: float, d2: float) -> dict[str, Any]:
         "off": off,
         "F": float(ours["F"]),
         "F_printed": float(theirs["F"]),
-        "flags": ", ".join(check.name for check in checks if not check.ok),
+        "flags": flags(checks),
     }
 
 
@@ -131,9 +133,7 @@ def struck_yarn(
     return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
 
 
-def biaxial_options(
-    *, fabric: str, test: str, yarn: str, options: dict[str, Any]
-) -> dict[str, float]:
+def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> dict[str, float]:
     """What options of the cell change of the curves of the glass weaves (thesis section 5.3), with its constants.
 
     Parameters
@@ -146,19 +146,23 @@ def biaxial_options(
     -------
     dict with rms [N], the largest difference [N] and rms over the strength of the yarn [-], at equal strains
     """
-    family, weave = ("warp", "weft").index(yarn), catalogue.load(fabric)
+    family = ("warp", "weft").index(yarn)
+    weave = catalogue.load(fabric)
     curves = []
     for changes in ({}, options):
         cell = CellModel(weave, form="equilibrium", **changes)
-        ratio = () if test == "free" else (float(test.removeprefix("k = ")), 1.0)
+        ratio: tuple[float, ...] = ()
+        if test != "free":
+            ratio = (float(test.removeprefix("k = ")), 1.0)
         curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))
     strains = [curve.strain[:, family] for curve in curves]
     e = np.linspace(0, min(strain[-1] for strain in strains), 241)
     one, two = (
         np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves)
     )
-    rms, off = (
-        float(np.sqrt(np.mean((two - one) ** 2))),
-        float((two - one)[np.argmax(np.abs(two - one))]),
-    )
-    return {"rms": rms, "largest": off, "share": rms / weave.weave.yarns[family].strength}
+    off = two - one
+    return {
+        "rms": rms(off),
+        "largest": float(off[np.argmax(np.abs(off))]),
+        "share": rms(off) / weave.weave.yarns[family].strength,
+    }

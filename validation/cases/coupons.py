@@ -14,6 +14,7 @@ from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
 from validation.models import variants as comparison
 from validation.published.bias_extension import coupon_fabric, measured
+from validation.values import Values
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -37,7 +38,7 @@ def bias(
     table: int = 201,
     crossovers: int = 1,
     **options: Any,
-) -> dict[str, Any]:
+) -> Values:
     """Bias extension of balanced S-728.
 
     Parameters
@@ -58,7 +59,8 @@ def bias(
     """
     fabric, own, trellis = coupon_fabric(name)
     if factor is not None:
-        shear, trellis = fabric.shear, factor > 0
+        shear = fabric.shear
+        trellis = factor > 0
         if trellis:
             fabric = variants.with_shear(
                 fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1)
@@ -103,8 +105,9 @@ def cross(
     )
     half = [0.5 * (centre // crossovers) * w for w in of_cell.model.fabric.weave.w]
     warp, weft = quasistatic.middle_strain(result, half)[-1]
-    loads = (float(abs(result.force(grip, axis)[-1])) for grip, axis in ((1, 0), (3, 1)))
-    return dict(zip(("load_warp", "load_weft"), loads)) | {
+    return {
+        "load_warp": float(abs(result.force(1, 0)[-1])),
+        "load_weft": float(abs(result.force(3, 1)[-1])),
         "strain_warp": float(warp),
         "strain_weft": float(weft),
     }

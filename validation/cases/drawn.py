@@ -13,6 +13,7 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.cases import drawn_shots
+from validation.values import Values
 from weavecell.studies import mesh_uncertainty, window
 
 TARGETS = (0.02, 0.05, 0.1)
@@ -24,10 +25,9 @@ QUANTITIES = {
     "peak tension, weft": "peak_tension",
 }
 FINEST = 16  # elements per crossover
-SMALLER, END = (
-    (0.5, 0.35),
-    250e-6,
-)  # opening over that of a drawn ply and pack, [s]: shots of seconds
+# a smaller opening, over that of a drawn ply and of a pack, and an early end [s]: shots of seconds
+SMALLER = (0.5, 0.35)
+END = 250e-6
 
 
 def _reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
@@ -40,7 +40,7 @@ def _reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
     return replace(setup, elements_per_crossover=None, grading=grading)
 
 
-def interval(*, number: int, seed: int) -> dict[str, Any]:
+def interval(*, number: int, seed: int) -> Values:
     """A random scene on its own mesh, the finer one of `weavecell impact --uncertainty`, and a reference.
 
     Returns
@@ -80,7 +80,7 @@ def interval(*, number: int, seed: int) -> dict[str, Any]:
     }
 
 
-def targets(*, number: int, seed: int) -> dict[str, Any]:
+def targets(*, number: int, seed: int) -> Values:
     """A random shot at one ply or, every third, at a pack of two to four, with a target for one or two quantities.
 
     All elements of the reference have half the side of those of the results.
@@ -113,11 +113,10 @@ def targets(*, number: int, seed: int) -> dict[str, Any]:
         return shots[-1]
 
     _, found = mesh_uncertainty.climb(scene, wanted, shoot, fixed={"projectile"})
-    answer, cost = shots[-1], sum(seconds) / seconds[0]
-    table, finest = (
-        found.setup.table(),
-        replace(found.setup, grading=None, elements_per_crossover=FINEST),
-    )
+    answer = shots[-1]
+    cost = sum(seconds) / seconds[0]
+    table = found.setup.table()
+    finest = replace(found.setup, grading=None, elements_per_crossover=FINEST)
     try:
         shoot(mesh_uncertainty.halved(found.setup), table)
     except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
@@ -132,7 +131,9 @@ def targets(*, number: int, seed: int) -> dict[str, Any]:
         errors[QUANTITIES[one.name]] = max(errors.get(QUANTITIES[one.name], 0.0), share)
     outcomes = [answer.result.outcome, shots[-1].result.outcome]
     same = outcomes[0] == outcomes[1]
-    plies = f"{scene.plies} plies, " if scene.plies > 1 else ""
+    plies = ""
+    if scene.plies > 1:
+        plies = f"{scene.plies} plies, "
     return {
         "shot": f"{plies}{scene.fabric.name}, {scene.projectile.shape}, {scene.strike_velocity:g} m/s",
         "wanted": wanted,

@@ -32,9 +32,15 @@ FACTORS = {
     "trellis_stiffness": 0.3,
     "trellis_angles": 0.2,
 }
-VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2e-3, 4.5e-3)
+VELOCITY = (40.0, 300.0)
+OPENING = (0.1, 0.25)
+MASS = (1e-3, 8e-3)
+RADIUS = (2.2e-3, 4.5e-3)
 # of drawn packs: most plies, velocity of two plies [m/s], opening [m], gap [m]
-MOST_PLIES, PACK_VELOCITY, PACK_OPENING, GAP = 4, (60.0, 300.0), (0.08, 0.12), (2e-5, 2e-4)
+MOST_PLIES = 4
+PACK_VELOCITY = (60.0, 300.0)
+PACK_OPENING = (0.08, 0.12)
+GAP = (2e-5, 2e-4)
 PACK_END = 400e-6
 
 
@@ -65,8 +71,10 @@ def drawn(number: int, seed: int) -> ImpactSetup:
 
 def drawn_pack(number: int, seed: int) -> ImpactSetup:
     """The random pack of a number and a seed: the drawn ply and projectile, in a smaller opening, 2 to 4 times."""
-    ply, draw = drawn(number, seed), np.random.default_rng((seed, number, 2))
-    plies, stacking = int(draw.integers(2, MOST_PLIES + 1)), str(draw.choice(STACKINGS))
+    ply = drawn(number, seed)
+    draw = np.random.default_rng((seed, number, 2))
+    plies = int(draw.integers(2, MOST_PLIES + 1))
+    stacking = str(draw.choice(STACKINGS))
     low, high = np.log(PACK_VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high)) * (plies / 2) ** 0.5), 1)
     opening: Any = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))

@@ -16,13 +16,14 @@ import weavecell as wc
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
-from fabrics.variants import with_failure_length
+from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
 from shellfabric.output.wave_fronts import fronts
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
+from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
@@ -78,20 +79,15 @@ def changed(
     failure_length : [m]
     """
     factors = {"linear_density": mass} | dict(yarns or {})
-    fabric = fabric.with_yarns(
-        **{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()}
-    )
-    weave, gap = fabric.weave, fabric.interlayer_gap
-    warp, weft = (
-        replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ()
-    )
+    fabric = scale_yarns(fabric, **factors)
+    weave = fabric.weave
+    gap = fabric.interlayer_gap
     fabric = replace(
-        fabric,
+        scale_laws(fabric, size, size * mass ** (1 / 3)),
         weave=replace(
             weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size
         ),
-        laws=(warp, weft),
-        interlayer_gap=None if gap is None else size * gap,
+        interlayer_gap=gap and size * gap,
     )
     if law != "regularised":
         fabric = variants.with_law_form(fabric, law)
@@ -99,17 +95,19 @@ def changed(
         fabric = fabric.with_yarns(crimp=variants.NEARLY_STRAIGHT)
     if failure_length is not None:
         fabric = with_failure_length(fabric, failure_length)
-    return variants.homogenised(fabric, crossovers) if crossovers > 1 else fabric
+    if crossovers > 1:
+        fabric = variants.homogenised(fabric, crossovers)
+    return fabric
 
 
 def setup(
     fabric: str | None = None,
     velocity: float | str = 100.0,
     *,
-    change: Mapping[str, Any] | None = None,
+    change: Values | None = None,
     mesh: str = "default",
-    unchecked: Mapping[str, Any] | None = None,
-    contact: Mapping[str, Any] | None = None,
+    unchecked: Values | None = None,
+    contact: Values | None = None,
     **keywords: Any,
 ) -> ImpactSetup:
     """The set-up of a shot.
@@ -140,10 +138,12 @@ def setup(
         made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
-    return mesh_uncertainty.finer(made, made.plain_table()) if mesh == "finer" else made
+    if mesh == "finer":
+        return mesh_uncertainty.finer(made, made.plain_table())
+    return made
 
 
-def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> dict[str, Any]:
+def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> Values:
     """One shot: keys of its summary.json, histories, and what only studies read.
 
     Parameters
@@ -161,8 +161,11 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, 1 if plies cross at a sample;
     force_peak, force_jumps [N] (`rough`)
     """
-    this, crossing = setup(**keywords), [0]
-    hooks = (lambda solver: crossing.append(int(plies_cross(solver))),) if crossings else ()
+    this = setup(**keywords)
+    crossing = [0]
+    hooks: tuple[Any, ...] = ()
+    if crossings:
+        hooks = (lambda solver: crossing.append(int(plies_cross(solver))),)
     began = time.process_time()
     table = this.table()
     result = simulation.run(
@@ -173,10 +176,11 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     )
 
 
-def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
+def found(result: ImpactResult, keywords: Values) -> Values:
     """The dict of `shot`."""
     yarns = dict(keywords.get("change") or {}).get("crossovers", 1)
-    energies, late = result.energies, result.t > 0.5 * result.t[-1]
+    energies = result.energies
+    late = result.t > 0.5 * result.t[-1]
     stored = energies["yarn_strain"] + energies["shear"]
     late &= stored > 0
     speeds = {
@@ -198,7 +202,7 @@ def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
             "peak": np.array(result.peak_tension) / yarns,
             "fronts": speeds,
             "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
-            "flags": ", ".join(check.name for check in result.checks if not check.ok),
+            "flags": flags(result.checks),
             "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
             if late.any()
             else nan,
@@ -206,14 +210,14 @@ def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
     )
 
 
-def ends(result: ImpactResult) -> dict[str, Any]:
+def ends(result: ImpactResult) -> Values:
     """How far the ends of the yarns of a quarter panel of one ply have come in, and where they are along the clamps."""
     panel = result.panel
     if panel.symmetry != "quarter" or len(result.panels) > 1:
         return {}
     X, Y = panel.coordinates()
     nodes = result.last[0].nodes
-    found: dict[str, Any] = {
+    found: Values = {
         "slip_warp": X[-1] - nodes[-1, :, 0],
         "slip_weft": Y[:, -1] - nodes[:, -1, 1],
     }
@@ -227,7 +231,8 @@ def ends(result: ImpactResult) -> dict[str, Any]:
 def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     """How the force on the projectile jumps: the highest mean over 2 us, and the rms of its difference from the mean
     over 20 us up to a time [s]."""
-    t, force = history[:, 0], -history[:, 3]
+    t = history[:, 0]
+    force = -history[:, 3]
     if len(t) < 3 or t[-1] < 20e-6:
         return {}
     smooth, slow = (
@@ -236,13 +241,13 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     )
     return {
         "force_peak": float(smooth.max()),
-        "force_jumps": float(np.sqrt(np.mean((smooth - slow)[t < until] ** 2))),
+        "force_jumps": rms((smooth - slow)[t < until]),
     }
 
 
 def stepped(
     *, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any
-) -> dict[str, Any]:
+) -> Values:
     """A shot with a time step over its bound, and a contact whose stiffness does not depend on it.
 
     The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
@@ -261,7 +266,7 @@ def stepped(
     return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
 
 
-def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> dict[str, Any]:
+def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Values:
     """Shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of each.
 
     Raises
@@ -285,7 +290,7 @@ def limit(
     step: float = ballistic_limit.STEP,
     multiples: Sequence[float] = (),
     **keywords: Any,
-) -> dict[str, Any]:
+) -> Values:
     """The critical velocity, and residual velocities above it.
 
     Parameters
@@ -306,7 +311,7 @@ def limit(
     slowest = min(
         (one for one in bracket.shots if one.perforated), key=lambda one: one.strike_velocity
     )
-    flags = {check.name for one in bracket.ends for check in one.checks if not check.ok}
+    beyond = {check.name for one in bracket.ends for check in one.checks if not check.ok}
     summary = {
         "low": bracket.low,
         "high": bracket.high,
@@ -314,7 +319,7 @@ def limit(
         "half_width": bracket.half_width,
         "shots": len(bracket.shots),
         "error": max(one.balance for one in bracket.shots),
-        "flags": ", ".join(sorted(flags)),
+        "flags": ", ".join(sorted(beyond)),
         "cut_yarns": slowest.cut_yarns,
         "window": nan,
     }
@@ -324,13 +329,13 @@ def limit(
     if not multiples:
         return summary
     shots = ballistic_limit.shoot(target, [one * bracket.velocity for one in multiples])
-    strikes, residuals = zip(
-        *((one.strike_velocity, one.residual_velocity) for one in shots if one.perforated)
-    )
-    fit = lambert_jonas.fit(strikes, residuals, limit=bracket.velocity)
+    strikes = np.array([one.strike_velocity for one in shots])
+    residuals = np.array([one.residual_velocity for one in shots])
+    passed = np.array([one.perforated for one in shots])
+    fit = lambert_jonas.fit(strikes[passed], residuals[passed], limit=bracket.velocity)
     return summary | {
-        "strikes": [one.strike_velocity for one in shots],
-        "residuals": [one.residual_velocity for one in shots],
+        "strikes": strikes.tolist(),
+        "residuals": residuals.tolist(),
         "a": fit.a,
         "p": fit.p,
         "a_interval": fit.intervals["a"],
@@ -339,7 +344,7 @@ def limit(
     }
 
 
-def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict[str, Any]:
+def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Values:
     """Means over a window of strike velocities about one (`weavecell.studies.window`).
 
     Parameters
@@ -354,18 +359,21 @@ def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict
     of a shot, the median; viscous [-], the largest share of viscous energy; with `search` critical and half_width [m/s]
     """
     search = keywords.pop("search", None)
-    rows, costs, shares = [], [], []
+    rows = []
+    costs = []
+    shares = []
     for factor in factors:
         this = setup(
             velocity=round(factor * velocity, 3), end_time=ballistic_limit.UNDECIDED, **keywords
         )
-        table, began = this.table(kept=True), time.process_time()
+        table = this.table(kept=True)
+        began = time.process_time()
         result, problem = simulation.fired(this, table=table)
         costs.append(time.process_time() - began)
         shares.append(next(check.value for check in result.checks if check.name == VISCOUS))
         rows.append({"strike_velocity_m_s": this.strike_velocity} | sweep.row_of(result, problem))
     of_window = Window(velocity, tuple(rows))
-    summary: dict[str, Any] = {name: of_window.mean(name) for name in QUANTITIES} | {
+    summary: Values = {name: of_window.mean(name) for name in QUANTITIES} | {
         "not_perforated": len(rows) - of_window.outcomes["perforated"],
         "cpu": median(costs),
         "viscous": max(shares),

@@ -14,18 +14,20 @@ from shellfabric.cell.model import CellTable
 from shellfabric.cell.surface_cell import potential
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
+from validation.values import Values
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
 from weavecell.studies import mesh_uncertainty
 
-LAWS: dict[str, Any] = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
-TABLE, FLOOR = 201, 0.05
+LAWS: Values = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
+TABLE = 201
+FLOOR = 0.05
 
 
 def assumed(
     *, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5
-) -> dict[str, Any]:
+) -> Values:
     """A fabric of the catalogue treated as one of which only the data sheet is known, beside its published laws.
 
     Its compression, trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the
@@ -44,10 +46,11 @@ def assumed(
     in the range; `*_ends` {ends of the laws: velocity or outcome}
     """
     cloth = wc.fabric(fabric)
-    search: dict[str, Any] = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
+    search: Values = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
     critical = wc.critical_velocity(cloth, **search).critical_velocity
     found = wc.calibrate(replace(cloth, laws=None, shear=None, solid_laws=None), mesh=mesh)
-    bare, strike = replace(found.fabric, laws=None), multiple * critical
+    bare = replace(found.fabric, laws=None)
+    strike = multiple * critical
     ranges = {
         "critical": wc.critical_velocity(
             bare, law=found.law, assumed_range=True, **search
@@ -56,7 +59,7 @@ def assumed(
     }
     published = {"critical": critical, "residual": wc.impact(cloth, strike).residual_velocity}
     ends = found.law.assumed_range or ()
-    summary: dict[str, Any] = {"strike": strike, "a": found.law.a, "b": found.law.b}
+    summary: Values = {"strike": strike, "a": found.law.a, "b": found.law.b}
     summary |= {"a_range": [a for a, _ in ends], "b_range": [b for _, b in ends]}
     for name, around in ranges.items():
         summary |= {
@@ -72,7 +75,7 @@ def assumed(
     return summary
 
 
-def v50(**options: Any) -> dict[str, Any]:
+def v50(**options: Any) -> Values:
     """The summary of `weavecell.v50`, with the values and intervals of each curve as "LINK QUANTITY"."""
     found = wc.v50(options.pop("fabric"), **options)
     curves = {
@@ -83,7 +86,7 @@ def v50(**options: Any) -> dict[str, Any]:
     return found.summary() | curves
 
 
-def sobol(**options: Any) -> dict[str, Any]:
+def sobol(**options: Any) -> Values:
     """Sobol indices of `weavecell.sensitivity`: indices {"VELOCITY, QUANTITY, INPUT": (first order, half the width of
     its interval, total order, half the width)}."""
     found = wc.sensitivity(options.pop("fabric"), **options)
@@ -127,7 +130,7 @@ def _cell(fabric: str, velocity: float, cell: Any) -> tuple[ImpactSetup, CellTab
 
 def card(
     *, fabric: str, velocity: float, cell: str, law: str = "", match: str = "", finer: bool = False
-) -> dict[str, Any]:
+) -> Values:
     """A shot without failure with the cell, or with the law of a material card, which other codes have, in its place.
 
     Parameters
@@ -152,7 +155,7 @@ def card(
     }
 
 
-def card_error(*, fabric: str, law: str, match: str) -> dict[str, Any]:
+def card_error(*, fabric: str, law: str, match: str) -> Values:
     """Errors of a card's law against the cell, over the strength [-]: {name: error} of `decks.mismatch.Mismatch`."""
     cell: Any = wc.setup(fabric, "100 m/s").cell()
     cloth = Cloth(cell)

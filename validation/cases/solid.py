@@ -11,7 +11,6 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
@@ -21,16 +20,18 @@ from shellfabric.panel import quality
 from unitcell3d.cases import pull_out as pulling
 from unitcell3d.cases import single_yarn
 from unitcell3d.cases.biaxial_and_platens import plate_compression, row
-from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps
 from unitcell3d.solver.path_following import follow
+from validation.claims.checks.cell import fitted
 from validation.models.variants import scale_solids
+from validation.values import Values, flags, largest
 
 FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
 FORCES = ("T1", "T2", "F_c")
+INTEGRATION = {False: solid_law.FULL, True: solid_law.ONE_POINT}  # by whether it is reduced
 PACKING = 1e6  # [Pa] below which platens close four fifths
 POINTS = 24  # of the platen curve
 
@@ -56,7 +57,7 @@ def paths(
     friction: float = 0.0,
     steps: Mapping[str, float] | None = None,
     solids: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
+) -> Values:
     """A crossover of S-720 meshed, formulated and stepped in one way, pulled along paths.
 
     Parameters
@@ -79,32 +80,31 @@ def paths(
     UnstableError : a path that does not reach its end
     """
     fabric = scale_solids(catalogue.load(FABRIC), dict(solids or {}))
-    options: dict[str, Any] = {} if tip is None else {"tip_thickness_ratio": tip}
+    options: Values = {}
+    if tip is not None:
+        options["tip_thickness_ratio"] = tip
     mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
     if equal_bars:
         mesh = replace(
             mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
         )
-    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
     numerics = _numerics(factors or {}, friction=friction)
-    stepping: Any = dict(steps or {})
-    histories, unknowns = [], 0
+    fields: Any = steps or {}
+    stepping = replace(Steps(), **fields)
+    histories = []
+    unknowns = 0
     values: dict[str, float] = {}
     for name, end in ends.items():
-        model = CrossoverModel(mesh, fabric, numerics, integration=integration)
+        model = CrossoverModel(mesh, fabric, numerics, integration=INTEGRATION[one_point])
         load: Any = tuple(end)
-        history = follow(
-            model, [Load(), Load(load)], row(model), steps=replace(Steps(), **stepping)
-        )
+        history = follow(model, [Load(), Load(load)], row(model), steps=stepping)
         if history.failed:
             raise UnstableError(f"{name}: {history.failed}")
         histories.append(history)
         values |= {f"{force}, {name}": float(history[force][-1]) for force in FORCES}
         unknowns = model.size
     try:
-        law = CompressionLaw.fit(
-            *(np.concatenate(parts) for parts in zip(*map(samples, histories)))
-        )
+        law = fitted(*histories)
     except InputError:
         law = None
     return {"values": values, "a": law and law.a, "b": law and law.b, "unknowns": unknowns}
@@ -115,7 +115,7 @@ def _yarn() -> crossover.Crossover:
     return crossover.build(catalogue.load(FABRIC), size=(8, 10, 3))
 
 
-def bars(*, bars: int, reduced: bool) -> dict[str, Any]:
+def bars(*, bars: int, reduced: bool) -> Values:
     """The warp alone, 8 x 10 x 3 hexahedra in half its width and length, pulled straight and on to its failure strain.
 
     Parameters
@@ -138,23 +138,22 @@ def bars(*, bars: int, reduced: bool) -> dict[str, Any]:
         0,
         bars=None if bars >= lines else bars,
         rows=12,
-        integration=solid_law.ONE_POINT if reduced else solid_law.FULL,
+        integration=INTEGRATION[reduced],
     )
     if record.failed:
         raise UnstableError(record.failed)
     thickness = 2 * catalogue.load(FABRIC).weave.h01
     checks = quality.of_yarn(record["astray"], thickness)
-    flags = ", ".join(check.name for check in checks if not check.ok)
-    return {"astray": float(max(record["astray"])) / thickness, "flags": flags}
+    return {"astray": float(max(record["astray"])) / thickness, "flags": flags(checks)}
 
 
 def platens(
     *,
-    mesh: Mapping[str, Any] | None = None,
-    solids: Mapping[str, Any] | None = None,
+    mesh: Values | None = None,
+    solids: Values | None = None,
     lowest: float = 0.0,
     numerics: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
+) -> Values:
     """S-720 between platens beside its platen law (thesis section 3.4.3.2), from its published solid constants.
 
     Parameters
@@ -182,7 +181,8 @@ def platens(
         steps=Steps(first=0.004, largest=0.02),
     )
     assert file.areal_density_measured is not None
-    target, area = PlateCurve.pressure_law(file.areal_density_measured), file.weave.cell_area
+    target = PlateCurve.pressure_law(file.areal_density_measured)
+    area = file.weave.cell_area
     pressure = np.geomspace(max(lowest, target.pressure[0]), target.pressure[-1], POINTS)
     law = target.at(pressure)
     computed = closures(history, area, pressure, law)
@@ -211,7 +211,7 @@ def pull_out(
     rows: int = pulling.ROWS,
     slip: float = Numerics.slip,
     pressures: Sequence[float] = (),
-) -> dict[str, Any]:
+) -> Values:
     """A yarn of S-720 pulled through a whole crossover under transverse loads.
 
     Parameters
@@ -229,12 +229,13 @@ def pull_out(
     share of Coulomb's limit; P [N], the largest axial force; c0 [N], mu_eff [-] of the law through them, nan of a
     single one; tangents for each state; seconds
     """
-    fabric, family = catalogue.load(FABRIC), ("warp", "weft").index(pulled)
-    largest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
+    fabric = catalogue.load(FABRIC)
+    family = ("warp", "weft").index(pulled)
+    longest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
     record = pulling.pull_out(
         crossover.build(fabric, domain="whole", size=tuple(size)),
         fabric,
-        [] if pressures else [share * largest for share in loads],
+        [] if pressures else [share * longest for share in loads],
         pressures=tuple(pressures),
         pulled=family,
         numerics=Numerics(friction=friction, slip=slip),
@@ -243,13 +244,15 @@ def pull_out(
     if record.failed:
         raise UnstableError(record.failed)
     F_c, T_f = pulling.thresholds(record)
-    law = PullOutLaw.fit(F_c, T_f, friction=friction) if len(F_c) > 1 else None
+    law = None
+    if len(F_c) > 1:
+        law = PullOutLaw.fit(F_c, T_f, friction=friction)
     each = [record["load"] == number for number in np.unique(record["load"])]
     return {
         "F_c": F_c,
         "T_f": T_f,
-        "P": float(np.abs(record["P"]).max()),
-        "largest": [float(np.abs(record["P_geometric"][of]).max()) for of in each],
+        "P": largest(record["P"]),
+        "largest": [largest(record["P_geometric"][of]) for of in each],
         "mobilised": [float(record["mobilised"][of].max()) for of in each],
         "c0": np.nan if law is None else law.c0,
         "mu_eff": np.nan if law is None else law.mu_eff,
@@ -258,9 +261,7 @@ def pull_out(
     }
 
 
-def calibrated(
-    *, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0
-) -> dict[str, Any]:
+def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> Values:
     """The compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside the published one.
 
     Returns
@@ -272,15 +273,19 @@ def calibrated(
     found = wc.calibrate(
         fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False
     )
-    done, law, nan = found.calibration, found.law, float("nan")
+    done = found.calibration
+    law = found.law
+    nan = float("nan")
     interval: Any = found.interval
-    around = interval.around(law) if fit_solid and not isinstance(interval, Exception) else {}
+    around = {}
+    if fit_solid and not isinstance(interval, Exception):
+        around = interval.around(law)
     own = {
         f"{key}_{name}": nan if one is None else getattr(one, key)
         for name, one in zip(("warp", "weft"), done.yarn_laws)
         for key in "ab"
     }
-    summary: dict[str, Any] = own | {
+    summary: Values = own | {
         "a": law.a,
         "b": law.b,
         "a_interval": around.get("a", law.a_interval),
@@ -295,9 +300,7 @@ def calibrated(
             name: (value, *found.solid.intervals[name])
             for name, value in found.solid.values.items()
         }
-        for name, misfit in (
-            ("misfit_before", found.solid.misfit_before),
-            ("misfit", found.solid.misfit),
-        ):
+        for name in ("misfit_before", "misfit"):
+            misfit = getattr(found.solid, name)
             summary[name] = misfit.closure, misfit.pressure
     return summary

@@ -36,6 +36,7 @@ from typing import Any
 
 from fabrics.errors import InputError
 from validation.study import filled
+from validation.values import Values
 
 FILES = ("claims.toml", "additional.toml")
 POWERS = {"mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6}  # of ten, to SI
@@ -123,7 +124,7 @@ class Claim:
     basis: str
     origin: str
     quantity: str
-    run: dict[str, Any] = field(default_factory=dict)
+    run: Values = field(default_factory=dict)
     let: dict[str, str] = field(default_factory=dict)
     expect: tuple[str, ...] = ()
     reason: str = ""
@@ -152,7 +153,7 @@ def load() -> tuple[Claim, ...]:
     return tuple(Claim(**entry) for name in FILES for entry in entries(name))
 
 
-def entries(name: str) -> list[dict[str, Any]]:
+def entries(name: str) -> list[Values]:
     """The claims of a file of FILES, as dicts; those of a group one by one."""
     return [claim for entry in _content(name)["claim"] for claim in members(entry)]
 
@@ -167,18 +168,17 @@ def _content(name):
     return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))
 
 
-def members(entry: dict[str, Any]) -> list[dict[str, Any]]:
+def members(entry: Values) -> list[Values]:
     """The entries of a group, or the entry itself."""
     if "each" not in entry:
         return [entry]
     rest = {key: value for key, value in entry.items() if key != "each"}
-    rows = [
-        dict(zip(entry["each"], values)) for values in zip(*entry["each"].values(), strict=True)
-    ]
-    return [
-        filled(rest, row | {"tag": str(row.get("fabric")).replace("S-", "s")}, shown=str)
-        for row in rows
-    ]
+    claims = []
+    for values in zip(*entry["each"].values(), strict=True):
+        row = dict(zip(entry["each"], values))
+        tag = str(row.get("fabric")).replace("S-", "s")
+        claims.append(filled(rest, row | {"tag": tag}, shown=str))
+    return claims
 
 
 def condition_of(text: str) -> Condition:
@@ -195,11 +195,15 @@ def condition_of(text: str) -> Condition:
         )
     name, _, expression = found["said"].partition(": ")
     expression = in_si(expression)
-    if equal := found["equal"]:
-        literal = equal.startswith("[") or equal in ("True", "False")
-        return Condition(name, expression, "is", ast.literal_eval(equal) if literal else equal)
+    equal = found["equal"]
+    if equal:
+        if equal.startswith("[") or equal in ("True", "False"):
+            equal = ast.literal_eval(equal)
+        return Condition(name, expression, "is", equal)
+    tolerance = float(found["tolerance"] or 0)
     relative = found["of"] == "%" != found["unit"]
-    tolerance = float(found["tolerance"] or 0) * (0.01 if relative else 1)
+    if relative:
+        tolerance *= 0.01
     return Condition(
         name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative
     )
@@ -212,10 +216,12 @@ def in_si(text: str) -> str:
 
 def _exact(digits, unit):
     plain = unit in POWERS and "e" not in digits.lower()
-    return float(f"{digits}e{POWERS[unit]}") if plain else float(digits) * UNITS[unit]
+    if plain:
+        return float(f"{digits}e{POWERS[unit]}")
+    return float(digits) * UNITS[unit]
 
 
-def run_of(spec: dict[str, Any], names: dict[str, Any]) -> Run:
+def run_of(spec: Values, names: Values) -> Run:
     """A run from its entry in a file, whose first key is its kind; a text of it is in SI if it is a number with a unit,
     and evaluated with these names if it begins with "="."""
     (kind, of), *keywords = _evaluated(spec, names).items()

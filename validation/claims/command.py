@@ -69,7 +69,8 @@ def main(
             resume=resume,
             report=lambda done, total: advance(done / max(total, 1)),
         )
-    table, stamp = pages.rows(claims, records), provenance.stamp()
+    table = pages.rows(claims, records)
+    stamp = provenance.stamp()
     study.write(out / "ledger.csv", table)
     if page is not None:
         options = " --slow" * slow + " --no-variants" * no_variants
@@ -77,13 +78,10 @@ def main(
         pages.write(page, table, command=command, commit=stamp["commit"], date=stamp["date"])
     print(", ".join(f"{count} {verdict}" for verdict, count in pages.counts(table).items()))
     print(f"written to {out}/ledger.csv", flush=True)
-    changed = [
-        (claim, record)
-        for claim, record in zip(claims, records)
-        if judge.changed(claim, record.verdict)
-    ]
-    for claim, record in changed:
-        print(
-            f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
-        )
-    return 1 if changed else 0
+    code = 0
+    for claim, record in zip(claims, records):
+        if judge.changed(claim, record.verdict):
+            told = f"{record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
+            print(f"{claim.id}: {told}")
+            code = 1
+    return code

@@ -8,10 +8,17 @@ from typing import Any
 import numpy as np
 
 from validation.claims.claims import UNITS, Claim, Condition
+from validation.values import Values
 
-REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
-DATA, NOT_COMPARABLE = "data", "not comparable"
-NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
+REPRODUCED = "reproduced"
+MISSED = "missed"
+WRONG = "source is wrong"
+DATA = "data"
+NOT_COMPARABLE = "not comparable"
+NOT_TESTABLE = "not testable"
+NOT_BUILT = "not built"
+LEFT_OUT = "left out"
+BROKEN = "broken"
 VERDICTS = {
     REPRODUCED: "within the tolerance",
     MISSED: "outside the tolerance",
@@ -41,25 +48,30 @@ class Record:
 
     id: str
     verdict: str
-    found: dict[str, Any] = field(default_factory=dict)
+    found: Values = field(default_factory=dict)
     miss: str = ""
     note: str = ""
     variants: dict[str, str] = field(default_factory=dict)
 
 
-def judge(claim: Claim, found: dict[str, Any]) -> Record:
+def judge(claim: Claim, found: Values) -> Record:
     """Record of a claim of which {name: value} were found; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    missed = [
-        condition
-        for condition in claim.conditions
-        if not holds(condition, found.get(condition.name))
-    ]
-    miss = "; ".join(f"{computed(c, found.get(c.name))}, expected {expected(c)}" for c in missed)
-    met = WRONG if claim.against else DATA if claim.data else REPRODUCED
-    return Record(
-        claim.id, NOT_COMPARABLE if claim.incomparable else MISSED if miss else met, found, miss
-    )
+    missed = []
+    for condition in claim.conditions:
+        value = found.get(condition.name)
+        if not holds(condition, value):
+            missed.append(f"{computed(condition, value)}, expected {expected(condition)}")
+    verdict = REPRODUCED
+    if claim.incomparable:
+        verdict = NOT_COMPARABLE
+    elif missed:
+        verdict = MISSED
+    elif claim.against:
+        verdict = WRONG
+    elif claim.data:
+        verdict = DATA
+    return Record(claim.id, verdict, found, "; ".join(missed))
 
 
 def changed(claim: Claim, verdict: str) -> bool:
@@ -75,38 +87,44 @@ def plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(part) for part in value]
-    return (
-        float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-    )
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return float(value)
+    return value
 
 
 def expected(condition: Condition) -> str:
     """A condition in words: "0.12 ± 0.005 mm"."""
-    unit = f" {condition.unit}" if condition.unit else ""
     if condition.test == "is":
         return _words(condition.target)
+    target = f"{condition.target:g}"
     if condition.test != "=":
-        return f"{condition.test} {condition.target:g}{unit}"
+        return f"{condition.test} {target}{_suffix(condition)}"
     if condition.relative:
-        return f"{condition.target:g}{unit} ± {100 * condition.tolerance:g} %"
-    return f"{condition.target:g} ± {condition.tolerance:g}{unit}"
+        return f"{target}{_suffix(condition)} ± {100 * condition.tolerance:g} %"
+    return f"{target} ± {condition.tolerance:g}{_suffix(condition)}"
 
 
 def computed(condition: Condition, value: Any) -> str:
     """What was found for a condition, in words: "h01 0.1203 mm"."""
     if isinstance(value, float):
-        value = (
-            f"{value / UNITS[condition.unit]:.4g}{' ' + condition.unit if condition.unit else ''}"
-        )
+        value = f"{value / UNITS[condition.unit]:.4g}{_suffix(condition)}"
     return f"{condition.name} {_words(value)}"
+
+
+def _suffix(condition):
+    return f" {condition.unit}".rstrip()
 
 
 def _words(value):
     if isinstance(value, list):
         return ", ".join(map(_words, value))
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return "none" if value is None else str(value)
+    if value is True:
+        return "yes"
+    if value is False:
+        return "no"
+    if value is None:
+        return "none"
+    return str(value)
 
 
 def holds(condition: Condition, value: Any) -> bool:
@@ -116,7 +134,11 @@ def holds(condition: Condition, value: Any) -> bool:
     if not isinstance(value, float) or not np.isfinite(value):
         return False
     off = value / UNITS[condition.unit] - condition.target
-    if condition.test == "=":
-        allowed = condition.tolerance * (abs(condition.target) if condition.relative else 1)
-        return abs(off) <= allowed * (1 + 1e-12)
-    return off > 0 if condition.test == ">" else off < 0
+    if condition.test == "<":
+        return off < 0
+    if condition.test == ">":
+        return off > 0
+    allowed = condition.tolerance
+    if condition.relative:
+        allowed *= abs(condition.target)
+    return abs(off) <= allowed * (1 + 1e-12)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 from fabrics import files
@@ -65,9 +66,13 @@ def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Table:
 
 def _row(claim, record):
     why = claim.against or claim.data or claim.incomparable or record.note
-    if record.verdict in (MISSED, REPRODUCED):
-        why = (claim.cause or record.note) if record.verdict == MISSED else ""
-    found = [judge.computed(c, record.found[c.name]) for c in claim.conditions if record.found]
+    if record.verdict == MISSED:
+        why = claim.cause or record.note
+    elif record.verdict == REPRODUCED:
+        why = ""
+    found = []
+    if record.found:
+        found = [judge.computed(c, record.found[c.name]) for c in claim.conditions]
     texts = (
         claim.id,
         claim.topic,
@@ -79,22 +84,22 @@ def _row(claim, record):
         why,
         _in_variants(record),
     )
-    return dict(zip(COLUMNS, (" ".join(text.split()) for text in texts), strict=True))
+    return {column: " ".join(text.split()) for column, text in zip(COLUMNS, texts, strict=True)}
 
 
 def _in_variants(record):
     """ "holds in 4 of 5; missed with nominal denier"; "" for a claim without variants."""
     if not record.variants or record.verdict == NOT_TESTABLE:
         return ""
-    of_all = [record.variants.get(name, record.verdict) for name in VARIANTS]
-    changed = [
-        f"{verdict} with {name}"
-        for name, verdict in record.variants.items()
-        if verdict != record.verdict
-    ]
-    held = sum(verdict in (REPRODUCED, judge.WRONG) for verdict in (record.verdict, *of_all))
-    text = f"holds in {held} of {1 + len(of_all)}"
-    return f"{text}; {', '.join(changed)}" if changed else text
+    verdicts = [record.verdict]
+    changed = ""
+    for name in VARIANTS:
+        verdict = record.variants.get(name, record.verdict)
+        verdicts.append(verdict)
+        if verdict != record.verdict:
+            changed += f", {verdict} with {name}"
+    held = verdicts.count(REPRODUCED) + verdicts.count(judge.WRONG)
+    return f"holds in {held} of {len(verdicts)}{changed.replace(',', ';', 1)}"
 
 
 def counts(table: Table) -> Counter[str]:
@@ -111,34 +116,40 @@ def of_thesis(table: Table, own: bool = True) -> Table:
 def variants_sentence(table: Table) -> str:
     """In how many claims on shots a variant changes the result, in words, as validation.md has it."""
     varied = [row["variants"] for row in table if row["variants"]]
-    whole, changed = varied.count("holds in 5 of 5"), sum("; " in text for text in varied)
+    whole = varied.count("holds in 5 of 5")
+    changed = sum("; " in text for text in varied)
     return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {changed}"
 
 
 def lines(table: Table, command: str, commit: str, date: str) -> str:
     """The page."""
-    thesis, others = counts(of_thesis(table)), counts(of_thesis(table, False))
-    told = [["verdict", "of the thesis", "additional", "meaning"]]
-    told += [
-        [name, str(thesis[name]), str(others[name]), VERDICTS[name]]
-        for name in VERDICTS
-        if name != BROKEN
-    ]
-    tables = {"counts": study.markdown(told), "missed": study.markdown(_missed(table))}
-    words = {"names": ", ".join(VARIANTS), "varied": variants_sentence(table)}
-    return _PAGE.format(command=command, commit=commit, date=date, **tables, **words)
+    thesis = counts(of_thesis(table))
+    others = counts(of_thesis(table, False))
+    told: list[list[object]] = [["verdict", "of the thesis", "additional", "meaning"]]
+    for name, meaning in VERDICTS.items():
+        if name != BROKEN:
+            told.append([name, thesis[name], others[name], meaning])
+    return _PAGE.format(
+        command=command,
+        commit=commit,
+        date=date,
+        counts=study.markdown(told),
+        missed=study.markdown(_missed(table)),
+        names=", ".join(VARIANTS),
+        varied=variants_sentence(table),
+    )
 
 
 def _missed(table):
     """Claims missed by topic, most first; the topics with the fewest in one row."""
-    parts = {
-        title: [row for row in table if row["topic"] == topic]
-        for topic, title in data.topics().items()
-    }
-    ranked = sorted(parts.items(), key=lambda part: -counts(part[1])[MISSED])
-    rest = [row for _, own in ranked[MOST_TOPICS:] for row in own]
+    parts: dict[str, Table] = {topic: [] for topic in data.topics()}
+    for row in table:
+        parts[row["topic"]].append(row)
+    ranked = sorted(parts, key=lambda topic: -counts(parts[topic])[MISSED])
+    named = [(data.topics()[topic], parts[topic]) for topic in ranked[:MOST_TOPICS]]
+    rest = list(chain(*map(parts.get, ranked[MOST_TOPICS:])))
     found: list[list[object]] = [["topic", "decided", "missed", "which"]]
-    for title, own in [*ranked[:MOST_TOPICS], ("all other topics", rest)]:
+    for title, own in [*named, ("all other topics", rest)]:
         missed = [f"`{row['id']}`" for row in own if row["verdict"] == MISSED]
         found.append([title, counts(own)[REPRODUCED] + len(missed), len(missed), ", ".join(missed)])
     return found

@@ -5,7 +5,7 @@ Times are in s, places in m, velocities in m/s, forces in N; a `run` is what a f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +22,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.output import wave_fronts
 from shellfabric.output.snapshots import pyramid
 from shellfabric.panel.model import Panel
+from validation.values import Values, largest, rms
 
 FAMILIES = ("warp", "weft")
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
@@ -48,6 +49,19 @@ def effective(name: str) -> Fabric:
 def weave(name: str) -> Weave:
     """The weave of `fabric`."""
     return catalogue.load(name).weave
+
+
+def crimped(names: Sequence[str] = KEVLAR) -> Iterator[Any]:
+    """(half length of the cell [m], height [m], length [m], Yarn) of each family of some fabrics."""
+    for name in names:
+        weave = catalogue.load(name).weave
+        yield from zip(weave.w, weave.h0, weave.S0, weave.yarns)
+
+
+def derivative(function: Callable[[float], Any], x: float, step: float) -> Any:
+    """Central difference of four points, whose error falls with step^4."""
+    before2, before, after, after2 = (function(x + k * step) for k in (-2, -1, 1, 2))
+    return (before2 - 8 * before + 8 * after - after2) / (12 * step)
 
 
 def panel(name: str, size: int = 8) -> Panel:
@@ -100,7 +114,7 @@ def apart(
     first: Any, second: Any, start: float = 0.0, stop: float = 250e-6, count: int = 300
 ) -> float:
     """Largest difference of velocity between two runs."""
-    return float(np.abs(lead(first, second, start, min(stop, end(first, second)), count)).max())
+    return largest(lead(first, second, start, min(stop, end(first, second)), count))
 
 
 def lead(
@@ -131,7 +145,8 @@ def kinetic_ratio(run: Any) -> Any:
 
 def over_displacement(run: Any, values: Any) -> float:
     """Mean of a masked sample over the projectile's displacement."""
-    z, y = run.nose_position[~values.mask], values.compressed()
+    z = run.nose_position[~values.mask]
+    y = values.compressed()
     return float(trapezoid(y, z) / (z[-1] - z[0]))
 
 
@@ -153,13 +168,14 @@ def strain(run: Any, family: str) -> FloatArray:
 
 def onset(run: Any, family: str) -> float:
     """Instant at which its reaction at the edge first exceeds ONSET; nan where it never does."""
-    t, N = run.t, run.reactions[family]
+    N = run.reactions[family]
     level = ONSET * strength(run)[FAMILIES.index(family)]
-    above = np.flatnonzero(N > level)
-    if above.size == 0 or above[0] == 0:
+    first = int(np.argmax(N > level))
+    # argmax is 0 as well if the level is never passed
+    if first == 0:
         return np.nan
-    k = above[0]
-    return float(np.interp(level, N[k - 1 : k + 1], t[k - 1 : k + 1]))
+    around = slice(first - 1, first + 1)
+    return float(np.interp(level, N[around], run.t[around]))
 
 
 def reaction(run: Any, family: str) -> tuple[FloatArray, FloatArray]:
@@ -179,10 +195,8 @@ def strength(run: Any) -> FloatArray:
 
 def off_square(run: Any, ply: int, t: float) -> float:
     """Extent of the cone of a ply along the weft over that along the warp, in the snapshot nearest an instant."""
-    shot, place = (
-        min(run.snapshots, key=lambda shots: abs(shots[0].t - t))[ply],
-        run.target.places[ply],
-    )
+    shot = min(run.snapshots, key=lambda shots: abs(shots[0].t - t))[ply]
+    place = run.target.places[ply]
     warp, weft = pyramid(run.panels[ply], replace(shot, nodes=shot.nodes - [0.0, 0.0, place]))
     return weft / warp
 
@@ -191,8 +205,10 @@ def largest_shear(run: Any) -> float:
     """[rad] of any element of the struck ply in which no yarn has failed, in all snapshots."""
     most = 0.0
     for shot in (shots[0] for shots in run.snapshots):
-        a, b = np.diff(shot.nodes, axis=0), np.diff(shot.nodes, axis=1)
-        warp, weft = 0.5 * (a[:, :-1] + a[:, 1:]), 0.5 * (b[:-1] + b[1:])
+        a = np.diff(shot.nodes, axis=0)
+        b = np.diff(shot.nodes, axis=1)
+        warp = 0.5 * (a[:, :-1] + a[:, 1:])
+        weft = 0.5 * (b[:-1] + b[1:])
         lengths = np.linalg.norm(warp, axis=2) * np.linalg.norm(weft, axis=2)
         gamma = np.abs(np.arcsin(np.einsum("ijk,ijk->ij", warp, weft) / lengths))
         most = max(most, float(gamma[~shot.failed.any(axis=2)].max()))
@@ -213,49 +229,45 @@ def smooth(t: FloatArray, y: FloatArray) -> FloatArray:
 def noise(t: FloatArray, y: FloatArray, start: float = -np.inf, stop: float = np.inf) -> float:
     """RMS of what is faster than QUIET in a part of a record."""
     part = (t > start) & (t < stop)
-    return float(np.sqrt(np.mean((y[part] - smooth(t[part], y[part])) ** 2)))
+    return rms(y[part] - smooth(t[part], y[part]))
 
 
 def unevenness(run: Any, beside: float = 10e-3) -> float:
     """|ln| of warp over weft tension, each over its strength, of the yarns through the impact point when one of them is
     closest to failing; the largest within `beside` [m] of the middle."""
-    shares = np.array(
-        [
-            yarn(run, f).tension[:, yarn(run, f).X < beside].max(axis=1) / yarn(run, f).strength
-            for f in FAMILIES
-        ]
-    )
-    warp, weft = shares[:, np.argmax(np.maximum(*shares))]
-    return abs(np.log(warp / weft))
+    shares = []
+    for family in FAMILIES:
+        history = yarn(run, family)
+        shares.append(history.tension[:, history.X < beside].max(axis=1) / history.strength)
+    closest = np.argmax(np.maximum(*shares))
+    return abs(np.log(shares[0][closest] / shares[1][closest]))
 
 
-def zones(run: Any, stop: float = 200e-6) -> dict[str, Any]:
+def zones(run: Any, stop: float = 200e-6) -> Values:
     """Instant of the kink of two straight lines through the velocity history, and their slopes."""
-    t, best = np.linspace(0, min(stop, end(run)), 401), (np.inf, None, None)
+    t = np.linspace(0, min(stop, end(run)), 401)
+    velocity = v(run, t)
+    least = np.inf
     for kink in t[20:-20]:
         basis = np.stack([np.ones_like(t), np.minimum(t, kink), np.maximum(t - kink, 0)], axis=1)
-        found, *_ = np.linalg.lstsq(basis, v(run, t), rcond=None)
-        best = min(
-            best,
-            (float(np.sum((basis @ found - v(run, t)) ** 2)), kink, found),
-            key=lambda one: one[0],
-        )
-    return {"kink": best[1], "before": best[2][1], "after": best[2][2]}  # type: ignore[index]
+        line, *_ = np.linalg.lstsq(basis, velocity, rcond=None)
+        off = float(np.sum((basis @ line - velocity) ** 2))
+        if off < least:
+            least = off
+            found = {"kink": kink, "before": line[1], "after": line[2]}
+    return found
 
 
-def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> dict[str, Any]:
+def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values:
     """Weft reactions across the edge, as means over a window [s]: of the middle and of the plateau [N], and the width
     [m] of the zone, which ends where `level` of what the middle has more than the plateau is left."""
-    clock, wefts = (
-        run.histories[0].t,
-        (yarn for yarn in run.histories[0].yarns if yarn.family == "weft"),
-    )
-    ends = {
-        abs(yarn.offset): yarn.tension[(clock > start) & (clock < stop), -1].mean()
-        for yarn in wefts
-    }
-    offset = np.array(sorted(ends))
-    profile = np.array([ends[place] for place in offset])
+    clock = run.histories[0].t
+    window = (clock > start) & (clock < stop)
+    ends = {}
+    for yarn in run.histories[0].yarns:
+        if yarn.family == "weft":
+            ends[abs(yarn.offset)] = yarn.tension[window, -1].mean()
+    offset, profile = np.array(sorted(ends.items())).T
     plateau = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
     below = np.flatnonzero(profile < plateau + level * (profile[0] - plateau))
     return {
@@ -267,7 +279,8 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> dict[s
 
 def noise_over_net(shell: Any, cables: Any) -> float:
     """Noise of the reaction of the warp: shell over cable net, as means over a microsecond, as the shell's are."""
-    t, clock = np.arange(0, min(shell.t[-1], end(cables)), 1e-6), cables.step_history[:, 0]
+    t = np.arange(0, min(shell.t[-1], end(cables)), 1e-6)
+    clock = cables.step_history[:, 0]
     width = max(1, round(1e-6 / (clock[1] - clock[0])))
     of_cables = np.interp(
         t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same")
@@ -280,10 +293,8 @@ def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
     X, Y = run.panel.coordinates()
     r = np.linspace(0, min(X[-1, 0], Y[0, -1]), 800)
     for height in (shots[0].nodes[..., 2].astype(np.float32) for shots in run.snapshots):
-        z, radius = (
-            RegularGridInterpolator((X[:, 0], Y[0]), height, bounds_error=False, fill_value=0.0),
-            [],
-        )
+        z = RegularGridInterpolator((X[:, 0], Y[0]), height, bounds_error=False, fill_value=0.0)
+        radius = []
         for angle in (0.0, 0.25 * np.pi, 0.5 * np.pi):
             heights = z(np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1))
             radius.append(r[np.flatnonzero(heights > share * float(height.max()))[-1]])
@@ -299,12 +310,15 @@ def straight_side(run: Any, velocity: float) -> float:
     return np.corrcoef(*run.nodes[inside].T)[0, 1] ** 2
 
 
-def cone_sides(run: Any, times: Sequence[float]) -> dict[str, Any]:
+def cone_sides(run: Any, times: Sequence[float]) -> Values:
     """Sides of the cone of a shell's yarn: straightness at times [s], and what the slope loses from first to last."""
-    warp, slopes, R2 = yarn(run, "warp"), [], []
+    warp = yarn(run, "warp")
+    slopes = []
+    R2 = []
     for t in times:
         k = int(np.argmin(np.abs(run.histories[0].t - t)))
-        x, z = warp.place[k], warp.deflection[k]
+        x = warp.place[k]
+        z = warp.deflection[k]
         side = (x > NOSE) & (z > 0.1 * z.max())
         slopes.append(-np.polyfit(x[side], z[side], 1)[0])
         R2.append(np.corrcoef(x[side], z[side])[0, 1] ** 2)
@@ -314,20 +328,21 @@ def cone_sides(run: Any, times: Sequence[float]) -> dict[str, Any]:
 def cone_slope(run: Any, t: float) -> float:
     """Of the side of the cone along the warp at an instant, from 30 to 80 % of its height."""
     k = int(np.argmin(np.abs(run.histories[0].t - t)))
-    x, z = yarn(run, "warp").place[k], yarn(run, "warp").deflection[k]
+    x = yarn(run, "warp").place[k]
+    z = yarn(run, "warp").deflection[k]
     part = (z > 0.3 * z.max()) & (z < 0.8 * z.max())
     return -np.polyfit(x[part], z[part], 1)[0]
 
 
 def front_width(run: Any, place: float) -> float:
     """[m] over which the tension of the weft at a place rises from a tenth to half of the plateau behind the front."""
-    weft, clock = yarn(run, "weft"), run.histories[0].t
+    weft = yarn(run, "weft")
+    clock = run.histories[0].t
     T = weft.tension[:, int(np.argmin(np.abs(weft.X - place)))]
     start = np.argmax(T > 0.01 * weft.strength)
-    plateau, part = (
-        T[start : start + 40].max(),
-        slice(max(start - 5, 0), start + 40),
-    )  # within 20 us
+    # the plateau is reached within 20 us
+    plateau = T[start : start + 40].max()
+    part = slice(max(start - 5, 0), start + 40)
     rise = np.maximum.accumulate(T[part])
     times = [clock[part][np.argmax(rise >= share * plateau)] for share in (0.1, 0.5)]
     return (times[1] - times[0]) * front(run, "weft", "longitudinal")
@@ -335,14 +350,16 @@ def front_width(run: Any, place: float) -> float:
 
 def share_of_time_falling(*runs: Any) -> float:
     """[-] of the time after zone I in which the strain of the weft, without noise, falls from each run to the next."""
-    n, clock = min(len(run.histories[0].t) for run in runs), runs[0].histories[0].t
+    n = min(len(run.histories[0].t) for run in runs)
+    clock = runs[0].histories[0].t
     strains = [smooth(run.histories[0].t[:n], strain(run, "weft")[:n]) for run in runs]
     return float(np.mean(rising(*strains[::-1])[clock[:n] > ZONE_I]))
 
 
 def spread_before_peak(less: Any, same: Any, more: Any) -> float:
     """Largest difference of the strains of the weft of three runs before the peak of the middle one, over the peak."""
-    clock, strains = same.histories[0].t, strain(same, "weft")
+    clock = same.histories[0].t
+    strains = strain(same, "weft")
     t = np.linspace(0, 0.9 * clock[int(np.argmax(strains))], 300)
     each = [np.interp(t, run.histories[0].t, strain(run, "weft")) for run in (less, same, more)]
     return float((np.max(each, axis=0) - np.min(each, axis=0)).max() / strains.max())
@@ -352,7 +369,9 @@ def slip_delay(run: Any, held: Any, start: float) -> float:
     """[s] from the start of a slip until the velocity has left that of the held panel by half a metre a second."""
     t = np.linspace(0, end(run, held), 2000)
     gone = np.abs(v(run, t) - v(held, t)) > 0.5
-    return float(t[np.argmax(gone)]) - start if gone.any() else np.nan
+    if gone.any():
+        return float(t[np.argmax(gone)]) - start
+    return np.nan
 
 
 def slip(run: Any) -> FloatArray:

@@ -17,16 +17,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from validation.claims import checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
+from validation.values import Values, compute_each
 
-VARIANTS: dict[
-    str, dict[str, Any]
-] = {  # name: what is merged into the keywords of shots at one ply
+VARIANTS: dict[str, Values] = {  # name: what is merged into the keywords of shots at one ply
     "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
     "nominal denier": {"change": {"denier": "nominal"}},
     "2 elements per crossover": {"elements_per_crossover": 2},
@@ -72,28 +70,29 @@ def validate(
     -------
     One record a claim, in the order of the claims.
     """
-    chosen = [claim for claim in claims if slow or not claim.slow]
-    every = VARIANTS if vary else ()
-    variants = {
-        claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen
-    }
-    tasks = [(claim, name) for claim in chosen for name in (None, *variants[claim.id])]
-    wanted = {run for task in tasks for run in _flat(runs_of(*task)) if not _missing(run)}
-    runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
-    done = dict(
-        zip(
-            runs,
-            run_cache.results(
-                compute, [(run,) for run in runs], folder=folder, report=report, **pool
-            ),
-        )
-    )
-    records = [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in claims]
-    for place, claim in enumerate(claims):
-        if claim.id in variants:
-            verdicts = {name: check(claim, done, name).verdict for name in variants[claim.id]}
-            records[place] = replace(check(claim, done), variants=verdicts)
-    return records
+    tasks: list[tuple[Claim, str | None]] = []
+    for claim in claims:
+        if claim.slow and not slow:
+            continue
+        tasks.append((claim, None))
+        for name in VARIANTS:
+            if vary and runs_of(claim, name) != runs_of(claim):
+                tasks.append((claim, name))
+    wanted: set[Run] = set()
+    for task in tasks:
+        wanted.update(run for run in _flat(runs_of(*task)) if not _missing(run))
+    # the long ones first, so that no core waits for one at the end
+    ordered = sorted(wanted, key=lambda run: (not _is_long(run), run))
+    done = compute_each(compute, ordered, folder=folder, report=report, **pool)
+    left_out = "slow: run with --slow"
+    records = {claim.id: Record(claim.id, LEFT_OUT, note=left_out) for claim in claims}
+    for claim, name in tasks:
+        record = check(claim, done, name)
+        if name is None:
+            records[claim.id] = record
+        else:
+            records[claim.id].variants[name] = record.verdict
+    return list(records.values())
 
 
 def compute(run: Run) -> Any:
@@ -107,7 +106,9 @@ def compute(run: Run) -> Any:
 def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Record:
     """The record of a claim, from what its runs have come to; `variant` of VARIANTS, or None for it as it stands."""
     if not claim.conditions:
-        verdict = NOT_BUILT if claim.unbuilt else NOT_TESTABLE
+        verdict = NOT_TESTABLE
+        if claim.unbuilt:
+            verdict = NOT_BUILT
         return Record(claim.id, verdict, note=claim.unbuilt or claim.untestable)
     try:
         specs = runs_of(claim, variant)
@@ -116,12 +117,12 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
                 return Record(claim.id, NOT_TESTABLE, note=f"{package} is not installed")
             if isinstance(done[run], WeavecellError):
                 raise done[run]
-        results = {
-            name: {key: done[run] for key, run in spec.items()}
-            if isinstance(spec, dict)
-            else done[spec]
-            for name, spec in specs.items()
-        }
+        results = {}
+        for name, spec in specs.items():
+            if isinstance(spec, dict):
+                results[name] = {key: done[run] for key, run in spec.items()}
+            else:
+                results[name] = done[spec]
         return judge.judge(claim, values(claim, results))
     except WeavecellError as problem:
         return Record(claim.id, MISSED, miss=str(problem), note=str(problem))
@@ -129,25 +130,23 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
 
 
-def values(claim: Claim, results: dict[str, Any]) -> dict[str, Any]:
+def values(claim: Claim, results: Values) -> Values:
     """{name: what is found for it} of the conditions; Python evaluates the expressions, which are our own files'."""
     names = checks.names() | {"__builtins__": __builtins__} | results
     for name, expression in claim.let.items():
         names[name] = eval(in_si(expression), names)
-    found: dict[str, Any] = {}
+    found: Values = {}
     for condition in claim.conditions:
         if condition.expression:
             found[condition.name] = eval(condition.expression, names)
     return found
 
 
-def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
+def runs_of(claim: Claim, variant: str | None = None) -> Values:
     """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
     names = checks.names()
-    return {
-        name: _specified(spec, names, VARIANTS.get(variant or "", {}))
-        for name, spec in claim.run.items()
-    }
+    changes = VARIANTS.get(variant or "", {})
+    return {name: _specified(spec, names, changes) for name, spec in claim.run.items()}
 
 
 def is_long(claim: Claim) -> bool:
@@ -158,15 +157,18 @@ def is_long(claim: Claim) -> bool:
 def _specified(spec, names, changes):
     if "for" not in spec:
         return _varied(run_of(spec, names), changes)
-    rows = names[spec["for"]] if isinstance(spec["for"], str) else spec["for"]
-    spec = {key: value for key, value in spec.items() if key != "for"}
-    found: dict[str, Any] = {}
+    rows = spec["for"]
+    if isinstance(rows, str):
+        rows = names[rows]
+    rest = {key: value for key, value in spec.items() if key != "for"}
+    found: Values = {}
     for row in rows:
-        chosen = (
-            {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}
-        )
-        run = run_of(filled(spec, chosen, shown=str), names)
-        found[tuple(row) if isinstance(row, list) else row] = _varied(run, changes)
+        key = row
+        chosen = {"": row}
+        if isinstance(row, list):
+            key = tuple(row)
+            chosen = {f"{place}": part for place, part in enumerate(row)}
+        found[key] = _varied(run_of(filled(rest, chosen, shown=str), names), changes)
     return found
 
 
@@ -177,12 +179,14 @@ def _varied(run, changes):
         keywords = changes.get("change", {}) | keywords
     elif run.kind in SHOTS and keywords.get("plies", 1) == 1:
         for name, value in changes.items():
-            own = keywords.get(name)
-            keywords[name] = value | (own or {}) if name == "change" else own or value
+            own = keywords.get(name) or {}
+            keywords[name] = own or value
+            if name == "change":
+                keywords[name] = value | own
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
 
 
-def _flat(specs: dict[str, Any]) -> Iterator[Run]:
+def _flat(specs: Values) -> Iterator[Run]:
     for spec in specs.values():
         yield from spec.values() if isinstance(spec, dict) else (spec,)
 
@@ -194,4 +198,6 @@ def _is_long(run):
 def _missing(run):
     """The package that a run needs and that is not installed, or ""."""
     package = NEEDS.get(run.kind, "")
-    return package if package and find_spec(package) is None else ""
+    if package and find_spec(package) is None:
+        return package
+    return ""

@@ -33,6 +33,7 @@ from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
+from validation.values import Values
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
@@ -69,18 +70,20 @@ def changed_fabric(
         fabric = with_straight_yarns(fabric)
     elif crimps:
         fabric = fabric.with_yarns(crimp=crimps)
-    return variants.with_shear(fabric, **shear) if shear else fabric
+    if shear:
+        return variants.with_shear(fabric, **shear)
+    return fabric
 
 
 def setup(
     fabric: str,
     velocity: float,
     *,
-    change: dict[str, Any] | None = None,
-    struck: dict[str, Any] | None = None,
+    change: Values | None = None,
+    struck: Values | None = None,
     wider: float | None = None,
-    projectile: dict[str, Any] | str | None = None,
-    history: dict[str, Any] | None = None,
+    projectile: Values | str | None = None,
+    history: Values | None = None,
     **keywords: Any,
 ) -> simulation.ImpactSetup:
     """`weavecell.setup` of a shot.
@@ -95,22 +98,21 @@ def setup(
     history : keys beside those of HISTORY
     **keywords : of `weavecell.setup`
     """
-    used, plies = changed_fabric(fabric, **change or {}), keywords.get("plies", 1)
+    change = change or {}
+    used = changed_fabric(fabric, **change)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
-    own = {} if isinstance(projectile, str) else projectile or {}
-    made = wc.setup(
-        used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords
-    )
+    keywords["projectile"] = PROJECTILE
+    if isinstance(projectile, dict):
+        keywords["projectile"] = PROJECTILE | projectile
+    made = wc.setup(used, velocity, history=HISTORY | (history or {}), **keywords)
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
-        rest = (simulation.Ply(used),) * (plies - 1)
-        made = replace(
-            made, lay_up=(simulation.Ply(changed_fabric(fabric, **(change or {}) | struck)), *rest)
-        )
-        made = replace(made, fabric=made.lay_up[0].fabric, laws=made.lay_up[0].laws)
+        first = simulation.Ply(changed_fabric(fabric, **change | struck))
+        rest = [simulation.Ply(used)] * (made.plies - 1)
+        made = replace(made, lay_up=(first, *rest), fabric=first.fabric, laws=first.laws)
     return made
 
 
@@ -138,7 +140,9 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
     failure_time : [s] over which tensions are low-passed before they are held against the strength, in place of the
         time that follows from the failure length; 0 leaves that
     """
-    made, times, beside = setup(fabric, velocity, **scene), np.full(2, np.nan), []
+    made = setup(fabric, velocity, **scene)
+    times = np.full(2, np.nan)
+    beside = []
 
     def watch(solver):
         tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
@@ -150,17 +154,16 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
 
     if failure_time:
         solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
-        for lines in (
-            lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)
-        ):
-            lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
+        factor = -np.expm1(-solver.const.dt / failure_time)
+        for const in solver.consts:
+            const.warp_lines.filter_factor[:] = factor
+            const.weft_lines.filter_factor[:] = factor
         solver.run((watch,))
         result = simulation.collect_result(made, solver)
     else:
         result = simulation.run(made, hooks=(watch,))
-    plain = made.target(
-        made.plain_table()
-    )  # whose table of the cell, which takes 15 MB, is not needed any more
+    # the table of the cell takes 15 MB and is not needed any more
+    plain = made.target(made.plain_table())
     return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
 
 
@@ -223,18 +226,18 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     """The bias extension test on one of its fabrics, by load steps."""
     fabric, model, trellis = bias_extension.coupon_fabric(cloth)
     # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
-    options = {"steps": 2, "max_iterations": 6000} if cloth == "none" else {"steps": steps}
+    options = {"steps": steps}
+    if cloth == "none":
+        options = {"steps": 2, "max_iterations": 6000}
     table = CellModel(fabric, model=model).table(201)
-    try:  # at 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
+    try:
+        # at a tolerance of 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
         result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
     except UnstableError as found:
         result = found.result
     values = bias_extension.measured(result)
-    values |= {
-        "angles": np.radians(values["angles"]),
-        "asymmetry": bias_extension.asymmetry(result),
-    }
-    return SimpleNamespace(**values)
+    values["angles"] = np.radians(values["angles"])
+    return SimpleNamespace(**values, asymmetry=bias_extension.asymmetry(result))
 
 
 def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleNamespace:
@@ -247,11 +250,14 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     result = quasistatic.picture_frame(
         table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
     )
-    stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
-    side = np.array([2 * cells * w for w in weave.w])
-    slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
-    force = stress * side[0] * side[1] * weave.thickness / slope
-    return SimpleNamespace(gamma=result.prescribed, stress=stress, force=force, side=side)
+    weave = table.model.fabric.weave
+    gamma = result.prescribed
+    stress = quasistatic.frame_stress(result)
+    side = 2 * cells * np.array(weave.w)
+    area = side[0] * side[1]
+    slope = np.sqrt(area) * np.cos(0.25 * np.pi + 0.5 * gamma)
+    force = stress * area * weave.thickness / slope
+    return SimpleNamespace(gamma=gamma, stress=stress, force=force, side=side)
 
 
 def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -> SimpleNamespace:
@@ -282,7 +288,8 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
     made = simulation.ImpactSetup(
         changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1
     )
-    shell, cable = [], []
+    shell = []
+    cable = []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)
         cable.append(CableNet(made).run().wall_time)
@@ -292,7 +299,8 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
 def pencil(plies: int, **target: Any) -> SimpleNamespace:
     """A run of Table 6-2 before its block, or the bare block without plies (`cases.block.target`); wall in rad."""
     found = block.target(plies, **target)
-    return SimpleNamespace(**found | {"wall": np.radians(found["wall"])})
+    found["wall"] = np.radians(found["wall"])
+    return SimpleNamespace(**found)
 
 
 def _meshed(fabric, size=SIZE, **options):
@@ -303,38 +311,45 @@ def _meshed(fabric, size=SIZE, **options):
     return mesher.build(given, size=size, **options), given
 
 
-def _columns(found):
-    names = "path", "d1", "d2", "plates", "T1", "T2", "F_c", "F_plate", "d_c", "failed"
-    return {name: getattr(found, name) for name in names}
+class PathColumns(SimpleNamespace):
+    """The columns of a path, by attribute as the texts of claims name them, and by key as a `Record` has them."""
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
 
 
-def stretched(
-    fabric: str, *, ratio: Sequence[float], reach: float | None = None
-) -> SimpleNamespace:
+def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None) -> PathColumns:
     """A biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the thickness of the yarns."""
     from unitcell3d.cases import biaxial_and_platens
 
     mesh, given = _meshed(fabric)
     found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
-    x, lines = mesh.points + found.last["u"], []
-    for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
+    x = mesh.points + found.last["u"]
+    lines = []
+    for axis, (grid, sign) in enumerate(zip(mesh.grids, (1, -1))):
         # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
-        low, high = x[grid[:, 0, 0]], x[grid[:, 0, -1]]
-        lines.append(np.stack([0.5 * (low + high)[:, axis], sign * 0.5 * (low + high)[:, 2]]))
-    thickness = [
-        np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
-        for points in (mesh.points, x)
-    ]
-    return SimpleNamespace(
-        **_columns(found), lines=lines, thickness=thickness[0], thickness_end=thickness[1]
+        middle = 0.5 * (x[grid[:, 0, 0]] + x[grid[:, 0, -1]])
+        lines.append(np.stack([middle[:, axis], sign * middle[:, 2]]))
+    return PathColumns(
+        **found.columns,
+        failed=found.failed,
+        lines=lines,
+        thickness=_thickness(mesh, mesh.points),
+        thickness_end=_thickness(mesh, x),
     )
 
 
-def plates(fabric: str) -> SimpleNamespace:
+def _thickness(mesh, points):
+    """(2,) [m] height of the first section of each yarn."""
+    return np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
+
+
+def plates(fabric: str) -> PathColumns:
     """The crossover pressed between plates."""
     from unitcell3d.cases import biaxial_and_platens
 
-    return SimpleNamespace(**_columns(biaxial_and_platens.plate_compression(*_meshed(fabric))))
+    found = biaxial_and_platens.plate_compression(*_meshed(fabric))
+    return PathColumns(**found.columns, failed=found.failed)
 
 
 def lone(
@@ -344,8 +359,12 @@ def lone(
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
 
-    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
-    strain = 0.06 if bars == 0 else None
+    integration = solid_law.FULL
+    if one_point:
+        integration = solid_law.ONE_POINT
+    strain = None
+    if bars == 0:
+        strain = 0.06
     mesh, given = _meshed(fabric)
     found = single_yarn.pull(mesh, given, family, bars=bars, integration=integration, strain=strain)
     return SimpleNamespace(strain=found.columns["strain"], T=found.columns["T"])
@@ -355,7 +374,8 @@ def sections(fabric: str) -> SimpleNamespace:
     """Sections of whole yarns, warp and weft: `area` (2,) [m2] their volume over the length of their centreline,
     `fibre` (2,) [m2] of the bars that cut the section at the crossing."""
     mesh, _ = _meshed(fabric)
-    area, fibre = [], []
+    area = []
+    fibre = []
     for number, (grid, pairs, bars, S0) in enumerate(
         zip(mesh.grids, mesh.bars, mesh.bar_area, mesh.S0)
     ):
@@ -367,7 +387,8 @@ def sections(fabric: str) -> SimpleNamespace:
 
 def _volume(corners):
     """[m3] of bricks (m, 8, 3) in VTK order: six tetrahedra each, about the diagonal from corner 0 to corner 6."""
-    first, last = corners[:, 0], corners[:, 6]
+    first = corners[:, 0]
+    last = corners[:, 6]
     sixths = [
         np.einsum("ij,ij->i", np.cross(corners[:, a] - first, corners[:, b] - first), last - first)
         for a, b in itertools.pairwise((1, 2, 3, 7, 4, 5, 1))
@@ -380,10 +401,11 @@ def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
     over that at the crest [-], deepest point of the weft in the warp [m]; and the yarns of each domain."""
     from meshing import patch
 
-    found: dict[str, Any] = {}
+    found: Values = {}
     for section in sections:
         mesh, given = _meshed(fabric, section=section)
-        errors, spread = [], []
+        errors = []
+        spread = []
         for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
             middle = 0.5 * (mesh.points[grid[:, 0, 0]] + mesh.points[grid[:, 0, -1]])
             errors.append(
@@ -400,7 +422,8 @@ def _overlap(mesh):
     from scipy.interpolate import LinearNDInterpolator
 
     warp, weft = (mesh.points[grid] for grid in mesh.grids)
-    lower, upper = warp[:, :, 0].reshape(-1, 3), weft[:, :, -1].reshape(-1, 3)
+    lower = warp[:, :, 0].reshape(-1, 3)
+    upper = weft[:, :, -1].reshape(-1, 3)
     below = LinearNDInterpolator(lower[:, :2], lower[:, 2])(upper[:, :2])
     return float(max(np.nanmax(upper[:, 2] - below), 0.0))
 
@@ -443,7 +466,8 @@ def released(fabric: str, *, plies: int, friction: float, closed: float) -> Simp
 
     mesh, given = _meshed(fabric, size=(4, 3, 2))
     model = StackModel(mesh, given, plies, Numerics(friction=friction))
-    rest, area = model.plates.at_rest, given.weave.cell_area
+    rest = model.plates.at_rest
+    area = given.weave.cell_area
 
     def row(state, load):
         force = model.copies[1] * float(np.mean(state.plates))

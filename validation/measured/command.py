@@ -8,14 +8,16 @@ Rows that are not computed anew stay as they are. The site draws the scatter plo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from math import hypot, isnan
 from pathlib import Path
-from typing import Any
 
-from fabrics import run_cache
+import numpy as np
+
 from validation import study
 from validation.measured import clamps, statistics
 from validation.measured.rows import Row, compute, number, read
+from validation.values import Values, compute_each
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
 from weavecell.results import provenance
 
@@ -33,95 +35,107 @@ VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
 def main(
     parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None
 ) -> None:
-    parts, stamp, rows = parts or PARTS[: -1 if quick else None], provenance.stamp(), read()
-    folder = out or (KEPT if quick else study.DATA)
-    runs: dict[str, Any] = {"folder": KEPT / "runs", "jobs": jobs}
-    cases = {
-        row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts
-    }
-    wanted = list(
-        dict.fromkeys(case for pair in cases.values() for case in pair if case is not None)
-    )
-    found = dict(zip(wanted, run_cache.results(compute, [(case,) for case in wanted], **runs)))
-    kept = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
-    new = {id: _ran(found, *pair, stamp["commit"]) for id, pair in cases.items() if any(pair)}
-    table = [held(row, new.get(row.id) or kept.get(row.id, {})) for row in rows]
+    folder = out or study.DATA
+    if quick:
+        folder = out or KEPT
+    # the shots with clamps have no cheap run
+    parts = parts or PARTS[: len(PARTS) - quick]
+    options: Values = {"folder": KEPT / "runs", "jobs": jobs}
+    stamp = provenance.stamp()
     made = f"python -m validation measured {' '.join(parts)}, commit {stamp['commit']}, {stamp['date']}"
+    rows = read()
+    cases = {}
+    for row in rows:
+        pair = (None if quick else row.case, row.coarse_case)
+        if row.level in parts and any(pair):
+            cases[row.id] = pair
+    found = compute_each(compute, filter(None, chain(*cases.values())), **options)
+    known = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
+    for id, pair in cases.items():
+        known[id] = _ran(found, *pair, stamp["commit"])
+    table = [held(row, known.get(row.id, {})) for row in rows]
     study.write(folder / "measured.csv", table, made)
     quantities = summary(table)
     study.write(folder / "measured-quantities.csv", quantities, made)
     if folder == study.DATA:
         study.write(AGAINST_TESTS, quantities, made)
     if "clamps" in parts:
-        varied, each = zip(*clamps.shots())
-        fired = run_cache.results(clamps.fire, [(case,) for case in each], **runs)
-        study.write(folder / "measured-clamps.csv", clamps.settings(varied, fired), made)
+        shots = clamps.shots()
+        fired = compute_each(clamps.fire, [case for _, case in shots], **options)
+        table = clamps.settings([(row, fired[case]) for row, case in shots])
+        study.write(folder / "measured-clamps.csv", table, made)
 
 
 def _ran(found, case, coarse, commit):
     """The columns of RUN from the results of a row's two cases."""
     value, error, balance = found[case or coarse]
-    cheap = None if coarse is None else found[coarse][0]
-    return {
-        key: study.text(cell)
-        for key, cell in zip(RUN, (None if case is None else value, cheap, error, balance, commit))
-    }
+    if case is None:
+        value = None
+    cheap = None
+    if coarse is not None:
+        cheap = found[coarse][0]
+    return dict(zip(RUN, map(study.text, (value, cheap, error, balance, commit))))
 
 
-def held(row: Row, ran: Mapping[str, str]) -> dict[str, Any]:
+def held(row: Row, ran: Mapping[str, str]) -> Values:
     """A row of measured.csv: with E, u_num, u_input and u_val where a number is computed.
 
     u_num is the difference of the two runs of the row and its standard error, where both runs are there.
     """
-    known: dict[str, Any] = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
-    known |= {"measured": row.value, "sigma": row.sigma} | {key: ran.get(key, "") for key in RUN}
-    known |= dict.fromkeys(VALIDATION, "")
-    computed, measured = number(known["computed"] or known["coarse"]), number(row.value)
-    if not isnan(computed - measured):
+    known: Values = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
+    known |= {"measured": row.value, "sigma": row.sigma}
+    known |= dict.fromkeys((*RUN, *VALIDATION), "")
+    known |= {key: ran[key] for key in RUN if key in ran}
+    computed = number(value_of(known))
+    E = computed - number(row.value)
+    if not isnan(E):
         step = abs(number(known["computed"]) - number(known["coarse"]))
-        u_num = hypot(number(known["error"]), 0.0 if isnan(step) else step)
+        u_num = hypot(number(known["error"]), np.nan_to_num(step))
         u_input = float(row.u_input or 0) * abs(computed)
-        E, u_val = computed - measured, hypot(u_num, u_input, float(row.sigma))
+        u_val = hypot(u_num, u_input, float(row.sigma))
         known |= dict(zip(VALIDATION, map(study.text, (E, u_num, u_input, u_val, E / u_val))))
     return known | {"source": row.source, "assumed": row.assumed}
 
 
-def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
+def value_of(row: Values) -> str:
+    """The computed value of a row of measured.csv: of the cheap run if there is no other."""
+    return row["computed"] or row["coarse"]
+
+
+def summary(table: Sequence[Values]) -> list[Values]:
     """A row a quantity that is computed: what --uncertainty prints, n, rows within 2 u_val, bias, sigmas.
 
     An outcome is within where it is the same. Numbers that may be 0 have no bias.
     """
-    found = []
-    for name in dict.fromkeys(row["quantity"] for row in table if row["computed"] or row["coarse"]):
-        rows = [
-            row for row in table if row["quantity"] == name and (row["computed"] or row["coarse"])
-        ]
-        values = [row["computed"] or row["coarse"] for row in rows]
-        met = [
-            row["measured"] == value or abs(number(row["E_over_u_val"])) <= 2
-            for row, value in zip(rows, values)
-        ]
-        one: dict[str, Any] = {
-            "level": rows[0]["level"],
-            "quantity": name,
-            "words": f"{sum(met)} within the uncertainty",
-        }
-        one |= {
-            "n": len(rows),
-            "within 2 u_val": sum(met),
-            "bias": None,
-            "sigma_model": None,
-            "sigma_test": None,
-        }
-        measured, computed = (
-            [*map(number, each)] for each in ((row["measured"] for row in rows), values)
-        )
-        if min(*measured, *computed) > 0:
-            of = statistics.of(measured, computed, [float(row["sigma"]) for row in rows])
-            one |= {key: round(value, 3) for key, value in vars(of).items()}
-            one["words"] = f"bias {of.bias:.2f}" + (
-                "" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}"
-            )
-        one["words"] += f", n = {len(rows)}"
-        found.append(one)
-    return found
+    of_quantity: Values = {}
+    for row in table:
+        if value_of(row):
+            of_quantity.setdefault(row["quantity"], []).append(row)
+    return [_summary(rows) for rows in of_quantity.values()]
+
+
+def _summary(rows):
+    within = 0
+    for row in rows:
+        same = row["measured"] == value_of(row)
+        within += same or abs(number(row["E_over_u_val"])) <= 2
+    first = rows[0]
+    words = f"{within} within the uncertainty"
+    measured = [number(row["measured"]) for row in rows]
+    computed = [number(value_of(row)) for row in rows]
+    known = dict.fromkeys(("bias", "sigma_model", "sigma_test"))
+    if min(*measured, *computed) > 0:
+        sigmas = [float(row["sigma"]) for row in rows]
+        of = statistics.of(measured, computed, sigmas)
+        known = {key: round(value, 3) for key, value in vars(of).items()}
+        words = f"bias {of.bias:.2f}"
+        if not isnan(of.sigma_model):
+            words += f", sigma {of.sigma_model:.0%}"
+    return {
+        "level": first["level"],
+        "quantity": first["quantity"],
+        "words": f"{words}, n = {len(rows)}",
+        "n": len(rows),
+        "within 2 u_val": within,
+        **known,
+    }

@@ -28,6 +28,7 @@ from unitcell3d.cases.biaxial_and_platens import plate_compression
 from unitcell3d.identify.platen_misfit import closures
 from unitcell3d.solver.load_stepping import Steps
 from validation.models.bare_impact import Strike, strike
+from validation.values import Values, largest
 from weavecell.scenes import honoured, target
 
 HERE = Path(__file__).parent
@@ -60,21 +61,19 @@ class Case:
         return {key: value for key, value in self.changes if "." not in key}
 
     @property
-    def keys(self) -> dict[str, Any]:
+    def keys(self) -> Values:
         """{dotted key: value} of the input file that this row changes."""
         return {key: _value(text) for key, text in self.changes if "." in key}
 
     @property
-    def scene(self) -> dict[str, Any]:
+    def scene(self) -> Values:
         """The tables of the input file with these changes."""
         return target.changed(tomllib.loads(self.text.partition("\f")[0]), self.keys)
 
     def setup(self, **more: Any) -> Any:
         """The ImpactSetup of an impact, with `more` values of dotted keys."""
-        file, changes = (
-            HERE / "inputs" / f"{self.input}.toml",
-            {"numerics.threads": 1} | self.keys | more,
-        )
+        file = HERE / "inputs" / f"{self.input}.toml"
+        changes = {"numerics.threads": 1} | self.keys | more
         return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
 
 
@@ -109,16 +108,21 @@ def read() -> list[Row]:
 def _row(measure, input, changes, coarse, **columns):
     if not measure:
         return Row(**columns)
-    own, cheapest = (
-        tuple(
-            (key.strip(), value)
-            for key, _, value in (part.partition("=") for part in texts.split(";"))
-            if value
-        )
-        for texts in (changes, coarse)
-    )
-    cheap = None if coarse == "-" else case_of(measure, input, (*own, *cheapest))
+    own = _changes(changes)
+    cheap = None
+    if coarse != "-":
+        cheap = case_of(measure, input, own + _changes(coarse))
     return Row(**columns, case=case_of(measure, input, own), coarse_case=cheap)
+
+
+def _changes(text):
+    """((key, value), ...) of "key = value; key = value"."""
+    pairs = []
+    for part in text.split(";"):
+        key, _, value = part.partition("=")
+        if value:
+            pairs.append((key.strip(), value))
+    return tuple(pairs)
 
 
 def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
@@ -138,9 +142,8 @@ def _value(text):
 # {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
 OF_SHOTS: dict[str, Callable[[Any], Any]] = {
     "outcome": lambda shot: shot.outcome,
-    "slip": lambda shot: (
-        1e3 * float(shot.plies["pull_in"].max())
-    ),  # largest way of a yarn's end out of its clamp
+    # the largest way of a yarn's end out of its clamp
+    "slip": lambda shot: 1e3 * float(shot.plies["pull_in"].max()),
     "torn_plies": lambda shot: float(np.count_nonzero(shot.plies["cut_yarns"][-1])),
 }
 OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
@@ -160,10 +163,12 @@ def compute(case: Case) -> tuple[Any, float, float]:
         return OF_SHOTS[case.measure](shot), 0.0, shot.energy_error_max
     if case.measure in OF_BLOCKS:
         found = _strike(case)
-        error = np.abs(found.energies["error"]).max() / found.energies["projectile"][0]
-        return OF_BLOCKS[case.measure](found), 0.0, float(error)
-    if case.measure in ("limit", "growth"):
-        return _limit(case) if case.measure == "limit" else _growth(case)
+        error = largest(found.energies["error"]) / found.energies["projectile"][0]
+        return OF_BLOCKS[case.measure](found), 0.0, error
+    if case.measure == "limit":
+        return _limit(case)
+    if case.measure == "growth":
+        return _growth(case)
     if case.measure == "v50":
         found = wc.v50(case.setup(), shots=int(case.options["shots"])).summary()
         wide = found["v50_high_m_s"] - found["v50_low_m_s"]
@@ -172,12 +177,14 @@ def compute(case: Case) -> tuple[Any, float, float]:
     fabric = wc.fabric(table["name"], linear_density=table["linear_density"])
     if case.measure in OF_FABRICS:
         return OF_FABRICS[case.measure](fabric), 0.0, 0.0
-    return _closure(case, fabric)[("closure_below", "closure_above").index(case.measure)], 0.0, 0.0
+    below, above = _closure(case, fabric)
+    return {"closure_below": below, "closure_above": above}[case.measure], 0.0, 0.0
 
 
 def _limit(case, **more):
     """[m/s] velocity between a stop and a perforation, looked for from the measured V50; half of what lies between."""
-    setup, width = case.setup(**more), float(case.options.get("tolerance", 0.03))
+    setup = case.setup(**more)
+    width = float(case.options.get("tolerance", 0.03))
     guess = setup.strike_velocity
     found = ballistic_limit.critical_velocity(
         setup.target(), tolerance=width * guess, guess=guess, step=1 + width
@@ -187,17 +194,16 @@ def _limit(case, **more):
 
 def _growth(case):
     """[-] limit of the pack over that of two plies."""
-    many, few = (
-        _limit(case),
-        _limit(case, **{"panel.plies": 2, "projectile.strike_velocity": "240 m/s"}),
-    )
+    many = _limit(case)
+    few = _limit(case, **{"panel.plies": 2, "projectile.strike_velocity": "240 m/s"})
     ratio = many[0] / few[0]
     return ratio, ratio * float(np.hypot(many[1] / many[0], few[1] / few[0])), max(many[2], few[2])
 
 
 def _strike(case):
     """What a projectile does to the bare block of a file with the tables [projectile] and [backing] alone."""
-    shot, backing = dict(case.scene["projectile"]), case.scene["backing"]
+    shot = dict(case.scene["projectile"])
+    backing = case.scene["backing"]
     setup = wc.setup(
         "S-728", shot.pop("strike_velocity"), opening="200 mm", projectile=shot, backing=backing
     )

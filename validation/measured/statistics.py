@@ -20,6 +20,8 @@ from math import exp, nan, sqrt
 
 import numpy as np
 
+from validation.values import rms
+
 
 @dataclass(frozen=True)
 class Statistics:
@@ -38,7 +40,7 @@ def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[flo
     measured, computed : (n,) above 0
     sigma : (n,) standard uncertainties of the tests, in the unit of `measured`
     """
-    test = float(np.sqrt(np.mean(np.divide(sigma, measured) ** 2)))
+    test = rms(np.divide(sigma, measured))
     logs = np.log(np.divide(computed, measured))
     if logs.size == 1:
         return Statistics(float(computed[0] / measured[0]), nan, test)

@@ -54,14 +54,21 @@ def strike(
     """
     if dt is None:
         dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
-    block, quarter = backing.block(dt), 0.25 * projectile.mass
-    position, speed = np.array([0.0, 0.0, backing.standoff]), np.array([0.0, 0.0, float(velocity)])
-    rows, energies, last = [], [], np.inf
+    block = backing.block(dt)
+    quarter = 0.25 * projectile.mass
+    position = np.array([0.0, 0.0, backing.standoff])
+    speed = np.array([0.0, 0.0, float(velocity)])
+    rows = []
+    energies = []
+    last = np.inf
     for n in range(int(np.ceil(end_time / dt))):
         push = block.strike(position, speed, projectile)
         block.advance()
-        kick = 0.5 * dt if n == 0 else dt
-        before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
+        kick = dt
+        if n == 0:
+            kick = 0.5 * dt
+        before = speed[2]
+        speed[2] = speed[2] + kick * push[2] / quarter
         mean = 0.5 * (before + speed[2])
         if speed[2] <= 0 and last == np.inf:
             last = n + int(np.ceil(after / dt))

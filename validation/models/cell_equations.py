@@ -8,10 +8,12 @@ add up to the heights at rest (eqs. 4-12, 4-13), with d = a - b (F + F0)^(-1/3) 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+
+from validation.values import largest
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,7 +22,9 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellModel
 
 _X, _WEIGHTS = leggauss(40)
-_U, _WEIGHTS = 0.25 * np.pi * (_X + 1), 0.25 * np.pi * _WEIGHTS  # from 0 to pi / 2
+# the points of the quadrature from 0 to pi / 2
+_U = 0.25 * np.pi * (_X + 1)
+_WEIGHTS = 0.25 * np.pi * _WEIGHTS
 
 
 def arc(w: FloatArray, h: FloatArray) -> FloatArray:
@@ -38,17 +42,25 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     stretches = [
         np.array(one) for one in np.broadcast_arrays(np.asarray(stretch1, float), stretch2)
     ]
-    weave, found = model.fabric.weave, model.solve(*stretches)
-    F, touching = found["F"], found["F"] > 0
-    largest = max(float(F.max()), 1e-12)
-    worst, W, heights = 0.0, np.zeros_like(F), np.zeros_like(F)
+    weave = model.fabric.weave
+    found = model.solve(*stretches)
+    F = found["F"]
+    touching = found["F"] > 0
+    scale = max(float(F.max()), 1e-12)
+    worst = 0.0
+    W = np.zeros_like(F)
+    heights = np.zeros_like(F)
     # laws given to the cell, or the fabric's; bounds have none
-    laws = (model.laws or model.fabric.laws) if model.model == "compressible" else (None, None)
-    assert laws is not None
+    laws: Any = (None, None)
+    if model.model == "compressible":
+        laws = model.laws or model.fabric.laws
     if model.model == "decoupled" and touching.any():
         return float("inf")
     for k, (yarn, law) in enumerate(zip(weave.yarns, laws)):
-        w, S0, T, h = weave.w[k] * stretches[k], weave.S0[k], found[f"T{k + 1}"], found[f"h{k + 1}"]
+        w = weave.w[k] * stretches[k]
+        S0 = weave.S0[k]
+        T = found[f"T{k + 1}"]
+        h = found[f"h{k + 1}"]
         S = arc(w, h)
         tension = yarn.EA * np.maximum(S - S0, 0) / S0
         slope = 0.5 * np.pi * h / w
@@ -58,13 +70,16 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
         )  # a yarn that touches nothing keeps its length, or is straight
         worst = max(
             worst,
-            float(np.abs(tension - T).max()) / yarn.strength,
-            float(np.abs(force - F)[touching].max(initial=0.0)) / largest,
+            largest(tension - T) / yarn.strength,
+            float(np.abs(force - F)[touching].max(initial=0.0)) / scale,
             float(free[~touching].max(initial=0.0)),
         )
-        W, heights = W + 0.5 * yarn.EA * np.maximum(S - S0, 0) ** 2 / S0, heights + h
+        W = W + 0.5 * yarn.EA * np.maximum(S - S0, 0) ** 2 / S0
+        heights = heights + h
         if law is not None and law.a > 0:
-            start = (law.b / law.a) ** 3 if law.form == "regularised" else 0.0
+            start = 0.0
+            if law.form == "regularised":
+                start = (law.b / law.a) ** 3
             d = law.a - law.b * np.where(touching, F + start, 1.0) ** (-1 / 3)
             heights = heights + np.where(touching, d, 0.0)
             if start:
@@ -76,4 +91,4 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
         worst = max(
             worst, float(-closed[~touching].min(initial=0.0))
         )  # contact is lost only where there is room
-    return max(worst, float(np.abs(W - found["W"]).max()) / max(float(W.max()), 1e-30))
+    return max(worst, largest(W - found["W"]) / max(float(W.max()), 1e-30))

@@ -15,6 +15,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from shellfabric.cell.crossover_kernels import solve_many
 from shellfabric.cell.model import COLUMNS, CellModel
+from validation.values import largest
 
 QUANTITIES = ("T1", "N1", "N2", "C1", "F")
 
@@ -83,11 +84,9 @@ def errors(model: CellModel, shares: ArrayLike, strains: ArrayLike) -> FloatArra
     found = []
     for share in np.atleast_1d(shares):
         stretch = share * straight * (1 + np.atleast_1d(strains))
-        exact, table = (
-            solved(model, stretch, 1.0, float(share)),
-            scaled(model, stretch, 1.0, float(share)),
-        )
+        exact = solved(model, stretch, 1.0, float(share))
+        table = scaled(model, stretch, 1.0, float(share))
         found.append(
-            [np.max(np.abs(exact[name] - table[name])) / weave.warp.strength for name in QUANTITIES]
+            [largest(exact[name] - table[name]) / weave.warp.strength for name in QUANTITIES]
         )
     return np.array(found)

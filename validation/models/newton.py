@@ -13,6 +13,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
+from validation.values import largest
 
 TOLERANCE = 1e-3  # K_tol of App. B.3
 MOST = 500
@@ -34,13 +35,16 @@ def iterate(
 
     `below` : share by which it starts below them, for what rounding can do
     """
-    weave, law = catalogue.load(fabric).weave, catalogue.load(fabric).laws[0]
-    w, h = [w0 + d for w0, d in zip(weave.w, (d1, d2))], np.array(weave.h0) * (1 - below)
+    weave = catalogue.load(fabric).weave
+    law = catalogue.load(fabric).laws[0]
+    w = [w0 + d for w0, d in zip(weave.w, (d1, d2))]
+    h = np.array(weave.h0) * (1 - below)
     full = sum(weave.h0)
     with np.errstate(all="ignore"):
         for step in range(1, MOST + 1):
             F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
-            F, slope = np.array(F), np.array(slope)  # type: ignore[assignment]
+            F = np.array(F)  # type: ignore[assignment]
+            slope = np.array(slope)  # type: ignore[assignment]
             d = law.a - law.b / np.cbrt(F)
             compliance = law.b / 3 / np.cbrt(F) ** 4
             f = np.array([F[0] - F[1], h.sum() + d.sum() - full])
@@ -50,7 +54,7 @@ def iterate(
                 return Iteration(float(F.mean()), step, True)  # type: ignore[attr-defined]
             J = np.array([[slope[0], -slope[1]], 1 + compliance * slope])
             h = h - (np.linalg.solve(J, f) if invert else J @ f)
-            if np.abs(h).max() > 1e3 * full:
+            if largest(h) > 1e3 * full:
                 return Iteration(float("nan"), step, False)
     return Iteration(float(F.mean()), MOST, False)  # type: ignore[attr-defined]
 

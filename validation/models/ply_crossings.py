@@ -35,9 +35,14 @@ def plies_cross(march: PackSolver) -> bool:
 
 def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
     """(nodes (n, 3) [m] of all plies, triangles (m, 3), bare yarns (k, 2), ply of each node (n,))."""
-    places, facets, bare, owner, first = [], [], [], [], 0
+    places = []
+    facets = []
+    bare = []
+    owner = []
+    first = 0
     for p, (panel, c, state) in enumerate(march.parts):
-        shape, size = (c.ni + 1, c.row_stride), (c.ni + 1) * c.row_stride
+        shape = (c.ni + 1, c.row_stride)
+        size = (c.ni + 1) * c.row_stride
         rest = np.stack([*panel.coordinates(), np.full(shape, march.places[p])], axis=-1)
         now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
         warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
@@ -48,7 +53,8 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
             & (flag & ERODED == 0)
         )
         is_facet &= (flag == 0) | ~drawn_out(now, rest)
-        contact, rows = march.contact, np.arange(c.ni)[:, None]
+        contact = march.contact
+        rows = np.arange(c.ni)[:, None]
         is_facet &= (
             contact.dropped[contact.base[p] + rows * contact.shape[p, 0] + np.arange(c.nj)] == 0
         )

@@ -7,12 +7,13 @@ show the three zones without numbers; compared is the angle of yarns that do not
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics import catalogue, variants
 from validation.models.variants import with_straight_yarns
+from validation.values import Values, largest
 from weavecell.results import coupon
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def coupon_fabric(name: str) -> tuple[Fabric, str, bool]:
     return soft if name == "soft" else fabric, "compressible", name in ("locking", "soft")
 
 
-def measured(result: Result) -> dict[str, Any]:
+def measured(result: Result) -> Values:
     """What is read off a test, at each load step.
 
     Returns
@@ -56,10 +57,12 @@ def measured(result: Result) -> dict[str, Any]:
 
 def asymmetry(result: Result) -> float:
     """[-] largest distance of a node from its mirror image, left to right and end to end, over the width."""
-    rest, x = result.coupon.points, result.states[-1].x
-    width, worst = np.ptp(rest[:, 0]), 0.0
+    rest = result.coupon.points
+    x = result.states[-1].x
+    width = np.ptp(rest[:, 0])
+    worst = 0.0
     keys = {tuple(key): k for k, key in enumerate(np.round(1e7 * rest).astype(int))}
     for sign in ((-1, 1), (1, -1)):
         image = [keys[tuple(key)] for key in np.round(1e7 * rest * sign).astype(int)]
-        worst = max(worst, float(np.abs(x[image] - x * sign).max()))
+        worst = max(worst, largest(x[image] - x * sign))
     return worst / width

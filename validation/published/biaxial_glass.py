@@ -22,7 +22,8 @@ def free_edge(model: CellModel, direction: str) -> CellPath:
     """
     index = ("warp", "weft").index(direction)
     end = (1 + model.fabric.weave.yarns[index].crimp) * (1 + model.ultimate_strains[index]) - 1
-    strain, tension = np.full((241, 2), np.nan), np.zeros((241, 2))
+    strain = np.full((241, 2), np.nan)
+    tension = np.zeros((241, 2))
     strain[:, index] = np.linspace(0, end, 241)
     tension[:, index] = model.alone(index, 1 + strain[:, index])
     return CellPath(

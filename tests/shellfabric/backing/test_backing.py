@@ -76,7 +76,8 @@ def plain_hencky(F, C, alpha, material):
         step = (q - material.yield_stress - material.hardening * alpha) / (
             3 * material.shear + material.hardening
         )
-        alpha, dev = alpha + step, dev * (1 - 3 * material.shear * step / q)
+        alpha = alpha + step
+        dev = dev * (1 - 3 * material.shear * step / q)
         G = np.linalg.inv(F)
         C = G @ expm(2 * (dev + np.trace(e) / 3 * np.eye(3))) @ G.T
     tau = material.bulk * np.trace(e) * np.eye(3) + 2 * material.shear * dev
@@ -85,9 +86,11 @@ def plain_hencky(F, C, alpha, material):
 
 @pytest.mark.parametrize("material", [ELASTIC, BACKING, replace(BACKING, hardening=3e7)])
 def test_law_equals_its_plain_twin(material):
-    random, P = np.random.default_rng(1), np.empty((3, 3))
+    random = np.random.default_rng(1)
+    P = np.empty((3, 3))
     for _ in range(10):
-        C, alpha = np.eye(3), 0.0
+        C = np.eye(3)
+        alpha = 0.0
         twin = C.copy(), alpha
         for _ in range(3):
             F = rotation(random.normal(size=3), 2.0) @ (
@@ -100,14 +103,19 @@ def test_law_equals_its_plain_twin(material):
             assert C == pytest.approx(twin[0], abs=1e-9)
 
 
-BOX, MODULI, SHEAR = np.array([1.3e-4, 1.2e-4, 4e-5]), (7e5, 4e7, 4e7), 1e6  # [m], [Pa], [Pa]
+BOX = np.array([1.3e-4, 1.2e-4, 4e-5])  # [m]
+MODULI = (7e5, 4e7, 4e7)  # [Pa]
+SHEAR = 1e6  # [Pa]
 
 
 @pytest.mark.parametrize("mode", range(4))
 @pytest.mark.parametrize("direction", range(3))
 def test_hourglass_control_has_the_energy_of_the_full_rule(mode, direction):
     """A box in one hourglass mode: the energy of sigma = M epsilon without Poisson's ratio at 2 x 2 x 2 points."""
-    x, size, energy, f = 0.5 * CORNERS * BOX, 1e-9, 0.0, np.empty((3, 3))
+    x = 0.5 * CORNERS * BOX
+    size = 1e-9
+    energy = 0.0
+    f = np.empty((3, 3))
     bricks = Bricks.of(x[None])
     x[:, direction] += size * PATTERNS[mode]
     stiff = np.where(np.arange(3) == direction, MODULI[direction], SHEAR)
@@ -119,10 +127,8 @@ def test_hourglass_control_has_the_energy_of_the_full_rule(mode, direction):
         strains = size * PATTERNS[mode] @ slopes / (4 * BOX)
         energy += 0.5 * np.sum(stiff * strains**2) * BOX.prod() / 8
     brick_kernels.mean_deformation(x, bricks.gradient[0], f)
-    scratch, control = (
-        (np.empty((4, 3)), np.empty((3, 3)), np.empty((8, 3))),
-        bricks.control(MODULI, SHEAR)[0],
-    )
+    scratch = (np.empty((4, 3)), np.empty((3, 3)), np.empty((8, 3)))
+    control = bricks.control(MODULI, SHEAR)[0]
     assert brick_kernels.hourglass(f, x, bricks.twist[0], control, *scratch) == pytest.approx(
         energy, rel=1e-3
     )
@@ -160,7 +166,8 @@ def test_a_wave_runs_at_c_L_with_its_stress(name):
     """Face driven at v: sigma = rho c_L v behind a front at c_L t, c_L = ((K + 4 G / 3) / rho)^(1/2)."""
     given = backings.load(name) if name else ELASTIC
     material = Isotropic(given.density, given.modulus, given.poisson)
-    block, v = column(material, 100, hourglass=0.0), 1e-2
+    block = column(material, 100, hourglass=0.0)
+    v = 1e-2
     face = block.nodes[:, :, 0].ravel()
     block.free[face, 2] = 0.0
     block.v[face, 2] = v
@@ -195,17 +202,16 @@ def test_absorbing_faces_take_a_wave_in_and_fixed_ones_throw_it_back():
 
 
 @pytest.mark.parametrize(
-    ("material", "viscosity", "size", "part"),
+    "material, viscosity, size, part",
     [(ELASTIC, 1.0, 0.05, "viscous"), (BACKING, 0.0, 0.4, "plastic")],
 )
 def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size, part):
     """Bent and squeezed faster and faster in ten steps, by forces at their mean over each step."""
-    block, random = (
-        replace(SMALL, material=material, viscosity=viscosity).block(1e-7),
-        np.random.default_rng(4),
-    )
+    block = replace(SMALL, material=material, viscosity=viscosity).block(1e-7)
+    random = np.random.default_rng(4)
     bend = block.rest @ random.uniform(-1, 1, (3, 3)) + 50.0 * block.rest[:, [1, 2, 0]] ** 2
-    before, work = nodal(block), 0.0
+    before = nodal(block)
+    work = 0.0
     for n in range(1, 11):
         step = bend * size * (n**2 - (n - 1) ** 2) / 100
         block.x += step
@@ -224,15 +230,15 @@ def test_hertz():
 
     The force comes from below as the mesh is refined (0.936 at 5 bricks, 0.963 at 7). Far faces take the waves in.
     """
-    R, depth, time = 0.02, 1e-4, 2.5e-4
+    R = 0.02
+    depth = 1e-4
+    time = 2.5e-4
     backing = Backing(ELASTIC, (0.1, 0.1, 0.05), 2e-4, 2e-3, 1.45, "absorbing", contact_damping=0.3)
     block = backing.block(0.9 * backing.longest_step)
-    ball, position, speed, found = (
-        Projectile(shape="sphere", radius=R),
-        np.zeros(3),
-        np.zeros(3),
-        [],
-    )
+    ball = Projectile(shape="sphere", radius=R)
+    position = np.zeros(3)
+    speed = np.zeros(3)
+    found = []
     while block.time < 1.4 * time:
         share = min(block.time / time, 1)
         speed[2] = depth * np.pi / 2 / time * np.sin(np.pi * share) if share < 1 else 0.0
@@ -271,8 +277,10 @@ def test_points_press_as_a_plate_and_give_what_they_take():
 def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_energy():
     """On a face that has been bent and tilted by up to 60 degrees: no couple is left over, whichever way a facet turns,
     and forces on points and nodes are the slope of what the springs hold. Else a turning facet makes energy."""
-    block, random = replace(SMALL, outer_boundary="free").block(1e-7), np.random.default_rng(5)
-    x, y = block.rest[:, 0], block.rest[:, 1]
+    block = replace(SMALL, outer_boundary="free").block(1e-7)
+    random = np.random.default_rng(5)
+    x = block.rest[:, 0]
+    y = block.rest[:, 1]
     block.x[:, 2] += 6e-3 * np.cos(250.0 * x) + 1.5e-3 * np.sin(500.0 * y)
     block.x += random.normal(0, 5e-5, block.x.shape)
     places = np.column_stack([random.uniform(5e-4, 4.5e-3, (40, 2)), np.zeros(40)])
@@ -285,8 +293,10 @@ def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_en
     def press(move, part):
         block.x[:], before = block.x + move, block.x.copy()
         forces = block.press(places + part, fast, np.full(40, 1e3), thickness=keep)
-        energy, given = block.energies()["contact"], -block._outer.copy()
-        block.x[:], block._outer[:] = before, 0.0
+        energy = block.energies()["contact"]
+        given = -block._outer.copy()
+        block.x[:] = before
+        block._outer[:] = 0.0
         return forces, given, energy
 
     press(0.0, 0.0)
@@ -300,7 +310,8 @@ def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_en
     moment = np.cross(places, forces).sum(axis=0) + np.cross(block.x, given).sum(axis=0)
     assert np.abs(moment).max() < 1e-9 * keep * np.abs(forces).sum()
     for _ in range(3):
-        move, part = random.normal(0, 1e-8, block.x.shape), random.normal(0, 1e-8, places.shape)
+        move = random.normal(0, 1e-8, block.x.shape)
+        part = random.normal(0, 1e-8, places.shape)
         change = press(move, part)[2] - press(-move, -part)[2]
         work = 2 * ((forces * part).sum() + (given * move).sum())
         assert change == pytest.approx(-work, rel=1e-4)
@@ -316,8 +327,11 @@ def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
         ]
     )
     x = np.zeros((3, 3, 2, 3))
-    x[..., :2], x[..., 1, 2] = grid[:, :, None], 1.0
-    column, place, nodes = np.array([1, 1]), np.zeros(2), np.zeros(4, np.int64)
+    x[..., :2] = grid[:, :, None]
+    x[..., 1, 2] = 1.0
+    column = np.array([1, 1])
+    place = np.zeros(2)
+    nodes = np.zeros(4, np.int64)
     x = x.reshape(-1, 3)
     for point in ((4.523, 4.206), (5.074, 4.189), (4.964, 4.108)):
         column[:] = 1
@@ -333,7 +347,8 @@ def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
 def test_a_point_high_above_a_steep_facet_is_not_at_it():
     """On a slope of 84 degrees a point 20 mm above is 2 mm beside what the facet would be if it went on; a force at the
     place straight below, along the normal, would turn facet and point with nothing to pay for it."""
-    block, fast = SMALL.block(1e-7), np.array([[0.0, 0.0, 1e6]])
+    block = SMALL.block(1e-7)
+    fast = np.array([[0.0, 0.0, 1e6]])
     block.x[:, 2] += 10 * block.rest[:, 0]
 
     def push(above):
@@ -393,7 +408,7 @@ def test_the_grid_grows_as_asked():
 
 
 @pytest.mark.parametrize(
-    ("key", "value"),
+    "key, value",
     [
         ("outer_boundary", "soft"),
         ("size", (0.1, 0.1)),

@@ -25,7 +25,11 @@ def flow_stress(material, rate):
 
 def strained(material, deformation, rate, strain, steps=400):
     """Kirchhoff stress (3, 3) [Pa], plastic strain and plastic work [J/m3] after `steps` of F = deformation(strain)."""
-    P, C, alpha, work, dt = np.empty((3, 3)), np.eye(3), 0.0, 0.0, strain / steps / rate
+    P = np.empty((3, 3))
+    C = np.eye(3)
+    alpha = 0.0
+    work = 0.0
+    dt = strain / steps / rate
     for e in strain * np.arange(1, steps + 1) / steps:
         F = deformation(e)
         _, part, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, dt, P)
@@ -54,7 +58,8 @@ def test_hardening_and_rate_together():
     """The equation of the return, by bisection."""
     material = replace(CLAY, hardening=3e5)
     for q, dt in ((2e5, 1e-7), (1.5e5, 1e-4), (9e5, 1e-6), (1.000001e5, 1e-7)):
-        low, high = 0.0, q / (3 * material.shear)
+        low = 0.0
+        high = q / (3 * material.shear)
         for _ in range(200):
             d = 0.5 * (low + high)
             over = q - 3 * material.shear * d - (1e5 + 3e5 * d) * (1 + d / dt) ** 0.15
@@ -103,7 +108,8 @@ def test_a_flattened_block_gains_no_energy(flat):
     stretch = np.array([flat**0.5, flat**0.5, 1 / flat])
     block.x[:], block.metric[:], block.free[:] = block.rest * stretch, np.diag(stretch**-2), 1.0
     block.v[:] = 1e-3 * np.random.default_rng(1).standard_normal(block.v.shape)
-    before, block._substeps[1] = 0.5 * np.sum(block.mass[:, None] * block.v**2), 10
+    before = 0.5 * np.sum(block.mass[:, None] * block.v**2)
+    block._substeps[1] = 10
     for _ in range(200):
         block.advance()
         found = block.energies()
@@ -168,9 +174,12 @@ def test_contacts_act_as_one_impulse_on_steps_of_the_blocks_own(monkeypatch):
         viscosity=0.0,
         contact_damping=0.0,
     )
-    block, speed = backing.block(0.5 * backing.longest_step), np.array([0.0, 0.0, 10.0])
+    block = backing.block(0.5 * backing.longest_step)
+    speed = np.array([0.0, 0.0, 10.0])
     block._substeps[:] = 4, 1
-    position, mass, shot = np.zeros(3), 1e-3, Projectile(shape="sphere", radius=3e-3)
+    position = np.zeros(3)
+    mass = 1e-3
+    shot = Projectile(shape="sphere", radius=3e-3)
     for n in range(300):
         push = block.strike(position, speed, shot)
         block.advance()

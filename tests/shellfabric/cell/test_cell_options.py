@@ -102,7 +102,8 @@ CELLS = {name: (UNBALANCED, options, PAIRS) for name, options in OPTIONS.items()
 @pytest.mark.parametrize("name", CELLS)
 def test_against_plain_twin(name, form):
     fabric, options, pairs = CELLS[name]
-    model, close = CellModel(fabric, form=form, **options), 2e-6 if form == "variational" else 1e-7
+    model = CellModel(fabric, form=form, **options)
+    close = 2e-6 if form == "variational" else 1e-7
     for pair in pairs if fabric is not UNBALANCED else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]
         np.testing.assert_allclose(
@@ -115,7 +116,8 @@ def test_variational_forces_are_the_gradient(name):
     fabric, options, pairs = (
         CELLS[name] if name in CELLS else (BALANCED, OPTIONS[name.split()[1]], PAIRS)
     )
-    model, step = CellModel(fabric, **options), 1e-6
+    model = CellModel(fabric, **options)
+    step = 1e-6
     for x, y in pairs:
         here = model.solve(x, y)
         slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (
@@ -131,7 +133,8 @@ def test_variational_forces_are_the_gradient(name):
 @pytest.mark.parametrize("toe", [0.0, 1e-3])
 def test_incompressible_balanced_weave_in_closed_form(toe):
     """k = 1: neither yarn can give way, so that both keep their height and S = 2 sqrt(w^2 + h0^2)."""
-    weave, stretch = BALANCED.weave, 1.006
+    weave = BALANCED.weave
+    stretch = 1.006
     h0 = weave.w1 * np.sqrt((1 + weave.warp.crimp) ** 2 - 1)
     state = CellModel(BALANCED, model="incompressible", profile="straight", toe=toe).solve(
         stretch, stretch
@@ -145,7 +148,8 @@ def test_incompressible_balanced_weave_in_closed_form(toe):
 
 def test_kawabata_free_edge():
     """A straightened warp yarn leaves the whole height to the weft, which draws in its cell in closed form."""
-    model, weave = CellModel(UNBALANCED, profile="straight"), UNBALANCED.weave
+    model = CellModel(UNBALANCED, profile="straight")
+    weave = UNBALANCED.weave
     heights = [w * np.sqrt((1 + yarn.crimp) ** 2 - 1) for w, yarn in zip(weave.w, weave.yarns)]
     assert model.h0 == pytest.approx(heights, rel=1e-12)
     drawn_in = np.sqrt((weave.S02 / 2) ** 2 - sum(heights) ** 2) / weave.w2

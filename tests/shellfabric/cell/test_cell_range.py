@@ -35,13 +35,12 @@ def fabric(name):
 @pytest.mark.parametrize("name", WEAVES)
 def test_contact_is_lost_where_the_free_height_fills_the_cell(name, profile):
     """With closed forms: the height of a free yarn against that of the cell; half its length where the cell is shut."""
-    weave, cell = (
-        fabric(name).weave,
-        CellModel(fabric(name), model="incompressible", profile=profile),
-    )
+    weave = fabric(name).weave
+    cell = CellModel(fabric(name), model="incompressible", profile=profile)
     number = PROFILES[profile]
     for family, (w, S0) in enumerate(zip(weave.w, weave.S0)):
-        full, lowest = sum(cell.h0), cell.range()[family][0]
+        full = sum(cell.h0)
+        lowest = cell.range()[family][0]
         assert free_height(1e-9 * w, S0, number) == pytest.approx(S0 / 2, rel=1e-6)
         dense = np.sqrt(4 * weave.yarns[1 - family].A_s / np.pi) / (2 * w)
         if name in FOLDED and family == 0:
@@ -55,10 +54,13 @@ def test_contact_is_lost_where_the_free_height_fills_the_cell(name, profile):
 
 @pytest.mark.parametrize("name", WEAVES)
 def test_decoupled_yarns_follow_the_length_of_their_arc(name):
-    weave, cell = fabric(name).weave, CellModel(fabric(name), model="decoupled")
+    weave = fabric(name).weave
+    cell = CellModel(fabric(name), model="decoupled")
     table = cell.table(61)
     for family, stretch in enumerate((table.stretch1, table.stretch2)):
-        w, S0, yarn = weave.w[family], weave.S0[family], weave.yarns[family]
+        w = weave.w[family]
+        S0 = weave.S0[family]
+        yarn = weave.yarns[family]
         T, h = (np.take(table.values[f"{key}{family + 1}"], 7, axis=1 - family) for key in "Th")
         assert T == pytest.approx(
             yarn.EA * np.maximum(2 * w * stretch / S0 - 1, 0), rel=1e-12, abs=1e-12
@@ -72,15 +74,15 @@ def test_decoupled_yarns_follow_the_length_of_their_arc(name):
         )
 
 
-@pytest.mark.parametrize(("profile", "number"), PROFILES.items())
+@pytest.mark.parametrize("profile, number", PROFILES.items())
 @pytest.mark.parametrize("name", FOLDED)
 def test_a_folded_yarn_stays_in_contact(name, profile, number):
     """Of a crossing yarn pulled straight the folded one has the height of the cell, and the tension of that arc."""
-    weave, cell = (
-        fabric(name).weave,
-        CellModel(fabric(name), model="incompressible", profile=profile),
-    )
-    full, w, S0 = sum(cell.h0), weave.w1, weave.S01
+    weave = fabric(name).weave
+    cell = CellModel(fabric(name), model="incompressible", profile=profile)
+    full = sum(cell.h0)
+    w = weave.w1
+    S0 = weave.S01
     straight = weave.S02 / (2 * weave.w2)
     for stretch in (0.01, 0.1, cell.range()[0][0], 0.9):
         found = cell.solve(stretch, straight * 1.02)

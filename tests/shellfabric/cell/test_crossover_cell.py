@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.polynomial.polynomial import polyval2d
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import table
 
 from fabrics import catalogue
@@ -16,7 +17,7 @@ from validation.models.variants import with_law_form
 
 
 @pytest.mark.parametrize(
-    ("name", "F", "T1", "T2"),
+    "name, F, T1, T2",
     [
         ("S-720", 1.982, 3.45, 4.24),
         ("S-726", 0.927, 1.31, 3.15),
@@ -50,10 +51,8 @@ def test_rest_and_limits(fabric):
 
 def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
-    (rx, ry), (top1, top2) = (
-        (1 / np.array(table.steps)),
-        (axis.size - 2.0 for axis in (table.stretch1, table.stretch2)),
-    )
+    rx, ry = 1 / np.array(table.steps)
+    top1, top2 = (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
     rows, level = Panel(table).potential
     return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
@@ -63,14 +62,14 @@ def table_forces(table, x, y):
     """Forces as the element reads them."""
     w1, w2 = table.model.fabric.weave.w
     rx, ry = (1 / step for step in table.steps)
-    x0, y0, top1, top2 = (
-        table.stretch1[0],
-        table.stretch2[0],
-        table.stretch1.size - 2.0,
-        table.stretch2.size - 2.0,
-    )
-    grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
-    at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
+    x0 = table.stretch1[0]
+    y0 = table.stretch2[0]
+    top1 = table.stretch1.size - 2.0
+    top2 = table.stretch2.size - 2.0
+    grid = (x0, rx, top1, y0, ry, top2, top2 + 1)
+    room = np.zeros((2, x.size + 8))
+    at = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid)
+    N1, N2 = room
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
@@ -82,7 +81,8 @@ def table_forces(table, x, y):
             N1,
             N2,
         )
-        assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
+        assert high1 == max(N1[: x.size].max(), 0.0)
+        assert high2 == max(N2[: x.size].max(), 0.0)
     else:
         far = np.inf, np.inf
         largest = table_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), far, N1)
@@ -95,8 +95,10 @@ def table_forces(table, x, y):
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_table_against_cell(fabric, form):
     """Errors of the table fall with the square of its spacing; at 201 they are below 0.2 % of the strength."""
-    model, rng = CellModel(fabric, form=form), np.random.default_rng(1)
-    x, y = rng.uniform(0.97, 1.04, 4000), rng.uniform(0.97, 1.04, 4000)
+    model = CellModel(fabric, form=form)
+    rng = np.random.default_rng(1)
+    x = rng.uniform(0.97, 1.04, 4000)
+    y = rng.uniform(0.97, 1.04, 4000)
     exact = model.solve(x, y)
     errors = []
     for n in (101, 201):
@@ -112,14 +114,14 @@ def test_table_against_cell(fabric, form):
 def test_forces_tell_what_tensions_cannot_exceed(name):
     """No tension is above the ceiling that the force beside it sets, anywhere; and the ceiling is close."""
     table = CellModel(catalogue.load(name).with_effective_density()).table(81)
-    rng, n, panel = np.random.default_rng(2), 20000, Panel(table)
+    rng = np.random.default_rng(2)
+    n = 20000
+    panel = Panel(table)
     const = panel.constants()
     x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))
     forces = table_forces(table, x, y)
-    at, T = (
-        (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid),
-        np.zeros(n + 8),
-    )
+    at = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid)
+    T = np.zeros(n + 8)
     for N, tension, unit, ceiling, yarn in (
         (
             forces[0],
@@ -160,7 +162,10 @@ def test_forces_beyond_the_table(name):
     The polynomials of the last cell gave forces below zero and up to 120 times the stiffness of the yarn there.
     """
     table = CellModel(catalogue.load(name).with_effective_density()).table()
-    weave, rng, n, h = table.model.fabric.weave, np.random.default_rng(3), 3000, 1e-5
+    weave = table.model.fabric.weave
+    rng = np.random.default_rng(3)
+    n = 3000
+    h = 1e-5
     ends = [axis[-1] for axis in (table.stretch1, table.stretch2)]
     inside = [rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2)]
     far = [end + rng.uniform(0, 0.4, n) for end in ends]
@@ -175,9 +180,11 @@ def test_forces_beyond_the_table(name):
     by_x, by_y = (
         (forces(x + a, y + b) - forces(x - a, y - b)) / (2 * h) for a, b in ((h, 0.0), (0.0, h))
     )
-    (k11, k21), (k12, k22) = by_x, by_y
-    np.testing.assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
-    middle, radius = 0.5 * (k11 + k22), np.hypot(0.5 * (k11 - k22), k12)
+    k11, k21 = by_x
+    k12, k22 = by_y
+    assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
+    middle = 0.5 * (k11 + k22)
+    radius = np.hypot(0.5 * (k11 - k22), k12)
     assert np.min(middle - radius) > -1e-3 * table.stiffness()
     assert np.max(middle + radius) < table.stiffness()
     for k in range(0, x.size, 500):
@@ -191,15 +198,13 @@ def test_forces_beyond_the_table(name):
             for a, b in ((h, 0.0), (0.0, h))
         ]
         N = [part[0] for part in table_forces(table, x[k : k + 1], y[k : k + 1])]
-        np.testing.assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
+        assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
     edge = np.full(n, ends[1])
-    np.testing.assert_allclose(
+    assert_allclose(
         table_forces(table, inside[0], edge + 1e-9), table_forces(table, inside[0], edge), atol=1e-4
     )
-    exact, found = (
-        table.model.solve(inside[0], far[1])["N1"],
-        table_forces(table, inside[0], far[1])[0],
-    )
+    exact = table.model.solve(inside[0], far[1])["N1"]
+    found = table_forces(table, inside[0], far[1])[0]
     assert np.max(np.abs(found - exact)) < 0.5 * weave.warp.strength
 
 
@@ -218,18 +223,19 @@ def test_rest_is_the_lowest_energy(name):
         assert relaxation_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
         assert table_potential(table, x, y) >= -1e-18
     # at the node itself there is none; a place is in a table to the last digit
-    np.testing.assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
+    assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
 
 
 def test_out_of_range(tables, fabric):
     """Below the table its edge is exact; above it tension goes on linearly, past the strength."""
     table = tables["equilibrium"]
-    x, y = np.array([0.5, 0.9, table.stretch1[0] - 1e-3]), np.full(3, 1.03)
+    x = np.array([0.5, 0.9, table.stretch1[0] - 1e-3])
+    y = np.full(3, 1.03)
     T1, T2 = table_forces(table, x, y)
     exact = table.model.solve(x, y)
     assert np.all(T1 == 0.0)
-    np.testing.assert_array_equal(exact["T1"], 0.0)
-    np.testing.assert_allclose(T2, exact["T2"], atol=1e-3 * fabric.weave.weft.strength)
+    assert_array_equal(exact["T1"], 0.0)
+    assert_allclose(T2, exact["T2"], atol=1e-3 * fabric.weave.weft.strength)
     top = table.stretch1[-1] + np.array([0.0, 0.1, 0.2])
     T1, _ = table_forces(table, top, np.ones(3))
     assert np.all(T1 > fabric.weave.warp.strength)
@@ -247,17 +253,19 @@ def test_values_and_slopes_are_continuous_from_cell_to_cell(form):
                     polyval2d(1.0, across, part[:, :, :-1]),
                     polyval2d(0.0, across, part[:, :, 1:]),
                 )
-                np.testing.assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
+                assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
 
 
 def test_bound_of_a_single_cell_of_constant_tension():
     """Below its force nothing is known of it; at its force the tension is what it is above that; beyond, its own."""
-    N, T = 3.0, 4.0
+    N = 3.0
+    T = 4.0
     force, tension = np.zeros((2, 2, 3, 1))
-    force[:, 0], tension[:, 0] = N, T
+    force[:, 0] = N
+    tension[:, 0] = T
     steps, unit = packed_table._ceiling(*packed_table._bounds(force, tension))
     assert unit == pytest.approx(T / 256, rel=1e-12)
     first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
-    np.testing.assert_array_equal(steps[: first - 1], 0.0)
-    np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
-    np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)
+    assert_array_equal(steps[: first - 1], 0.0)
+    assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
+    assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)

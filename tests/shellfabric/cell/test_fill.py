@@ -77,7 +77,7 @@ CRIMPED = [
 ]
 
 
-@pytest.mark.parametrize(("crimps", "counts"), CRIMPED)
+@pytest.mark.parametrize("crimps, counts", CRIMPED)
 def test_extreme_crimps(crimps, counts):
     """Up to 15 %, in uneven cells: folded yarns, which stay in contact at every stretch, among them."""
     laws = catalogue.load("S-728").laws

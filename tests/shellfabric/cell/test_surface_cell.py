@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
@@ -36,9 +37,11 @@ def inside(table, cell):
 def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
     """Sampled at 25 x 25 places the forces are within 0.3 % of the strength everywhere, 0.05 % rms; none at rest."""
     cell = SurfaceCell(fabric, sampled(fabric, axis(-12, 36, 25), axis(-12, 30, 29)), form)
-    table, law = cell.table(121), CellModel(fabric).table(121)
-    np.testing.assert_array_equal(table.stretch1, law.stretch1)
-    part, strength = inside(table, cell), fabric.weave.warp.strength
+    table = cell.table(121)
+    law = CellModel(fabric).table(121)
+    assert_array_equal(table.stretch1, law.stretch1)
+    part = inside(table, cell)
+    strength = fabric.weave.warp.strength
     for name in ("N1", "N2", "T1", "T2"):
         off = (table.values[name] - law.values["N" + name[1]])[part]
         assert np.abs(off).max() < 3e-3 * strength
@@ -54,12 +57,13 @@ def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
 def test_potential_of_a_gradient_is_found():
     """W = x^2 y + y^3 from its slopes, to the error of the trapezoid's end term; a curl is left over."""
     x, y = np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 41), indexing="ij")
-    fx, fy = 2 * x * y / 30, (x**2 + 3 * y**2) / 40
+    fx = 2 * x * y / 30
+    fy = (x**2 + 3 * y**2) / 40
     W, wx, wy, residual = potential(fx, fy, (1e-3, 1e-3), np.ones_like(x))
     assert np.ptp(W - x**2 * y - y**3) < 1e-4
     assert residual < 1e-3
-    np.testing.assert_allclose(wx, fx, atol=1e-4)
-    np.testing.assert_allclose(wy, fy, atol=1e-4)
+    assert_allclose(wx, fx, atol=1e-4)
+    assert_allclose(wy, fy, atol=1e-4)
     assert (
         potential(fx + 0.01 * (y - 0.5), fy - 0.01 * (x - 0.5), (1e-3, 1e-3), np.ones_like(x))[3]
         > 0.02
@@ -70,17 +74,17 @@ def test_potential_of_a_gradient_is_found():
 def test_extension_is_continuous(fabric, lowest):
     """Forces go on over the edge of the region, to slack yarns below and stiff ones above it."""
     cell = SurfaceCell(fabric, sampled(fabric, axis(lowest, 24, 13), axis(lowest, 24, 13)))
-    (low, high), strength = cell.region[0], fabric.weave.warp.strength
-    x, y = (
-        np.sort(np.r_[low - 1e-7, low, high, high + 1e-7, 0.94, 1.06]),
-        np.linspace(0.945, 1.045, 41),
-    )
-    T1, T2 = cell.solve(x, y)["T1"], cell.solve(x, y)["T2"]
+    low, high = cell.region[0]
+    strength = fabric.weave.warp.strength
+    x = np.sort(np.r_[low - 1e-7, low, high, high + 1e-7, 0.94, 1.06])
+    y = np.linspace(0.945, 1.045, 41)
+    T1 = cell.solve(x, y)["T1"]
+    T2 = cell.solve(x, y)["T2"]
     for T in (T1, T2):
         assert np.abs(T[2] - T[1]).max() < 1e-3 * strength
         assert np.abs(T[4] - T[3]).max() < 1e-3 * strength
     assert np.all(T1[0] == 0.0)
-    np.testing.assert_allclose(T2[0], cell._alone(1, y), atol=1e-9)
+    assert_allclose(T2[0], cell._alone(1, y), atol=1e-9)
     stiff = fabric.weave.warp.EA * 2 * fabric.weave.w1 / fabric.weave.S01
     assert (T1[5] - T1[4]) / (x[5] - x[4]) == pytest.approx(np.full(41, stiff), rel=1e-6)
 

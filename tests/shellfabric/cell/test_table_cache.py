@@ -16,7 +16,8 @@ MODEL = CellModel(catalogue.load("S-720").with_effective_density())
 @pytest.fixture
 def fills(tmp_path, monkeypatch):
     """The models that tables have been filled for, with an empty cache."""
-    seen, fill = [], CellTable.fill.__func__
+    seen = []
+    fill = CellTable.fill.__func__
     monkeypatch.setattr(
         CellTable, "fill", classmethod(lambda cls, m, *a: seen.append(m) or fill(cls, m, *a))
     )

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from fabrics.errors import UnstableError
 from shellfabric.driver import solver as driver
@@ -25,7 +26,11 @@ from shellfabric.jit.barrier import STOP
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Every, Snapshots
 
-MASS, STIFFNESS, V0, DT = 2e-3, 80.0, 50.0, 1e-4  # w = 200 / s: 157 steps of a half period
+# the frequency is 200 / s, so that half a period has 157 steps
+MASS = 2e-3
+STIFFNESS = 80.0
+V0 = 50.0
+DT = 1e-4
 W = (STIFFNESS / MASS) ** 0.5
 ENERGY = 0.5 * MASS * V0**2
 
@@ -40,13 +45,12 @@ class Oscillator(ExplicitSolver):
     def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True):
         shot = SimpleNamespace(energy=lambda v: 0.5 * MASS * v**2)
         super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=0.05)
-        self.const, self.ends, self.disturb = (
-            SimpleNamespace(dt=DT),
-            ends,
-            disturb or (lambda solver: None),
-        )
+        self.const = SimpleNamespace(dt=DT)
+        self.ends = ends
+        self.disturb = disturb or (lambda solver: None)
         self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
-        self.contact, self.node_limit = np.zeros(1), np.inf
+        self.contact = np.zeros(1)
+        self.node_limit = np.inf
         self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
         self._begin(DT)
 
@@ -204,18 +208,19 @@ def test_an_energy_error_is_found_between_samples():
     late.exchange = np.inf
     with pytest.raises(UnstableError, match="energy balance"):
         late.run()
-    assert (late.steps, late.checks) == (70, 0)
+    assert late.steps == 70
+    assert late.checks == 0
 
 
 def test_checks_leave_no_trace():
-    often, never = Oscillator(), Oscillator()
-    often.exchange, never.exchange = 1e-3, np.inf
+    often = Oscillator()
+    never = Oscillator()
+    often.exchange = 1e-3
+    never.exchange = np.inf
     assert often.run().checks > 10
     assert never.run().checks == 0
-    np.testing.assert_array_equal(often.samples, never.samples)
-    np.testing.assert_array_equal(
-        np.concatenate(often.step_history), np.concatenate(never.step_history)
-    )
+    assert_array_equal(often.samples, never.samples)
+    assert_array_equal(np.concatenate(often.step_history), np.concatenate(never.step_history))
 
 
 def test_a_failed_run_hands_on_its_result():
@@ -228,7 +233,7 @@ def test_a_failed_run_hands_on_its_result():
 
 
 @pytest.mark.parametrize(
-    ("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])]
+    "interval, steps", [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])]
 )
 def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
     solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
@@ -238,7 +243,9 @@ def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
 class Threaded(Oscillator):
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
-        self.threads, self.begun, self.released = 3, [], 0
+        self.threads = 3
+        self.begun = []
+        self.released = 0
 
     def run_worker(self, shared, me):
         self.begun.append(me)
@@ -258,7 +265,10 @@ class Clock:
     """Stands for the module `time`: each call of the kernel takes 60 ms, and the processor for `share` of them."""
 
     def __init__(self, share):
-        self.share, self.reads, self.monotonic, self.sleep = share, 0, time.monotonic, time.sleep
+        self.share = share
+        self.reads = 0
+        self.monotonic = time.monotonic
+        self.sleep = time.sleep
 
     def perf_counter(self):
         self.reads += 1
@@ -269,25 +279,27 @@ class Clock:
 
 
 @pytest.mark.parametrize(
-    ("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str
+    "share, reduces, threads", [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str
 )
 def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, threads):
     """Workers wait for every call of the kernel: to compile, for the first of five intervals, after each."""
     solver = Threaded(5e-3)
-    solver.reduces_threads, solver.exchange = reduces, np.inf
+    solver.reduces_threads = reduces
+    solver.exchange = np.inf
     monkeypatch.setattr(driver, "time", Clock(share))
     solver.run()
     assert solver.threads == threads
     assert sorted(solver.begun) == sorted((2 if threads == 1 else 7) * [1, 2])
     assert solver.released == len(solver.begun)
-    np.testing.assert_array_equal(solver.samples, Oscillator(5e-3).run().samples)
+    assert_array_equal(solver.samples, Oscillator(5e-3).run().samples)
 
 
 def test_workers_are_released_where_a_hook_fails():
     def wrong(solver):
         raise LookupError
 
-    solver, before = Threaded(5e-3), threading.active_count()
+    solver = Threaded(5e-3)
+    before = threading.active_count()
     with pytest.raises(LookupError):
         solver.run((wrong,))
     assert threading.active_count() == before
@@ -296,7 +308,8 @@ def test_workers_are_released_where_a_hook_fails():
 
 def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):
     """The clock goes on by a second a sample, of which there are a hundred."""
-    clock, written = [0.0], []
+    clock = [0.0]
+    written = []
     monkeypatch.setattr(checkpoint, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     monkeypatch.setattr(
         checkpoint, "write", lambda solver, path: written.append(len(solver.samples))

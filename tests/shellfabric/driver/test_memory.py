@@ -29,7 +29,7 @@ print((peak() - before) / memory.needed(done.target.plies, len(done.snapshots)))
 
 
 @pytest.mark.parametrize(
-    ("given", "low", "high"),
+    "given, low, high",
     [
         ({"elements_per_crossover": 2, "end_time": "2 us"}, 0.9, 1.1),
         ({"elements_per_crossover": 2, "end_time": "8 us", "snapshot_interval": "2 us"}, 0.8, 1.1),
@@ -57,7 +57,7 @@ def test_an_own_limit_of_addresses_counts():
 
 
 @pytest.mark.parametrize(
-    ("call", "given", "key", "content"),
+    "call, given, key, content",
     [
         (wc.impact, {"snapshot_interval": "100 us"}, "opening", "5,929 elements and 8 snapshots"),
         (wc.impact, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),

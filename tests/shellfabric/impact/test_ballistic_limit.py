@@ -64,7 +64,8 @@ def test_bisection_finds_the_limit(pretend, truth, tolerance):
 
 
 def test_number_of_workers_does_not_matter(pretend, small):
-    results, panel = [], small()
+    results = []
+    panel = small()
     for workers in (1, 2, 3, 7):
         begun = pretend(*MIXED)
         results.append(
@@ -80,7 +81,8 @@ def test_number_of_workers_does_not_matter(pretend, small):
 
 def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
     """A shot that turns out not to be needed ends at its next audit, and its errors do not matter."""
-    given_up, begun = [], threading.Event()
+    given_up = []
+    begun = threading.Event()
 
     def fire(_, velocity, give_up):
         if velocity > 100.0:  # would follow a stop at 100 m/s, which perforates
@@ -117,10 +119,8 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
     yarn = panel.weave.warp
     at_once = striking_velocity(yarn.wave_speed, yarn.failure_strain)
     assert smith(yarn, at_once).strain == pytest.approx(yarn.failure_strain, rel=1e-9)
-    one, eight = (
-        ballistic_limit.first_guess(panel),
-        ballistic_limit.first_guess(Pack.stacked(panel, 8, gap=1e-4)),
-    )
+    one = ballistic_limit.first_guess(panel)
+    eight = ballistic_limit.first_guess(Pack.stacked(panel, 8, gap=1e-4))
     assert 0 < one < at_once
     assert one < eight < 4 * one
 
@@ -128,7 +128,8 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
 @pytest.mark.parametrize("plies", [1, 2])
 def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
     """Whatever the workers; residual velocities rise with the strike's."""
-    target, seen = Pack.stacked(small(), plies, stacking="alternating", gap=1e-4), []
+    target = Pack.stacked(small(), plies, stacking="alternating", gap=1e-4)
+    seen = []
     found = ballistic_limit.critical_velocity(
         target, tolerance=4.0, jobs=plies, report=lambda share, shot: seen.append((share, shot))
     )
@@ -187,7 +188,8 @@ def test_mixed_zone_is_found(pretend):
     low, high = found.mixed_zone
     assert low == found.lowest_perforation == pytest.approx(208.5, abs=0.01 * bracket.high)
     assert high == found.highest_stop == pytest.approx(262.0, abs=0.01 * bracket.high)
-    assert (found.low, found.high) == (bracket.low, bracket.high)
+    assert found.low == bracket.low
+    assert found.high == bracket.high
     assert limit_scan.indicator(found).value == high - low
     assert not limit_scan.indicator(found).ok
 

@@ -38,7 +38,8 @@ def test_exact_data_come_back(p, stopped):
 
 def test_intervals_hold_what_they_promise():
     """Of 150 noisy sets, 90 % intervals cover the truth in 90 % (binomial: 82 to 98 % at three sigma)."""
-    draw, clean = np.random.default_rng(1), curve(STRIKE, 0.9, 2.6, 100.0)
+    draw = np.random.default_rng(1)
+    clean = curve(STRIKE, 0.9, 2.6, 100.0)
     covered = np.zeros(2)
     for _ in range(150):
         found = fit(
@@ -94,7 +95,7 @@ def test_shots_that_determine_no_curve_give_one_without_numbers(strike, residual
 
 
 @pytest.mark.parametrize(
-    ("strike", "residual", "options", "told"),
+    "strike, residual, options, told",
     [
         ([110.0, 120.0], [50.0], {}, "same length"),
         ([110.0, np.nan, 1.0], [50.0, 60.0, 0.0], {}, "above 0"),

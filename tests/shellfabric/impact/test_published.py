@@ -24,7 +24,7 @@ SLOW = pytest.mark.slow(25)
 
 
 @pytest.mark.parametrize(
-    ("form", "name"),
+    "form, name",
     [
         pytest.param(
             form, name, marks=[SLOW, EARLY] if (form, name) == ("variational", "S-731") else SLOW

@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from shellfabric.impact.simulation import run
 from shellfabric.panel import motion_kernels
@@ -58,7 +59,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
 
 def test_hemisphere_is_a_sphere_until_its_sides_touch(small):
     one, other = (fire(small(projectile=shot(shape))) for shape in ("hemisphere", "sphere"))
-    np.testing.assert_array_equal(one.step_history, other.step_history)
+    assert_array_equal(one.step_history, other.step_history)
     sharper = fire(small(projectile=shot("hemisphere", radius=2e-3)), steps=150)
     assert np.abs(sharper.step_history[:, 1] - one.step_history[:150, 1]).max() > 0.1
 
@@ -68,9 +69,9 @@ def test_no_obliquity_is_the_axial_shot(small):
     axial = fire(small(symmetry="whole"))
     for attitude in ({"azimuth": 1.0}, {"roll": 0.7}):
         other = fire(small(symmetry="whole", projectile=shot(**attitude)))
-        np.testing.assert_allclose(other.step_history, axial.step_history, rtol=1e-9, atol=1e-9)
+        assert_allclose(other.step_history, axial.step_history, rtol=1e-9, atol=1e-9)
     leaning = fire(small(symmetry="whole", projectile=shot(obliquity=1e-9)))
-    np.testing.assert_allclose(leaning.step_history, axial.step_history, rtol=1e-5, atol=1e-4)
+    assert_allclose(leaning.step_history, axial.step_history, rtol=1e-5, atol=1e-4)
 
 
 @pytest.mark.parametrize("shape", ["flat", "chisel"])
@@ -86,8 +87,8 @@ def test_mirrored_shots_are_mirror_images(small, shape):
         for azimuth in (0.0, np.pi)
     ]
     left, right = runs
-    np.testing.assert_allclose(left.step_history, right.step_history, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(
+    assert_allclose(left.step_history, right.step_history, rtol=1e-8, atol=1e-8)
+    assert_allclose(
         left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9
     )
     assert abs(left.state.projectile_velocity[1]) < 1e-9
@@ -95,7 +96,7 @@ def test_mirrored_shots_are_mirror_images(small, shape):
     deflection = [
         run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs
     ]
-    np.testing.assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
+    assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
     assert np.abs(deflection[0] - deflection[0][::-1]).max() > 1e-4
 
 
@@ -108,13 +109,13 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
         )
         for symmetry in ("whole", "half")
     )
-    np.testing.assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
-    np.testing.assert_allclose(
+    assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
+    assert_allclose(
         half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7
     )
 
 
-@pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])
+@pytest.mark.parametrize("velocity, torn", [(75.0, False), (150.0, True)])
 def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch, velocity, torn):
     """An oblique shot wanders over the panel; looking at all of it makes no difference.
 
@@ -125,11 +126,11 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch,
     followed = fire(panel, velocity, 400)
     monkeypatch.setattr(Panel, "reach", lambda panel: (1.0, 1.0))
     state, _, everywhere, _ = fire(replace(panel), velocity, 400)
-    np.testing.assert_array_equal(state.contact_window, [0, 24, 0, 24])
-    np.testing.assert_array_equal(followed.step_history, everywhere)
+    assert_array_equal(state.contact_window, [0, 24, 0, 24])
+    assert_array_equal(followed.step_history, everywhere)
     assert (followed.state.counter[motion_kernels.FAILURES] > 0) == torn
     if torn:
-        np.testing.assert_array_equal(followed.state.contact_window, state.contact_window)
+        assert_array_equal(followed.state.contact_window, state.contact_window)
     else:
         assert followed.state.contact_window[0] > panel.state(velocity).contact_window[0]
 
@@ -140,7 +141,8 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch,
 @pytest.mark.parametrize("plies", [1, 2])
 def test_deflection_is_that_of_the_last_ply(shoot, plies):
     result = shoot(60.0, plies=plies, **OFTEN)
-    nodes, rest = result.last[-1].nodes, 0.0 if plies == 1 else result.target.places[-1]
+    nodes = result.last[-1].nodes
+    rest = 0.0 if plies == 1 else result.target.places[-1]
     assert result.deflection[-1] == pytest.approx(nodes[..., 2].max() - rest, rel=1e-12)
     assert result.deflection[0] == 0.0
     assert result.max_deflection == result.deflection.max()
@@ -160,8 +162,11 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
     result = shoot(60.0, plies=plies, **OFTEN | {"end_time": 40e-6})
     setup = result.setup
     last = result.peaks[-1]
-    peaks, times, places = last[:, 0], last[:, 1], last[:, 2:]
-    dt, middle = result.step_history[0, 0], 0.25 * 0.0508
+    peaks = last[:, 0]
+    times = last[:, 1]
+    places = last[:, 2:]
+    dt = result.step_history[0, 0]
+    middle = 0.25 * 0.0508
     for family in range(2):
         assert 0 < times[family] <= setup.end_time + dt
         assert np.all((places[family] >= 0) & (places[family] <= 2 * middle))
@@ -176,21 +181,28 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
 
 def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     """A block, at rest at first, on a belt that moves at `belt`, pulled by a force: velocities and energies."""
-    stuck, v, taken, held, path = np.zeros(6), 0.0, 0.0, 0.0, []
+    stuck = np.zeros(6)
+    v = 0.0
+    taken = 0.0
+    held = 0.0
+    path = []
     force = pull
     for _ in range(steps):
         v += dt * force / mass
         t_x, _, _, work, held = friction_kernels.friction_force(
             stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3
         )
-        taken, force = taken + work, t_x + pull
+        taken = taken + work
+        force = t_x + pull
         path.append(v)
     return np.array(path), taken, held
 
 
 def test_block_on_a_belt_slips_then_sticks():
     """It gains mu N / m until it goes with the belt, which costs m V^2 / 2, whatever the friction."""
-    mass, belt, dt = 2e-3, 3.0, 1e-6
+    mass = 2e-3
+    belt = 3.0
+    dt = 1e-6
     k = 0.05 * mass / dt**2
     for limit in (0.5, 2.0):
         slip = mass * belt / limit
@@ -198,7 +210,7 @@ def test_block_on_a_belt_slips_then_sticks():
         v, taken, held = slide(k, 0.0, limit, mass, belt, steps, dt)
         time = dt * np.arange(steps)
         slipping = time < 0.97 * slip
-        np.testing.assert_allclose(v[slipping], limit / mass * time[slipping], atol=0.02 * belt)
+        assert_allclose(v[slipping], limit / mass * time[slipping], atol=0.02 * belt)
         assert taken - held == pytest.approx(0.5 * mass * belt**2, rel=0.01)
         damped, _, held = slide(k, 0.3 * mass / dt, limit, mass, belt, steps, dt)
         assert damped[-1] == pytest.approx(belt, rel=1e-9)
@@ -207,8 +219,12 @@ def test_block_on_a_belt_slips_then_sticks():
 
 def test_block_sticks_up_to_its_friction():
     """Pulled by half of mu N it gives by the elastic slip alone; by 1.5 mu N it speeds up by the rest."""
-    mass, limit, dt, steps = 2e-3, 1.0, 1e-6, 2000
-    k, c = 0.05 * mass / dt**2, 0.2 * mass / dt
+    mass = 2e-3
+    limit = 1.0
+    dt = 1e-6
+    steps = 2000
+    k = 0.05 * mass / dt**2
+    c = 0.2 * mass / dt
     held = slide(k, c, limit, mass, 0.0, steps, dt, pull=0.5)[0]
     assert abs(held[-1]) < 1e-12
     assert dt * held.sum() == pytest.approx(0.5 / k, rel=1e-6)
@@ -217,7 +233,8 @@ def test_block_sticks_up_to_its_friction():
 
 
 def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
-    rng, stuck = np.random.default_rng(0), np.zeros(6)
+    rng = np.random.default_rng(0)
+    stuck = np.zeros(6)
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
@@ -235,4 +252,4 @@ def test_without_friction_nothing_is_rubbed(tables):
     assert run.state.friction_state.size == 0
     assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()
     tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
-    np.testing.assert_allclose(tiny.step_history, run.step_history, rtol=1e-6)
+    assert_allclose(tiny.step_history, run.step_history, rtol=1e-6)

@@ -39,9 +39,12 @@ def panel_of(tables, small):
 def test_pulled_at_a_steady_rate_a_yarn_fails_by_the_law(ready, panel_of, rate, elements):
     """Its strain at failure is that of the data sheet times the ratio at the rate, on every mesh."""
     panel = panel_of(ready, rate_dependence=True, elements_per_crossover=elements)
-    state, const, yarn = panel.state(1.0), panel.constants(), panel.weave.warp
+    state = panel.state(1.0)
+    const = panel.constants()
+    yarn = panel.weave.warp
     const.warp_lines.filter_factor[:] = 1.0  # no delay
-    reached, step = 0.985 * yarn.failure_strain, rate * const.dt
+    reached = 0.985 * yarn.failure_strain
+    step = rate * const.dt
     while True:
         reached += step
         state.T[0][:] = yarn.EA * reached
@@ -60,12 +63,13 @@ def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):
     """Between the strengths at two rates, after what the law's damage per time says; ringing about it does not count
     twice."""
     panel = panel_of(ready, rate_dependence=True)
-    state, const, yarn = panel.state(1.0), panel.constants(), panel.weave.warp
+    state = panel.state(1.0)
+    const = panel.constants()
+    yarn = panel.weave.warp
     const.warp_lines.filter_factor[:] = 1.0  # no delay
-    steps, held = (
-        0,
-        1.1,
-    )  # where the strength is that at 316 1/s, and ln(rate) rises by ln(10) / 0.2
+    # where the strength is that at 316 1/s, and ln(rate) rises by ln(10) / 0.2
+    steps = 0
+    held = 1.1
     while True:
         state.T[0][:] = yarn.strength * (held + 0.02 * (-1) ** steps)
         if failure_kernels.find_failures(const, state, 0, 6, 7):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
@@ -22,7 +23,8 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
     """At the instants of snapshots, tensions and deflections are those of the whole panel's snapshot."""
     measure = HistoryRequest(1e-6, (0.0, 6e-3), (0.0, 10e-3))
     result = shoot(symmetry=symmetry, history=measure, snapshot_interval=20e-6)
-    panel, (recorded,) = result.panel, result.histories
+    panel = result.panel
+    (recorded,) = result.histories
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
     for (shot,) in result.snapshots:
@@ -32,14 +34,14 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
             warp = yarn.family == "warp"
             row = round((yarn.offset - (c.y0 if warp else c.x0)) / (c.dy if warp else c.dx) - 0.5)
             tension = shot.tension[:, row, 0] if warp else shot.tension[row, :, 1]
-            np.testing.assert_array_equal(yarn.tension[k], tension)
-            np.testing.assert_array_equal(yarn.strain[k], tension / yarn.EA)
+            assert_array_equal(yarn.tension[k], tension)
+            assert_array_equal(yarn.strain[k], tension / yarn.EA)
         for family, (x, z) in zip(("warp", "weft"), snapshots.deflection_profile(panel, shot)):
             yarn = recorded.through(family)
-            np.testing.assert_array_equal(yarn.place[k], x)
-            np.testing.assert_array_equal(yarn.deflection[k], z)
+            assert_array_equal(yarn.place[k], x)
+            assert_array_equal(yarn.deflection[k], z)
     offsets = [yarn.offset for yarn in recorded.yarns]
-    np.testing.assert_allclose(offsets, [0, 6e-3, 0, 10e-3], atol=c.dx / 2 + 1e-12)
+    assert_allclose(offsets, [0, 6e-3, 0, 10e-3], atol=c.dx / 2 + 1e-12)
     assert recorded.yarns[0].X[recorded.yarns[0].element_at(10e-3)] == pytest.approx(
         10e-3, abs=c.dx / 2
     )
@@ -57,7 +59,8 @@ PARTS = {
 @pytest.mark.parametrize("part", PARTS)
 def test_reactions_take_up_the_momentum(shoot, part):
     """The lift of the edges, summed over the steps, is what projectile and plies have lost: to the last digits."""
-    momentum, start = [], 60.0 * Projectile().mass
+    momentum = []
+    start = 60.0 * Projectile().mass
 
     def weigh(solver):
         loose = [(state, state.inverse_mass > 0) for state in solver.states]
@@ -70,16 +73,17 @@ def test_reactions_take_up_the_momentum(shoot, part):
     result = shoot(
         60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part]
     )
-    t, edges = result.histories[0].t, [ply.edges for ply in result.histories]
+    t = result.histories[0].t
+    edges = [ply.edges for ply in result.histories]
     lift = sum(ply[name][:, LIFT] for ply in edges for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
     lost = start - np.array(momentum)
     assert lost[-1] > 0.1 * start
-    np.testing.assert_allclose(taken, lost, atol=1e-9 * start)
+    assert_allclose(taken, lost, atol=1e-9 * start)
     for high, low in (EDGES[:2], EDGES[2:]):
         assert edges[0][high][:, PULL].max() > 100
-        np.testing.assert_allclose(edges[0][low], edges[0][high], rtol=1e-6, atol=1e-5)
+        assert_allclose(edges[0][low], edges[0][high], rtol=1e-6, atol=1e-5)
 
 
 @pytest.mark.parametrize("changes", [{}, {"elements_per_crossover": 2}, {"plies": 2}], ids=str)
@@ -110,12 +114,12 @@ def test_plies_are_followed_by_their_numbers(shoot):
     named = shoot(120.0, history=HistoryRequest(2e-6, plies=(3, 1)), **chosen).histories
     assert len(every) == 3
     for one, other in zip(named, (every[2], every[0]), strict=True):
-        np.testing.assert_array_equal(
+        assert_array_equal(
             [one.edges[name] for name in EDGES], [other.edges[name] for name in EDGES]
         )
         for yarn, same in zip(one.yarns, other.yarns, strict=True):
-            np.testing.assert_array_equal(yarn.tension, same.tension)
-            np.testing.assert_array_equal(yarn.deflection, same.deflection)
+            assert_array_equal(yarn.tension, same.tension)
+            assert_array_equal(yarn.deflection, same.deflection)
     assert every[0].yarns[0].deflection.max() > every[2].yarns[0].deflection.max() > 0
 
 
@@ -134,7 +138,8 @@ def made_up(tension, place, deflection):
 def test_fronts_of_made_up_waves():
     """A ramp that runs at 3000 m/s and a triangle that spreads at 250 m/s come back to the last digits."""
     t = 1e-6 * np.arange(1, 31)
-    middles, nodes = 1e-3 * (np.arange(100) + 0.5), 1e-3 * np.arange(101)
+    middles = 1e-3 * (np.arange(100) + 0.5)
+    nodes = 1e-3 * np.arange(101)
     tension = 1e7 * np.maximum(t[:, None] - middles / 3000, 0)
     late = 10 * t
     deflection = np.maximum(0.1 * (250 * late[:, None] - nodes), 0)
@@ -147,7 +152,7 @@ def test_fronts_of_made_up_waves():
     assert front.r2 > 0.9999
     kink = wave_fronts.transverse(yarn, late)
     assert kink.speed == pytest.approx(250, rel=1e-3)
-    np.testing.assert_allclose(kink.place, 250 * kink.time, atol=1e-4)
+    assert_allclose(kink.place, 250 * kink.time, atol=1e-4)
     found = wave_fronts.fronts(Histories(t, (yarn,), {}))
     assert [(front.kind, front.family) for front in found] == [
         ("longitudinal", "warp"),
@@ -156,7 +161,7 @@ def test_fronts_of_made_up_waves():
 
 
 @pytest.mark.parametrize(
-    ("crossing", "end_time"), [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
+    "crossing, end_time", [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
 )
 def test_straight_yarn_is_smiths(straight, crossing, end_time):
     """c / sqrt(1 + mass of the crossing yarn over its own), and Smith's U and tension for a yarn of that mass.
@@ -176,7 +181,8 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
         **STRIP,
     )
     (recorded,) = run(setup).histories
-    yarn, warp = recorded.through("warp"), fabric.weave.warp
+    yarn = recorded.through("warp")
+    warp = fabric.weave.warp
     heavy = replace(
         warp,
         linear_density=warp.linear_density * (1 + crossing),
@@ -205,7 +211,8 @@ def test_front_of_a_crimped_yarn_is_a_shock(fabric):
         **STRIP | {"table_size": 201},
     )
     (recorded,) = run(setup).histories
-    yarn, weave = recorded.through("warp"), fabric.weave
+    yarn = recorded.through("warp")
+    weave = fabric.weave
     front = wave_fronts.longitudinal(yarn, recorded.t)
     kink = wave_fronts.transverse(yarn, recorded.t)
     T = np.median(

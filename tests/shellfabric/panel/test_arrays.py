@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest_tools import grid
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
 
 SYMMETRIES = ("quarter", "half", "whole")
@@ -12,19 +13,21 @@ SYMMETRIES = ("quarter", "half", "whole")
 def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
     """Areal density and yarns per metre times the area; nodes and yarns on rims and planes of symmetry by half."""
     panel = make_panel(symmetry=symmetry)
-    const, state = panel.constants(), panel.state(50.0)
-    mass, corner = grid(const, state.mass), 0.25 * panel.weave.areal_density * const.dx * const.dy
+    const = panel.constants()
+    state = panel.state(50.0)
+    mass = grid(const, state.mass)
+    corner = 0.25 * panel.weave.areal_density * const.dx * const.dy
     area = (
         np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share
     )  # of 24 x 24 crossovers as a whole
     assert state.mass.sum() == pytest.approx(panel.weave.areal_density * area, rel=1e-12)
-    np.testing.assert_allclose(mass[1:-1, 1:-1], 4 * corner, rtol=1e-14)
-    np.testing.assert_allclose(mass[[0, 0, -1, -1], [0, -1, 0, -1]], corner, rtol=1e-14)
+    assert_allclose(mass[1:-1, 1:-1], 4 * corner, rtol=1e-14)
+    assert_allclose(mass[[0, 0, -1, -1], [0, -1, 0, -1]], corner, rtol=1e-14)
     for count, length, intact in zip(
         (panel.weave.warp_count, panel.weave.weft_count), state.yarn_length, state.intact_fraction
     ):
         assert length.sum() == pytest.approx(count * area, rel=1e-12)
-        np.testing.assert_array_equal(intact, length != 0)
+        assert_array_equal(intact, length != 0)
     assert not grid(const, state.yarn_length[0])[-1].any()
     assert not grid(const, state.yarn_length[1])[:, -1].any()
     assert const.projectile_mass == pytest.approx(panel.projectile.mass * panel.share, rel=1e-14)
@@ -35,19 +38,20 @@ def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
 @pytest.mark.parametrize("edge", [("clamped", "clamped"), ("free", "free"), ("clamped", "free")])
 def test_held_nodes_have_no_inverse_mass(symmetry, edge):
     panel = make_panel(symmetry=symmetry, edge=edge)
-    const, state = panel.constants(), panel.state(50.0)
+    const = panel.constants()
+    state = panel.state(50.0)
     free = np.ones((const.ni + 1, const.nj + 1), bool)
     for axis, (side, mirrored) in enumerate(zip(edge, panel.mirrors)):
         if side == "clamped":
             np.moveaxis(free, axis, 0)[-1] = False
             np.moveaxis(free, axis, 0)[0] &= mirrored
-    np.testing.assert_allclose(
+    assert_allclose(
         grid(const, state.inverse_mass) * grid(const, state.mass), free, rtol=0, atol=1e-15
     )
     assert not state.inverse_mass[
         (const.ni + 1) * const.row_stride :
     ].any()  # beyond the panel there is nothing
-    np.testing.assert_array_equal(state.dt_over_mass, const.dt * state.inverse_mass)
+    assert_array_equal(state.dt_over_mass, const.dt * state.inverse_mass)
 
 
 def test_strength_of_each_yarn():
@@ -61,6 +65,6 @@ def test_strength_of_each_yarn():
         make_panel().weave.yarns,
         (const.half_strength1, const.half_strength2),
     ):
-        np.testing.assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
+        assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
     assert np.isposinf(make_panel(failure=False).constants().warp_lines.strength).all()

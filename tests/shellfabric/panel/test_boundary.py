@@ -5,6 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 from conftest_tools import advance, grid, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel, rest, set_nodal
 
 from shellfabric.cloth import boundary_kernels
@@ -28,7 +29,8 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     """At the weft's ends alone: u_y = - length (1 - |x| / (zone / 2)) (t - start) / (end - start)."""
     panel = make_panel(edge=("clamped", SLIP), symmetry=symmetry)
     solver = solver_at_rest(panel, 50.0)
-    state, const = solver.state, solver.const
+    state = solver.state
+    const = solver.const
     triangle = SLIP.length * np.maximum(1 - np.abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(
@@ -37,10 +39,10 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
         advance(solver, max(steps, 30))
         part = np.clip((state.counter[0] * const.dt - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
         u = np.array([grid(const, each) for each in state.u])
-        np.testing.assert_allclose(u[1, :, -1], -part * triangle, atol=1e-15)
+        assert_allclose(u[1, :, -1], -part * triangle, atol=1e-15)
         assert not u[[0, 2], :, -1].any()
         if symmetry == "whole":
-            np.testing.assert_allclose(u[1, :, 0], part * triangle, atol=1e-15)
+            assert_allclose(u[1, :, 0], part * triangle, atol=1e-15)
     assert not u[:, -1].any()  # warp ends are clamped
 
 
@@ -48,9 +50,7 @@ def test_the_pull_in_is_sampled():
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
     solver = PackSolver(make_panel(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((solver.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
-    np.testing.assert_allclose(
-        solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12
-    )
+    assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
     gripped = PackSolver(make_panel(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
     assert not PackSolver(make_panel(), 90.0, 20e-6).run().ply_sample("pull_in").any()
@@ -63,7 +63,8 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
     the share of F that their line has in a yarn."""
     changes = {"symmetry": symmetry, "elements_per_crossover": elements}
     panel = make_panel(edge=(Grip(20.0), "clamped"), failure=False, **changes)
-    const, held = panel.constants(), np.full(panel.counts[1], 20.0 / elements)
+    const = panel.constants()
+    held = np.full(panel.counts[1], 20.0 / elements)
     held[0] *= 0.5 if symmetry == "quarter" else 1.0  # a plane of symmetry halves a yarn
     for strain in (0.002, 0.02):
         state = panel.state(1.0)
@@ -77,16 +78,14 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
         inside = slice(int(not panel.mirrors[1]), None)  # corners are held
         gained = const.dt * np.minimum(force + held, 0.0) / grid(const, state.mass)[-1, :-1]
         assert np.all((gained < 0.0)[inside] == (strain == 0.02))
-        np.testing.assert_allclose(v[inside], gained[inside], rtol=1e-12, atol=1e-18)
+        assert_allclose(v[inside], gained[inside], rtol=1e-12, atol=1e-18)
         if symmetry == "whole":  # the other end
-            np.testing.assert_allclose(
-                grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18
-            )
+            assert_allclose(grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18)
 
 
 def test_firm_grip_is_a_clamp():
     clamped, firm = (fire(make_panel(edge=edge))[2] for edge in ("clamped", Grip(1e6)))
-    np.testing.assert_array_equal(firm, clamped)
+    assert_array_equal(firm, clamped)
 
 
 def test_each_side_on_its_own():
@@ -98,10 +97,10 @@ def test_each_side_on_its_own():
     assert loose[1:, 1:].all()
     nodes, axes, values = boundary.rim(panel)
     assert set(axes) == {1}
-    np.testing.assert_array_equal(
+    assert_array_equal(
         nodes, np.arange(1, 25) * 25
     )  # the corner at the clamp is held, the free one gripped
-    np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
+    assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     state, const, _ = fire(make_panel(edge=("clamped", "free")), 100.0, 500)
     assert np.abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
 
@@ -116,14 +115,12 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
 
 def test_grips_are_struck_off_the_middle():
     """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
-    x, sides = (
-        4.3 * 2 * make_panel().weave.w[0],
-        {"symmetry": "whole", "edge": (Grip(5.0), "clamped")},
-    )
+    x = 4.3 * 2 * make_panel().weave.w[0]
+    sides = {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
     right, left = (
         PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x)
     )
-    np.testing.assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
+    assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
     far, near = (np.abs(grid(right.const, right.state.u[0])[end]).max() for end in (0, -1))
     assert near > 1.5 * far > 0
     assert np.abs(right.sample("error")).max() < 1e-3 * right.strike_energy
@@ -153,7 +150,7 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
     for rows, mirrored in ((inside, panel.mirrors[0]), (inside.T, panel.mirrors[1])):
         rows[0] &= mirrored
     loose = boundary.loose(panel)
-    np.testing.assert_array_equal(loose, inside)
+    assert_array_equal(loose, inside)
     (i, j), (k, l) = boundary.ends(panel)
     assert [loose[i - 1, j], loose[i, j], loose[k, l - 1], loose[k, l]] == [
         True,
@@ -167,7 +164,8 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
 def test_what_is_shown_ends_at_the_opening(changes):
     """Nodes within it are shown where they are, and those that lie in the clamp on the edge."""
     panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
-    held, shown = ~boundary.loose(panel), np.array(boundary.shown(panel))
+    held = ~boundary.loose(panel)
+    shown = np.array(boundary.shown(panel))
     assert np.array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
     place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(
         *panel.impact_point
@@ -184,7 +182,7 @@ def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt():
         make_panel(0.05842, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)
     ]
     straight, turned = (fire(panel, 80.0, 500)[2][:, 1] for panel in panels)
-    np.testing.assert_allclose(turned[:60], straight[:60], rtol=1e-6)
+    assert_allclose(turned[:60], straight[:60], rtol=1e-6)
     assert abs(turned[-1] - straight[-1]) > 0.2
 
 
@@ -202,7 +200,8 @@ def test_an_edge_is_felt_by_its_distance_from_the_impact():
         solver = PackSolver(panel, 90.0, 16e-6).run()
         return solver.sample("reaction_warp")[-1], solver.sample("v")[-1]
 
-    near, far = pull(46, 8.0), pull(46, -8.0)
+    near = pull(46, 8.0)
+    far = pull(46, -8.0)
     assert near[0] == pytest.approx(pull(30)[0], rel=1e-7)
     assert near[0] > 20.0
     assert abs(far[0]) < 0.1
@@ -215,7 +214,8 @@ def test_edge_forces_of_a_round_opening():
     for symmetry in ("quarter", "half", "whole"):
         panel = make_panel(0.04, symmetry=symmetry, round=True)
         state = PackSolver(panel, 90.0, 30e-6).run().state
-        sides, force = histories.edge_nodes(panel), np.add(state.f_int, state.f_int_above)
+        sides = histories.edge_nodes(panel)
+        force = np.add(state.f_int, state.f_int_above)
         total = [(weights * force[:, nodes]).sum(axis=1) for nodes, weights, _ in sides]
         pulls.append(
             [
@@ -223,6 +223,6 @@ def test_edge_forces_of_a_round_opening():
                 for f, (_, _, normal) in zip(total, sides)
             ]
         )
-    np.testing.assert_allclose(pulls[0], pulls[2], rtol=1e-6)
-    np.testing.assert_allclose(pulls[1], pulls[2], rtol=1e-6)
+    assert_allclose(pulls[0], pulls[2], rtol=1e-6)
+    assert_allclose(pulls[1], pulls[2], rtol=1e-6)
     assert pulls[2][0][0] > 100.0

@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest_tools import advance, grid, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal, table
 
 from fabrics.errors import UnstableError
@@ -37,7 +38,7 @@ def shoot(strike_velocity, end_time, side=0.06, **changes):
 
 
 @pytest.mark.parametrize(
-    ("given", "side"),
+    "given, side",
     [
         (1, 1),
         (2.0, 2),
@@ -101,7 +102,7 @@ def test_edges_stand_for_all_segments_of_the_panel(symmetry):
 def test_mass_and_yarn_are_those_of_the_plain_panel(symmetry):
     panel, plain = (make_panel(0.06, symmetry=symmetry, grading=zones) for zones in (COARSER, None))
     assert panel.elements < 0.5 * plain.elements
-    np.testing.assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
+    assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
     assert panel.masses().sum() == pytest.approx(plain.masses().sum(), rel=1e-12)
     for mine, other in zip(panel.state(1.0).yarn_length, plain.state(1.0).yarn_length):
         assert mine.sum() == pytest.approx(other.sum(), rel=1e-12)
@@ -121,16 +122,17 @@ def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
         panels[2].__dict__["sides"] = tuple(map(np.full, panels[2].counts, panels[2].spacing))
     plain, same, equal = (PackSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
     assert (plain.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
-    np.testing.assert_array_equal(plain.samples, same.samples)
+    assert_array_equal(plain.samples, same.samples)
     for name in ("u", "v", "stretch", "N", "f_int", "failed", "intact_fraction"):
         for a, b, c in zip(*(getattr(solver.state, name) for solver in (plain, same, equal))):
-            np.testing.assert_array_equal(a, b)
-            np.testing.assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
+            assert_array_equal(a, b)
+            assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
 
 
 def reflected(table, zones, wavelength):
     """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
-    edge, numerics = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
+    edge = ("clamped", "free")
+    numerics = Numerics(stretch_viscosity=0.0)
     panel = make_panel(
         table=table,
         opening=(0.6, 0.0203),
@@ -140,17 +142,23 @@ def reflected(table, zones, wavelength):
         numerics=numerics,
     )
     solver = solver_at_rest(panel, 1.0)
-    state, const = solver.state, solver.const
-    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
-    x, weave, d = rest(panel), panel.weave, panel.spacing[0]
+    state = solver.state
+    const = solver.const
+    state.projectile_position[2] = -1.0
+    state.active_rows[:] = (0, const.ni)
+    x = rest(panel)
+    weave = panel.weave
+    d = panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
-    length, k = wavelength * d, np.pi / (wavelength * d)
+    length = wavelength * d
+    k = np.pi / (wavelength * d)
 
     def within(X):
         return np.clip(X - 40 * d, -0.5 * length, 0.5 * length)
 
     # taut cloth, and a pulse u = f(X - c t) on it
-    X, along = x[..., 0], np.array([1.0, 0.0, 0.0])
+    X = x[..., 0]
+    along = np.array([1.0, 0.0, 0.0])
     set_nodal(state.u, (0.01 * X + 1e-6 * np.cos(k * within(X)) ** 2)[..., None] * along)
     set_nodal(
         state.v,
@@ -163,7 +171,7 @@ def reflected(table, zones, wavelength):
 
 
 @pytest.mark.parametrize(
-    ("zones", "wavelength", "most"),
+    "zones, wavelength, most",
     [
         (None, 16, 1e-3),
         (((100, 1), (INF, 2)), 32, 1.5e-3),
@@ -178,10 +186,8 @@ def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
 
 def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
     """Against a plain loop over all pairs of yarn and line."""
-    factors, places = (
-        np.random.default_rng(3).uniform(0.5, 1.5, 41),
-        np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16]),
-    )
+    factors = np.random.default_rng(3).uniform(0.5, 1.5, 41)
+    places = np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
     for line, factor in enumerate(grading.weakest(factors, places)):
         mine = []
         for yarn in range(-20, 21):
@@ -222,7 +228,7 @@ def test_a_projectile_that_leaves_the_first_zone_ends_the_run():
 
 
 @pytest.mark.parametrize(
-    ("zones", "elements", "side", "end", "near"),
+    "zones, elements, side, end, near",
     [
         (((10, 1), (14, 2), (INF, 4)), 1, 0.0762, 150e-6, 0.01),
         (((9, 0.5), (INF, 1)), 2, 0.05, 80e-6, 0.005),
@@ -236,5 +242,5 @@ def test_a_coarse_rim_changes_a_shot_little(zones, elements, side, end, near):
     )
     assert graded.sample("v")[-1] == pytest.approx(plain.sample("v")[-1], abs=near * 70.0)
     assert graded.sample("z")[-1] == pytest.approx(plain.sample("z")[-1], rel=0.01)
-    np.testing.assert_allclose(graded.state.peak_tension, plain.state.peak_tension, rtol=0.05)
+    assert_allclose(graded.state.peak_tension, plain.state.peak_tension, rtol=0.05)
     assert np.abs(graded.sample("error")).max() < 5e-4 * graded.strike_energy

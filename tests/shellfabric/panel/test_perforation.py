@@ -19,15 +19,17 @@ def cut(panel, state, low, high, intact=0.0):
         warp[line, low:high] = weft[low:high, line] = intact
 
 
-@pytest.mark.parametrize(("symmetry", "low", "high"), [("quarter", 0, 4), ("whole", 9, 14)])
+@pytest.mark.parametrize("symmetry, low, high", [("quarter", 0, 4), ("whole", 9, 14)])
 def test_what_is_held(symmetry, low, high):
     """Nodes that yarn joins to no edge are not, nor the elements at them; one yarn left whole keeps them all. What is
     eroded is not."""
     panel = make_panel(symmetry=symmetry)
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     assert perforation.held(state, const).all()
     cut(panel, state, low, high)
-    held, touched = perforation.held(state, const), np.zeros(panel.counts, bool)
+    held = perforation.held(state, const)
+    touched = np.zeros(panel.counts, bool)
     touched[max(low - 1, 0) : high, max(low - 1, 0) : high] = True
     np.testing.assert_array_equal(held, ~touched)
     state.intact_fraction[0][(high - 1) * const.row_stride + low] = 0.5
@@ -39,7 +41,8 @@ def test_what_is_held(symmetry, low, high):
 def test_passed():
     """The nose has passed where no held cloth is ahead of its edge within its radius."""
     panel = make_panel()
-    state, c = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    c = panel.constants()
     assert not perforation.passed(state, c)  # cloth at rest before the nose
     cut(panel, state, 0, 4)
     assert perforation.passed(state, c)  # all that is left before it is the plug

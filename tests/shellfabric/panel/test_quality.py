@@ -26,7 +26,7 @@ def small_panel(side=0.1, **numerics):
 
 
 @pytest.mark.parametrize(
-    ("numerics", "expected"),
+    "numerics, expected",
     [
         ({}, set()),
         ({"stretch_viscosity": 0.0}, {"tension oscillation"}),
@@ -56,7 +56,9 @@ def test_a_printed_law_and_a_law_beyond_its_fit_are_indicated():
 
 def test_alternation_of_a_known_wave():
     """Tensions 10 +- 1 N from node to node: the alternation is a tenth; a smooth slope has none."""
-    found, slope, i = np.zeros(2), np.zeros(2), np.arange(1600)
+    found = np.zeros(2)
+    slope = np.zeros(2)
+    i = np.arange(1600)
     alternation(10.0 + (-1.0) ** i, 0, 1, 400, 400, 0.0, found)
     assert np.sqrt(found[0] / found[1]) == pytest.approx(0.1, rel=0.02)
     alternation(20.0 - 0.01 * (i % 400), 0, 1, 400, 400, 0.0, slope)
@@ -90,7 +92,8 @@ def narrow(velocity=300.0, **changes):
 
 
 def test_the_default_mesh_follows_projectile_and_failure_length():
-    table, length = narrow().table(), narrow().fabric.failure_length
+    table = narrow().table()
+    length = narrow().fabric.failure_length
     for changes, side in (
         ({}, 0.5 * length),
         ({"edge": "free"}, ELEMENT_SIDE * 1.06e-3),
@@ -104,7 +107,8 @@ def test_the_default_mesh_follows_projectile_and_failure_length():
 
 def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     """Elements longer than its radius absorb less than shorter ones do."""
-    velocities, table = (180.0, 240.0, 300.0, 360.0), narrow().table()
+    velocities = (180.0, 240.0, 300.0, 360.0)
+    table = narrow().table()
     fine, usual, coarse = (
         [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities]
         for n in (6, None, 1)

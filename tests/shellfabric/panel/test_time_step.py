@@ -29,8 +29,10 @@ def test_taut_cloth_is_distinguished_from_crimped():
 )
 def test_the_contact_is_no_stiffer_for_a_shorter_step(changes):
     """A shorter step is taken than of the usual panel, whose contact has the stiffness of its own."""
-    panel, usual = make_panel(**changes), make_panel()
-    const, other = panel.constants(), usual.constants()
+    panel = make_panel(**changes)
+    usual = make_panel()
+    const = panel.constants()
+    other = usual.constants()
     assert const.dt < 0.99 * panel.step_of_bound
     per_step = (usual.step_of_bound / panel.step_of_bound) ** 2
     assert const.point_law.stiffness == pytest.approx(

@@ -14,7 +14,8 @@ from shellfabric.projectile.projectile import Projectile
 
 STEEL = load("steel")
 ELASTIC = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson)
-AREA, LENGTH = 2.4e-5, 0.042
+AREA = 2.4e-5
+LENGTH = 0.042
 C = np.sqrt(ELASTIC.modulus / ELASTIC.density)  # of an elastic wave along a slender bar
 
 
@@ -24,7 +25,8 @@ class Motion:
     def __init__(self, bar, velocity):
         self.bar = bar
         self.h, self.area = bar.mesh
-        self.mass, material = bar.nodal_mass, bar.material
+        self.mass = bar.nodal_mass
+        material = bar.material
         self.law = np.array([material.modulus, material.yield_stress, material.hardening])
         self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
         self.plastic, self.stress, self.sums = (
@@ -57,15 +59,18 @@ class Motion:
         kernels.energies(
             self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out
         )
-        plastic, work = self.sums[kernels.PLASTIC], self.sums[kernels.WORK]
+        plastic = self.sums[kernels.PLASTIC]
+        work = self.sums[kernels.WORK]
         return {"plastic": plastic, "work": work, "error": out.sum() + plastic - work - self.start}
 
 
 def split(bar, duration, impulse):
     """What a half-sine push of `duration` [s] and a small `impulse` [N s] leaves of rigidity: the largest
     |v_tip - v_tail| over the change of the centre's velocity, during it and after."""
-    motion, dt = Motion(bar, 0.0), bar.longest_step
-    steps, extra = ceil(duration / dt), ceil(2 * bar.period / dt)
+    motion = Motion(bar, 0.0)
+    dt = bar.longest_step
+    steps = ceil(duration / dt)
+    extra = ceil(2 * bar.period / dt)
     peak = impulse * pi / (2 * steps * dt)
     apart = []
     for n in range(steps + extra):
@@ -78,7 +83,8 @@ def split(bar, duration, impulse):
 def test_the_source_projectile():
     """Erratum E-37: a bore of 4.5 by 38.9 mm leaves 3 g; bar speed 4936 m/s, 2 L / c = 17.0 us. Without it, as light as
     it is and at the wave speed of steel, it swings in 2 L / c."""
-    bored, full = Bar.cylinder(), Bar.full()
+    bored = Bar.cylinder()
+    full = Bar.full()
     assert bored.mass == pytest.approx(3.0e-3, rel=1e-12)
     assert bored.sections[1][0] == pytest.approx(38.9e-3, abs=0.05e-3)
     assert C == pytest.approx(4936, abs=0.5)
@@ -105,14 +111,20 @@ def test_period_converges_to_2L_over_c():
 def test_a_step_of_force_sends_a_wave():
     """Tip velocity F / rho c A until the wave is back at 2 L / c; the tail is still until L / c, then twice as fast."""
     bar = Bar(((LENGTH, AREA),), ELASTIC, elements=400)
-    motion, dt, force = Motion(bar, 0.0), 2e-8, 1000.0
+    motion = Motion(bar, 0.0)
+    dt = 2e-8
+    force = 1000.0
     jump = force / (ELASTIC.density * C * AREA)
-    tip, tail, t = [], [], np.arange(1, int(1.8 * LENGTH / C / dt)) * dt
+    tip = []
+    tail = []
+    t = np.arange(1, int(1.8 * LENGTH / C / dt)) * dt
     for _ in t:
         _, velocity = motion.push(force, dt)
         tip.append(velocity)
         tail.append(motion.v[-1])
-    tip, tail, arrival = np.array(tip), np.array(tail), LENGTH / C
+    tip = np.array(tip)
+    tail = np.array(tail)
+    arrival = LENGTH / C
     assert tip[t > 0.2 * arrival].mean() == pytest.approx(jump, rel=5e-3)
     assert np.abs(tail[t < 0.9 * arrival]).max() < 0.02 * jump
     assert tail[t > 1.2 * arrival].mean() == pytest.approx(2 * jump, rel=1e-2)
@@ -124,7 +136,8 @@ def test_energy_balances_and_as_the_square_of_the_step():
     for name, material in (("elastic", ELASTIC), ("plastic", STEEL)):
         for cfl in (0.8, 0.4):
             bar = Bar.cylinder(material=material, cfl=cfl)
-            motion, dt = Motion(bar, 100.0), 4e-7
+            motion = Motion(bar, 100.0)
+            dt = 4e-7
             for n in range(60):
                 motion.push(-3000.0 * np.sin(np.pi * min(n / 40, 1)) ** 2, dt)
             energy = motion.energies()
@@ -136,7 +149,11 @@ def test_energy_balances_and_as_the_square_of_the_step():
 
 def test_return_to_the_yield_surface():
     """A push slowly through yield and back: kinematic hardening, of the closed loop's width 2 sigma_y."""
-    E, yields, H, plastic, stress = 200e9, 200e6, 20e9, np.zeros(1), np.zeros(1)
+    E = 200e9
+    yields = 200e6
+    H = 20e9
+    plastic = np.zeros(1)
+    stress = np.zeros(1)
     work = 0.0
     found = []
     for strain in (0.0005, 0.002, 0.003, 0.0015, -0.001):
@@ -162,7 +179,10 @@ def test_a_plastic_wave_in_closed_form():
     material = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson, 22e6, H)
     bar = Bar(((LENGTH, AREA),), material, elements=600)
     slow = np.sqrt(material.modulus * H / (material.modulus + H) / material.density)
-    motion, stress, dt, time = Motion(bar, 0.0), 33e6, 1e-8, 0.8 * LENGTH / C
+    motion = Motion(bar, 0.0)
+    stress = 33e6
+    dt = 1e-8
+    time = 0.8 * LENGTH / C
     for _ in range(int(time / dt)):
         motion.push(-stress * AREA, dt)
     expected = (22e6 / C + 11e6 / slow) / material.density
@@ -176,7 +196,9 @@ def test_a_plastic_wave_in_closed_form():
 
 def test_kernel_equals_its_plain_twin():
     bar = Bar.cylinder(elements=12)
-    motion, steps, force = Motion(bar, 10.0), 37, -3500.0
+    motion = Motion(bar, 10.0)
+    steps = 37
+    force = -3500.0
     motion.push(force, steps * 0.5 * bar.longest_step)
     E, yields, h, area, mass = (
         bar.material.modulus,
@@ -186,7 +208,9 @@ def test_kernel_equals_its_plain_twin():
     )
     n = bar.substeps(steps * 0.5 * bar.longest_step)
     dt = steps * 0.5 * bar.longest_step / n
-    u, v, plastic = np.zeros(len(mass)), np.full(len(mass), 10.0), np.zeros(len(h))
+    u = np.zeros(len(mass))
+    v = np.full(len(mass), 10.0)
+    plastic = np.zeros(len(h))
 
     def pull():
         stretches = 1 - np.diff(u) / h
@@ -225,7 +249,8 @@ def test_when_rigid_is_enough():
 @pytest.mark.parametrize("duration", [1e-4, 3e-5, 1e-5])
 def test_contact_time_of_a_half_sine(duration):
     """(2 T / pi) x / sin x, x = pi P / (2 T), and the period itself for what is shorter."""
-    period, t = 2e-5, np.linspace(0, 2e-4, 20001)
+    period = 2e-5
+    t = np.linspace(0, 2e-4, 20001)
     x = np.pi * period / (2 * duration)
     force = np.where(t < duration, np.sin(np.pi * t / duration), 0.0)
     expected = 2 * duration / np.pi * x / np.sin(x) if duration > period else period
@@ -267,8 +292,12 @@ def struck(fabric):
 
 def test_the_bar_of_the_march_is_the_bar_alone(fabric, struck):
     """Given the forces of the march step by step, `Motion` moves tip and tail alike."""
-    motion, fine = Motion(struck.setup.projectile.bar, 100.0), struck.step_history
-    dt, force, tips, tails = fine[0, 0], 0.0, [], []
+    motion = Motion(struck.setup.projectile.bar, 100.0)
+    fine = struck.step_history
+    dt = fine[0, 0]
+    force = 0.0
+    tips = []
+    tails = []
     for now in fine[:, 3]:
         tip, _ = motion.push(force, dt)
         tips.append(tip)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
+from numpy.testing import assert_allclose
 from panels import make_panel
 
 from shellfabric.cloth.membrane_kernels import ERODED
@@ -12,7 +13,8 @@ from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
 
-R, RHO = 2.75e-3, 0.3e-3
+R = 2.75e-3
+RHO = 0.3e-3
 
 
 def march(panel, strike_velocity, steps):
@@ -34,14 +36,14 @@ def test_peak_tension_has_converged():
     """In the number of points, and it hardly depends on the rounding of the edge, without which contact at nodes fails
     at a third of the limit. Measured: 4 points -2.7 %, 8 points 0.3 %, edge of 3 um -3.6 %."""
     converged = peak(16, RHO)
-    np.testing.assert_allclose(peak(4, RHO), converged, rtol=0.03)
-    np.testing.assert_allclose(peak(8, RHO), converged, rtol=0.01)
-    np.testing.assert_allclose(peak(16, 0.01 * RHO), converged, rtol=0.08)
+    assert_allclose(peak(4, RHO), converged, rtol=0.03)
+    assert_allclose(peak(8, RHO), converged, rtol=0.01)
+    assert_allclose(peak(16, 0.01 * RHO), converged, rtol=0.08)
     assert peak(1, RHO).tolist() == peak(2, RHO).tolist()  # at least two an element
 
 
 @pytest.mark.parametrize(
-    ("shot", "knobs", "elements", "expected"),
+    "shot, knobs, elements, expected",
     [
         ({}, {}, 1, 8),  # an edge of 0.3 mm and elements of 1.27 mm
         ({"edge_radius": 0.1e-3}, {}, 1, 16),
@@ -62,7 +64,7 @@ def test_the_default_number_of_points_follows_the_nose(shot, knobs, elements, ex
 def test_the_default_points_resolve_a_sharp_edge():
     """An edge of 0.1 mm, which eight points a crossover miss."""
     converged = peak(32, 0.1e-3)
-    np.testing.assert_allclose(peak(None, 0.1e-3), converged, rtol=0.04)
+    assert_allclose(peak(None, 0.1e-3), converged, rtol=0.04)
     assert np.abs(peak(8, 0.1e-3) / converged - 1).max() > 0.07
 
 
@@ -79,7 +81,8 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
     rubbed = state.contact_energy[FRICTION]
     for intact in state.intact_fraction:
         intact[:] = 0.0
-    state.element_flag[nodes], state.block_damage[:] = flag, element_kernels.DAMAGED
+    state.element_flag[nodes] = flag
+    state.block_damage[:] = element_kernels.DAMAGED
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
     assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
         -0.5 * const.dt * pushed, rel=1e-9

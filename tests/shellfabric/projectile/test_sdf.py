@@ -8,7 +8,10 @@ import pytest
 from shellfabric.projectile.projectile import SHAPES, Projectile
 
 ANALYTIC = [shape for shape in SHAPES if shape != "stl"]  # of which `test_solid` has any shape
-R, RHO, TIP, LENGTH = 2.7e-3, 0.3e-3, 0.5e-3, 8e-3
+R = 2.7e-3
+RHO = 0.3e-3
+TIP = 0.5e-3
+LENGTH = 8e-3
 FORMS = {
     "cone": {"half_angle": radians(35), "tip_radius": TIP},
     "chisel": {"flat_width": 2.54e-3, "flat_angle": radians(35)},
@@ -56,7 +59,8 @@ def cone_nose():
 
 def chisel_faces(end):
     """Faces of the sharp chisel that a ball of radius RHO rolls round: strip, two flats, side."""
-    slope, radius = FORMS["chisel"]["flat_angle"], R - RHO
+    slope = FORMS["chisel"]["flat_angle"]
+    radius = R - RHO
     # where planes set back by RHO from strip and flat meet
     half = 0.5 * FORMS["chisel"]["flat_width"] - RHO * (1 - cos(slope)) / sin(slope)
 
@@ -99,15 +103,20 @@ def faces(shape, length):
 
 def nearest(face, point):
     """Distance from a point to a face, by a grid that closes in on the nearest of its points."""
-    low, high, best = np.zeros(2), np.ones(2), None
+    low = np.zeros(2)
+    high = np.ones(2)
+    best = None
     for _ in range(9):
         s, t = np.meshgrid(
             np.linspace(low[0], high[0], 61), np.linspace(low[1], high[1], 61), indexing="ij"
         )
         gap = sum((x - p) ** 2 for x, p in zip(face(s, t), point))
         k = np.unravel_index(np.argmin(gap), gap.shape)
-        best, centre, reach = gap[k], np.array([s[k], t[k]]), 4 * (high - low) / 60
-        low, high = np.maximum(centre - reach, 0), np.minimum(centre + reach, 1)
+        best = gap[k]
+        centre = np.array([s[k], t[k]])
+        reach = 4 * (high - low) / 60
+        low = np.maximum(centre - reach, 0)
+        high = np.minimum(centre + reach, 1)
     return np.sqrt(best)
 
 
@@ -122,7 +131,7 @@ def points(shape, count, seed=0, length=None):
 
 
 @pytest.mark.parametrize(
-    ("shape", "length"),
+    "shape, length",
     [(one, None) for one in ANALYTIC] + [("flat", LENGTH), ("cone", LENGTH), ("chisel", LENGTH)],
 )
 def test_distance_is_that_of_the_nearest_point(shape, length):
@@ -141,7 +150,8 @@ def test_distance_is_that_of_the_nearest_point(shape, length):
 
 @pytest.mark.parametrize("shape", ANALYTIC)
 def test_gradient_is_a_unit_vector_and_the_slope(shape):
-    shot, step = body(shape, obliquity=0.4, azimuth=0.7, roll=0.3, length=None), 1e-8
+    shot = body(shape, obliquity=0.4, azimuth=0.7, roll=0.3, length=None)
+    step = 1e-8
     checked = 0
     for point in points(shape, 400, seed=1):
         depth, normal = shot.distance(point)
@@ -185,9 +195,9 @@ def test_mirror_planes():
     assert body("chisel").mirrored(0)
     assert body("chisel", roll=np.pi / 2).mirrored(1)
     assert not body("chisel", roll=0.3).mirrored(0)
-    along_warp, along_weft = (
-        body("cone", obliquity=0.3),
-        body("cone", obliquity=0.3, azimuth=np.pi / 2),
-    )
-    assert (along_warp.mirrored(0), along_warp.mirrored(1)) == (False, True)
-    assert (along_weft.mirrored(0), along_weft.mirrored(1)) == (True, False)
+    along_warp = body("cone", obliquity=0.3)
+    along_weft = body("cone", obliquity=0.3, azimuth=np.pi / 2)
+    assert not along_warp.mirrored(0)
+    assert along_warp.mirrored(1)
+    assert along_weft.mirrored(0)
+    assert not along_weft.mirrored(1)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.projectile import Projectile
@@ -38,7 +39,9 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
     """A central difference over 2 nm; linear interpolation between samples, whose slope jumps, would be off by degrees
     at the faces of the cells, which half of the places are next to."""
     _, body = pairs["chisel"]
-    h, rng, step = body.solid.spacing, np.random.default_rng(1), 1e-9
+    h = body.solid.spacing
+    rng = np.random.default_rng(1)
+    step = 1e-9
     at = rng.uniform((-2e-3, -2e-3, -1e-3), (2e-3, 2e-3, 0), (200, 3))
     at[::2] = h * np.round(at[::2] / h) + 0.5 * step
     for place in at:
@@ -48,7 +51,7 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
         ]
         normal = body.distance(place)[1]
         assert np.linalg.norm(normal) == pytest.approx(1, abs=1e-12)
-        np.testing.assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
+        assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
 
 
 def test_weights_of_b_splines():
@@ -72,7 +75,8 @@ def test_a_body_is_its_own_mirror_image_or_not(pairs):
     lumped = solid.distances.copy()
     lumped[:10] -= 5e-5
     lopsided = replace(body, solid=replace(solid, digest="lopsided", distances=lumped))
-    assert (lopsided.mirrored(0), lopsided.mirrored(1)) == (False, True)
+    assert not lopsided.mirrored(0)
+    assert lopsided.mirrored(1)
     assert not replace(lopsided, roll=np.pi / 2).mirrored(1)
 
 
@@ -91,7 +95,7 @@ def test_a_shot_from_an_stl_file_is_the_analytic_one(tmp_path, name):
     path = stl_noses.write(tmp_path / "nose.stl", *stl_noses.triangles(shot, 121, 97))
     for velocity in stl_noses.VELOCITIES:
         (analytic, read), balance = stl_noses.fire(shot, stl_noses.from_file(path), velocity)
-        np.testing.assert_allclose(read, analytic, rtol=0.01)
+        assert_allclose(read, analytic, rtol=0.01)
         assert balance.max() < 0.0025
 
 
@@ -100,7 +104,7 @@ def test_an_oblique_shot_with_friction_keeps_its_energy(pairs):
     attitude = {"obliquity": 0.4, "azimuth": 0.3, "yaw": 0.2, "roll": 0.3, "friction": 0.3}
     shot, body = (replace(one, **attitude) for one in pairs["chisel"])
     assert isinstance(body, Projectile)
-    np.testing.assert_allclose(body.start(), shot.start(), atol=2e-5)
+    assert_allclose(body.start(), shot.start(), atol=2e-5)
     given = {
         "projectile": {"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
         "symmetry": "whole",

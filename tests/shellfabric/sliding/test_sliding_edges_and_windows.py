@@ -15,7 +15,8 @@ from shellfabric.solver.pack_solver import PackSolver
 def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     force = 30.0
     run = PackSolver(sliding(0.1, edge=Grip(force), failure=False), 80.0, 80e-6).run()
-    last, through = run.const.ni, grid(run.slips[0].passed[0], run.panel)
+    last = run.const.ni
+    through = grid(run.slips[0].passed[0], run.panel)
     assert through[last].min() < -1e-4  # [m] towards the middle
     assert np.all(through[last] <= 0)
     slips = grid(run.slips[0].q[0], run.panel)[last] < 0
@@ -51,7 +52,8 @@ def test_a_ply_is_struck_beside_a_crossover(sliding):
             assert n == line.size // 2 + round(place)
         return PackSolver(panel, 60.0, end).run()
 
-    one, mirrored = shot((0.25, 0.25), 40e-6), shot((-0.25, -0.25), 40e-6)
+    one = shot((0.25, 0.25), 40e-6)
+    mirrored = shot((-0.25, -0.25), 40e-6)
     assert one.sample("v") == pytest.approx(mirrored.sample("v"), rel=1e-6)
     assert np.abs(one.sample("error")).max() < 0.005 * one.strike_energy
     middle, crossover, beside = (
@@ -63,7 +65,8 @@ def test_a_ply_is_struck_beside_a_crossover(sliding):
 
 def test_contact_ends_in_the_middle_of_a_window_and_not_beside_its_yarns(sliding):
     run = PackSolver(sliding(), 50.0, 1e-6)
-    state, const = run.state, run.const
+    state = run.state
+    const = run.const
     share = lambda s, t: window_kernels.cover_at_point(state, const, np.uint64(0), s, t)  # noqa: E731
     places = np.linspace(0, 1, 41)
     for stretch in state.stretch:

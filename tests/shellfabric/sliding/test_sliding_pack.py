@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import same
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.errors import InputError
 from shellfabric.plies import near_kernels
@@ -37,14 +38,15 @@ def test_an_infinite_threshold_is_the_pinned_pack_that_rubs(ply):
     held, stuck = (PackSolver(pack, 60.0, 40e-6).run() for pack in (held, stuck))
     assert all(same(one, other) for one, other in zip(held.states, stuck.states))
     for name in held.sample_names:
-        np.testing.assert_array_equal(held.sample(name), stuck.sample(name))
+        assert_array_equal(held.sample(name), stuck.sample(name))
 
 
 def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
     """What the guard predicts is where its nodes come to."""
     run = PackSolver(Pack.stacked(sliding(ply, mu=0.1), 2, gap=GAP), 300.0, 20e-6).run()
     assert run.sample("cut_yarns")[-1] > 0
-    guard, looked_at = run.contact, 0
+    guard = run.contact
+    looked_at = 0
     for _ in range(200):
         run.advance(np.empty((1, 3)))
         nodes = guard.node_list[: guard.count[near_kernels.NODES]]
@@ -52,9 +54,7 @@ def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
             own = nodes[nodes // guard.slots == p]
             i, j = np.divmod(own - guard.base[p], guard.shape[p, 0])
             moved = np.array(state.u)[:, i * run.consts[p].row_stride + j]
-            np.testing.assert_allclose(
-                guard.rest[:, own] + moved, guard.y[:, own], rtol=0, atol=1e-14
-            )
+            assert_allclose(guard.rest[:, own] + moved, guard.y[:, own], rtol=0, atol=1e-14)
             looked_at += own.size
     assert looked_at > 0
 
@@ -81,13 +81,11 @@ def test_all_that_touches_a_ply_presses_its_yarns_on_each_other(ply):
     for p, (const, state) in enumerate(zip(run.consts, run.states)):
         first, last = state.active_rows
         rows = slice(first * const.row_stride, (last + 1) * const.row_stride)
-        pressing, all_forces = (
-            run._slips[2].values[p].f_contact[2][rows],
-            run._loaded_state(p).f_contact[2][rows],
-        )
+        pressing = run._slips[2].values[p].f_contact[2][rows]
+        all_forces = run._loaded_state(p).f_contact[2][rows]
         most = np.abs(all_forces).max()
         assert np.abs(all_forces - state.f_contact[2][rows]).max() > 0.01 * most
-        np.testing.assert_allclose(pressing, all_forces, rtol=1e-9, atol=1e-12 * most)
+        assert_allclose(pressing, all_forces, rtol=1e-9, atol=1e-12 * most)
 
 
 def test_plies_slide_all_or_none(ply):

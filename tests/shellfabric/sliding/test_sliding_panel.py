@@ -25,7 +25,7 @@ def pinned(panel):
 
 
 @pytest.mark.parametrize(
-    ("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)]
+    "cohesion, cfl", [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)]
 )
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
@@ -55,7 +55,9 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
     )
     random = np.random.default_rng(3)
     run = PackSolver(panel, 10.0, 1e-6)
-    state, slip, const = run.state, run.slips[0], run.const
+    state = run.state
+    slip = run.slips[0]
+    const = run.const
     x, y = (grid(u, panel) for u in state.u[:2])
     X, Y = panel.coordinates()
     x += 0.03 * X + 2e-6 * random.standard_normal(X.shape)
@@ -93,9 +95,12 @@ def forces(run):
 
 
 def slope(energy, array, k, step, inverse=None):
-    inverse, start, found = np.empty_like(array) if inverse is None else inverse, array[k], []
+    inverse = np.empty_like(array) if inverse is None else inverse
+    start = array[k]
+    found = []
     for place in (start + step, start - step, start):
-        array[k], inverse[k] = place, 1 / (place or 1.0)
+        array[k] = place
+        inverse[k] = 1 / (place or 1.0)
         found.append(energy())
     return (found[0] - found[1]) / (2 * step)
 
@@ -110,7 +115,9 @@ def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(
         int(np.argmax(slip.mobility[0] > 0)) + 8 * run.const.row_stride
     )  # a node with a segment that gives no more
     slip.share[0][node - run.const.row_stride] = 0.5 * slip.least
-    slip.q[0][node], slip.q_before[0][node], slip.stop[0][node] = -1.0, -1.0, 0.0
+    slip.q[0][node] = -1.0
+    slip.q_before[0][node] = -1.0
+    slip.stop[0][node] = 0.0
     slip.share[0][node] = 0.5 * slip.least
     before = slip.work.copy()
     slip_kernels.slip_nodes(run.state, run.const, slip)
@@ -138,7 +145,7 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
 
 
 @pytest.mark.parametrize(
-    ("mu", "cohesion", "alone", "pressed", "slips"),
+    "mu, cohesion, alone, pressed, slips",
     [
         (0.0, 0.5, False, 0.0, True),
         (0.0, 1.0, False, 0.0, False),
@@ -149,19 +156,22 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
 def test_a_yarn_slips_above_its_threshold(sliding, mu, cohesion, alone, pressed, slips):
     """0.6 N on the weft at one node."""
     panel = sliding(mu, cohesion, symmetry="whole")
-    const, state = panel.constants(), panel.state(10.0)
-    slip, node = panel.slip(state), 5 * const.row_stride + 5
+    const = panel.constants()
+    state = panel.state(10.0)
+    slip = panel.slip(state)
+    node = 5 * const.row_stride + 5
     state.active_rows[:] = 0, const.ni
     if alone:
         state.intact_fraction[0][[node, node - const.row_stride]] = 0.0
-    slip.config[1][node], state.f_contact[2][node] = 0.6, pressed
+    slip.config[1][node] = 0.6
+    state.f_contact[2][node] = pressed
     slip_kernels.slip_nodes(state, const, slip)
     held = 0.0 if alone else cohesion
     speed = (0.6 - held) * const.dt * slip.mobility[1][node]
     assert slip.q[1][node] == pytest.approx(speed if slips else 0.0, rel=1e-9)
 
 
-@pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
+@pytest.mark.parametrize("cohesion, share", [(1e6, 0.5), (0.0, 1.0)])
 def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(
     straight, cohesion, share
 ):
@@ -178,7 +188,8 @@ def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(
         friction=CrossoverFriction(0.0, cohesion),
     )
     run = PackSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
-    middle, yarn = run.const.ni // 2, panel.weave.warp
+    middle = run.const.ni // 2
+    yarn = panel.weave.warp
     grid(run.state.v[0], panel)[
         1:middle
     ] = -0.1  # half of the panel is torn away: a front of strain in both halves
@@ -229,7 +240,7 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
 
 
 @pytest.mark.parametrize(
-    ("key", "value"),
+    "key, value",
     [
         ("elements_per_crossover", 2),
         ("grading", ((8, 1), (np.inf, 2))),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
@@ -39,10 +40,8 @@ def test_what_a_snap_costs_has_a_row_of_its_own():
     here. It was in the energy error.
     """
     march = snapping()
-    worked, stored = (
-        march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share,
-        march.sample("yarn_strain"),
-    )
+    worked = march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share
+    stored = march.sample("yarn_strain")
     lost = worked - (stored[-1] - stored[0])
     assert lost > 1.5e-3 * march.strike_energy
     assert not march.sample("formulation_residual").any()
@@ -51,7 +50,7 @@ def test_what_a_snap_costs_has_a_row_of_its_own():
     assert march.step_loss == pytest.approx(lost / march.strike_energy, rel=0.1)
 
 
-@pytest.mark.parametrize(("factor", "sign"), [(0.99, 1), (1.01, -1)])
+@pytest.mark.parametrize("factor, sign", [(0.99, 1), (1.01, -1)])
 def test_a_wrong_force_is_still_caught(factor, sign):
     """Forces of the weft that are off by 1 % put the rows that are checked off by half as much."""
     wrong, right = (snapping(**changes) for changes in ({"force_per_slope2": factor}, {}))
@@ -81,7 +80,8 @@ def test_cloth_at_rest_stays_at_rest():
                 table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free"
             )
             solver = solver_at_rest(panel, 1.0)
-            state, const = solver.state, solver.const
+            state = solver.state
+            const = solver.const
             state.projectile_position[2] = -1.0  # the projectile is far away
             state.active_rows[:] = 0, const.ni
             for y, N, T in zip(state.yarn_length, state.N, state.T):
@@ -95,13 +95,11 @@ def test_parts_of_the_panel_agree(shoot):
     quarter, half, whole = (shoot(200.0, symmetry=part) for part in ("quarter", "half", "whole"))
     assert quarter.cut_yarns[-1] > 0
     for other in (half, whole):
-        np.testing.assert_allclose(other.v, quarter.v, rtol=1e-9)
-        np.testing.assert_allclose(other.reactions["warp"], quarter.reactions["warp"], atol=1e-6)
+        assert_allclose(other.v, quarter.v, rtol=1e-9)
+        assert_allclose(other.reactions["warp"], quarter.reactions["warp"], atol=1e-6)
         assert other.cut_yarns[-1] == pytest.approx(quarter.cut_yarns[-1])
         for name in ("yarn_strain", "formulation_residual", "shear", "viscous", "contact"):
-            np.testing.assert_allclose(
-                other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9
-            )
+            assert_allclose(other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -118,12 +116,12 @@ def test_window_is_exact(small, tables, form):
     assert states[0].active_rows[0] > 0
     for part in ("u", "v"):
         for mine, other in zip(getattr(states[0], part), getattr(states[1], part)):
-            np.testing.assert_array_equal(mine, other)
+            assert_array_equal(mine, other)
 
 
 def test_block_size_does_not_matter(shoot):
     one, other = (shoot(numerics=Numerics(block=block)) for block in (100, 5000))
-    np.testing.assert_allclose(one.v, other.v, rtol=1e-12)
+    assert_allclose(one.v, other.v, rtol=1e-12)
 
 
 def test_wrong_checkpoints(shoot, tmp_path):
@@ -153,7 +151,8 @@ def test_unstable_run_stops_itself(shoot):
 def pull(panel, state, stretch1, stretch2):
     """Bring the cloth to even stretches, and let yarns fail."""
     X, Y = panel.coordinates()
-    const, work = panel.constants(), panel.work()
+    const = panel.constants()
+    work = panel.work()
     state.u[0][: X.size], state.u[1][: X.size] = (
         ((stretch1 - 1) * X).ravel(),
         ((stretch2 - 1) * Y).ravel(),
@@ -170,7 +169,9 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
     """Forces and tensions of a torn panel do not change where all edges are computed as those beside failed yarns."""
     panel = Panel(tables[form], (0.05842, 0.04826), symmetry="whole", grading=grading)
     march = PackSolver(panel, 200.0, 30e-6).run()
-    state, const, work = march.state, march.const, panel.work()
+    state = march.state
+    const = march.const
+    work = panel.work()
     assert 2 < march.sample("cut_yarns")[-1] < 200
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
@@ -178,7 +179,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
         ply_kernels.initial_forces(state, const, None, work)
         found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
     for one, other in zip(*found):
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
+        assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("elements", [1, 2, 3])
@@ -188,7 +189,8 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     panel = small(
         table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements
     )
-    state, weave = panel.state(1.0), fabric.weave
+    state = panel.state(1.0)
+    weave = fabric.weave
     for lines in (panel.constants().warp_lines, panel.constants().weft_lines):
         lines.filter_factor[:] = 1.0  # no delay
     stored = []
@@ -200,9 +202,9 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     assert np.all(state.intact_fraction[0] == 0.0)
     assert np.all(state.intact_fraction[1][state.yarn_length[1] > 0] == 1.0)
     after = weave.weft.EA * (2.06 * weave.w2 - weave.S02) / weave.S02
-    np.testing.assert_allclose(state.T[1][state.yarn_length[1] > 0], after, rtol=1e-9)
+    assert_allclose(state.T[1][state.yarn_length[1] > 0], after, rtol=1e-9)
     shot = snapshots.snapshot(panel, state, 0.0)
-    np.testing.assert_allclose(shot.tension[..., 1], after, rtol=1e-9)
+    assert_allclose(shot.tension[..., 1], after, rtol=1e-9)
     assert np.all(shot.tension[..., 0] == 0)
     assert np.all(shot.failed[..., 0])
     assert not shot.failed[..., 1:].any()
@@ -219,14 +221,16 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
 def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     """With two of the four warp segments at its ends gone, a weft segment is half crossed, half alone."""
     panel = small(edge="free", symmetry="whole")
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     k = 12 * const.row_stride + 12
     for gone in (k, k + 1):
         state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
         state.element_flag[[gone - 1, gone]] = WARP_FAILED
     state.block_damage[:] = element_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
-    cell, weave = CellModel(fabric).solve(1.02, 1.015), fabric.weave
+    cell = CellModel(fabric).solve(1.02, 1.015)
+    weave = fabric.weave
     alone = weave.weft.EA * (2.03 * weave.w2 - weave.S02) / weave.S02
     assert state.T[1][k] == pytest.approx(0.5 * (float(cell["T2"]) + alone), rel=2e-3)
     assert state.T[1][k + 3 * const.row_stride] == pytest.approx(float(cell["T2"]), rel=2e-3)

@@ -16,7 +16,8 @@ FINE = ((4, 1 / 3), (inf, 1))
 def cut(panel, *cuts):
     """`ply_audit.cut_yarns` after cuts (family, place along it, low, high) [crossovers from the impact point]: of the
     edges on both sides at this place whose lines lie between low and high across the family."""
-    const, state = panel.constants(), panel.state(100.0)
+    const = panel.constants()
+    state = panel.state(100.0)
     for family, along, low, high in cuts:
         failed = np.moveaxis(grid(const, state.failed[family]), family, 0)
         x, y = (panel.lines()[n] / (2 * panel.weave.w[n]) for n in (family, 1 - family))
@@ -46,7 +47,8 @@ def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symm
 
 def test_the_end_of_a_sliding_yarn_that_has_left_a_crossover_is_no_cut(small):
     panel = small()
-    const, state = panel.constants(), panel.state(100.0)
+    const = panel.constants()
+    state = panel.state(100.0)
     grid(const, state.intact_fraction[0])[3, 4:6] = 0.0
     grid(const, state.failed[0])[3, 4] = 1
     assert ply_audit.cut_yarns(panel, const, state) == pytest.approx(2.0)
@@ -56,7 +58,8 @@ def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):
     """A force f on the node at the end of the middle warp is that of the yarns of the line: f over their number."""
     for symmetry in ("quarter", "whole"):
         panel = small(symmetry=symmetry)
-        const, state = panel.constants(), panel.state(100.0)
+        const = panel.constants()
+        state = panel.state(100.0)
         (i, j), _ = ends = boundary.ends(panel)
         share = 0.5 if const.mirror_y else 1.0  # of the yarn that is modelled
         state.f_int[0][i * const.row_stride + j] = -30.0 * share

@@ -171,7 +171,7 @@ PLANTED = {
 
 
 @pytest.mark.parametrize(
-    ("defect", "name"),
+    "defect, name",
     [(defect, name) for defect, (*_, claims) in PLANTED.items() for name in claims],
 )
 def test_a_defect_of_the_product_misses_the_claim(monkeypatch, defect, name):

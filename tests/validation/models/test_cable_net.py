@@ -25,7 +25,9 @@ def net(fabric, velocity, end_time=250e-6, opening=0.203, **numerics):
 def test_wave_in_the_net_is_c_over_root_2():
     """A pulse along the warp of the taut net, followed by its centroid over 17 mm. Measured: 0.3 % slow."""
     waved = net(FLAT, 1e-9, viscosity=0.0)
-    c, taut, state = FLAT.weave.warp.wave_speed, 2e-3, waved.state
+    c = FLAT.weave.warp.wave_speed
+    taut = 2e-3
+    state = waved.state
     X, Y = waved.setup.panel(waved.setup.plain_table()).coordinates()
     state.projectile_position[2] = -1.0  # out of the way
     state.u[0][: X.size], state.u[1][: X.size] = taut * X.ravel(), taut * Y.ravel()
@@ -33,7 +35,8 @@ def test_wave_in_the_net_is_c_over_root_2():
     pulse = 1e-2 * np.exp(-0.5 * ((X - 0.05) / 0.006) ** 2)
     state.v[0][: X.size] = np.where(waved.kick[0, : X.size] > 0, pulse.ravel(), 0.0)
     kernels.forces(*waved.arguments())
-    steps, places = int(3e-6 / waved.dt), []
+    steps = int(3e-6 / waved.dt)
+    places = []
     for _ in range(2):
         waved.march(steps)
         right = state.v[0][: X.size].reshape(X.shape)[:, 0] ** 2 * (X[:, 0] > 0.05)
@@ -58,7 +61,8 @@ def test_wave_speeds_with_crimp():
 def test_momentum(fabric, velocity):
     """What the projectile loses is in the net or went into the clamps; contact and slack take no part."""
     struck = net(fabric, velocity, opening=0.05)
-    history, state = struck.march(500), struck.state
+    history = struck.march(500)
+    state = struck.state
     lost = struck.const.projectile_mass * (velocity - state.projectile_velocity[2])
     # the forces of the last step have not acted yet
     to_clamps = -struck.dt * history[:-1, kernels.CLAMP_FORCE].sum()
@@ -66,7 +70,7 @@ def test_momentum(fabric, velocity):
 
 
 @pytest.mark.parametrize(
-    ("fabric", "velocity", "bound"),
+    "fabric, velocity, bound",
     [(S720, 100.0, 5e-3), (S720, 250.0, 5e-3), (FLAT, 100.0, 1e-4), (FLAT, 200.0, 1e-4)],
 )
 def test_energy(fabric, velocity, bound):
@@ -94,7 +98,7 @@ def beside_shell(crimps):
 
 
 @pytest.mark.parametrize(
-    ("crimps", "bounds"),
+    "crimps, bounds",
     [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))],
     ids=["flat", "crimped"],
 )

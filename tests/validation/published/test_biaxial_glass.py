@@ -45,7 +45,8 @@ def test_free_edge_of_a_yarn_with_a_toe_ends_at_its_strength():
 
 
 def test_balanced_weave_is_symmetric():
-    slow, fast = to_strength(BALANCED_CELL, (0.5, 1.0)), to_strength(BALANCED_CELL, (2.0, 1.0))
+    slow = to_strength(BALANCED_CELL, (0.5, 1.0))
+    fast = to_strength(BALANCED_CELL, (2.0, 1.0))
     assert np.allclose(slow.tension[:, 0], fast.tension[:, 1], rtol=1e-10, atol=1e-9)
     equal = to_strength(BALANCED_CELL, (1.0, 1.0))
     assert np.allclose(equal.tension[:, 0], equal.tension[:, 1], rtol=1e-10)

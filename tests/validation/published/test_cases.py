@@ -38,14 +38,15 @@ def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
     assert shot["energy_error_max"] < 2e-3
 
 
-@pytest.mark.parametrize(("plies", "modulus", "mass"), [(1, 5.0, 1.155), (4, 1.0, 1.155)])
+@pytest.mark.parametrize("plies, modulus, mass", [(1, 5.0, 1.155), (4, 1.0, 1.155)])
 def test_a_target_has_the_mass_and_modulus_of_its_case(plies, modulus, mass):
     """Table 6-2: areal density 1.155 kg/m2 of 1 or 4 plies, modulus 480 and 96 GPa."""
     small = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
     solver = block.march(
         plies, modulus, mass, edge="clamped", block=small, elements=1, opening=0.05
     )
-    weaves, ply = [ply.weave for ply in solver.pack.plies], solver.pack.plies[0]
+    weaves = [ply.weave for ply in solver.pack.plies]
+    ply = solver.pack.plies[0]
     assert len(weaves) == plies
     assert sum(weave.areal_density for weave in weaves) == pytest.approx(mass, rel=1e-9)
     # E A of a yarn is that of S-728 times the factor, whatever the mass
@@ -66,7 +67,8 @@ def test_fabrics_of_other_size_or_fibre_are_similar():
     for law, wide in zip(S728.laws, large.laws):
         assert wide.d(4 * 3.0) == pytest.approx(2 * law.d(3.0))
     other = impact.changed(S728, yarns={"E": 2.0, "failure_strain": 0.7, "fibre_density": 1.4})
-    old, new = S728.weave.warp, other.weave.warp
+    old = S728.weave.warp
+    new = other.weave.warp
     assert other.weave.areal_density == pytest.approx(S728.weave.areal_density)
     ratios = (
         new.E / old.E,

@@ -244,22 +244,34 @@ def _choices(kind):
     )
 
 
-def test_a_shot_as_text_table_and_figures(shot):
+def test_a_shot_as_text(shot):
     assert shot.outcome == "in flight"
-    assert 100 < shot.residual_velocity < shot.strike_velocity == 155
     assert "in flight" in repr(shot)
     assert "<td>in flight</td>" in shot._repr_html_()
-    assert shot.summary()["areal_density_kg_m2"] == pytest.approx(
-        wc.fabric("S-720").weave.areal_density
-    )
+
+
+def test_a_shot_as_a_summary(shot):
+    summary = shot.summary()
+    areal_density = wc.fabric("S-720").weave.areal_density
+    assert summary["areal_density_kg_m2"] == pytest.approx(areal_density)
+    assert summary["max_deflection_m"] == shot.deflection.max() > 0
+
+
+def test_a_shot_as_a_table(shot):
     table = shot.to_dataframe()
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.energies["kinetic_projectile"])
     for name in ("time_s", "deflection_m", "contact_force_N"):
         assert np.array_equal(table[name], getattr(shot, name.rpartition("_")[0]))
-    assert shot.deflection.max() == shot.summary()["max_deflection_m"] > 0
+
+
+def test_the_impulse_is_what_the_projectile_has_lost(shot):
     impulse = (shot.contact_force[1:] * np.diff(shot.time)).sum()
+    assert 100 < shot.residual_velocity < shot.strike_velocity == 155
     assert impulse == pytest.approx(shot.mass * (155 - shot.residual_velocity), rel=1e-9)
+
+
+def test_a_shot_as_figures(shot):
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
     picture = shot.plot_panel()
     assert shot.outcome in " ".join(text.get_text() for text in picture.texts)
@@ -330,34 +342,65 @@ COARSE = {
 }
 
 
-def test_a_doubtful_shot_warns_and_says_so_everywhere(shot):
+COARSE_SPACING = "doubtful: contact point spacing"
+
+
+@pytest.fixture(scope="module")
+def doubtful():
+    """(the warnings of a shot whose contact points are too far apart, the shot)"""
+    with pytest.warns(wc.DoubtfulResult) as told:
+        return told, wc.impact("S-720", 92.5, **SMALL, **COARSE)
+
+
+def test_a_sound_shot_is_not_doubtful(shot):
     assert not shot.doubtful
     assert {one.name for one in shot.checks} >= {"energy error", "viscous energy"}
-    assert all(one.text.startswith(one.name) and one.meaning in one.text for one in shot.checks)
-    with pytest.warns(
-        wc.DoubtfulResult, match="S-720, 92.5 m/s: in flight: doubtful: contact point spacing"
-    ) as told:
-        found = wc.impact("S-720", 92.5, **SMALL, **COARSE)
-    assert told[0].filename == __file__  # the line of the user, not one of ours
+
+
+def test_a_check_says_its_name_and_what_it_means(shot):
+    for one in shot.checks:
+        assert one.text.startswith(one.name)
+        assert one.meaning in one.text
+
+
+def test_a_doubtful_shot_warns_at_the_line_of_the_user(doubtful):
+    (told, *_), _ = doubtful
+    assert told.filename == __file__
+    assert str(told.message).startswith(f"S-720, 92.5 m/s: in flight: {COARSE_SPACING}")
+
+
+def test_the_check_that_fails_is_doubtful_alone(doubtful):
+    _, found = doubtful
     assert found.doubtful
     assert [one.name for one in found.checks if one.doubtful] == ["contact point spacing"]
-    for text in (
-        repr(found),
-        found._repr_html_(),
-        found.summary()["checks"],
-        found.to_dataframe()["checks"].iloc[-1],
-    ):
-        assert "doubtful: contact point spacing" in text
-    with pytest.warns(
-        wc.DoubtfulResult, match="sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"
-    ):
-        shots = wc.sweep(
-            [wc.setup("S-720", 92.5, **SMALL, **COARSE), wc.setup("S-720", 92.5, **SMALL)]
-        )
+
+
+@pytest.mark.parametrize(
+    "text_of",
+    [
+        repr,
+        lambda found: found._repr_html_(),
+        lambda found: found.summary()["checks"],
+        lambda found: found.to_dataframe()["checks"].iloc[-1],
+    ],
+    ids=["text", "notebook", "summary", "table"],
+)
+def test_a_doubtful_shot_says_so(doubtful, text_of):
+    assert COARSE_SPACING in text_of(doubtful[1])
+
+
+def test_a_row_of_a_sweep_says_that_its_shot_is_doubtful():
+    row = sweep.shot(wc.setup("S-720", 92.5, **SMALL, **COARSE))
+    assert row["checks"].startswith(f"{COARSE_SPACING} ")
+
+
+def test_a_sweep_counts_its_doubtful_shots():
+    said = "sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"
+    setups = [wc.setup("S-720", 92.5, **SMALL, **options) for options in (COARSE, {})]
+    with pytest.warns(wc.DoubtfulResult, match=said):
+        shots = wc.sweep(setups)
     assert shots.doubtful
     assert shots.summary()["doubtful"] == 1
-    row = sweep.shot(wc.setup("S-720", 92.5, **SMALL, **COARSE))  # of sweep.csv
-    assert row["checks"].startswith("doubtful: contact point spacing ")
     assert [text.split(":")[0] for text in shots.to_dataframe()["checks"]] == ["doubtful", "ok"]
 
 

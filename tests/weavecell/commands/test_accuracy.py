@@ -1,6 +1,5 @@
 """An input file that says how well it wants to know something: what is told, kept and resumed."""
 
-import json
 import re
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from test_impact import datasets, small_scene
 
 import weavecell as wc
+from tests.weavecell.written import table_of
 from weavecell.studies.window import FACTORS
 
 
@@ -19,15 +19,17 @@ def scene(tmp_path):
 
 
 def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere(command, scene, tmp_path):
-    code, out, err = command("impact", scene, "--out", "results")
+    code, out, err = command(f"impact {scene} --out results")
     assert code == 0, err
-    told = json.loads((tmp_path / "results/summary.json").read_text())
-    accuracy, residual = told["accuracy"], told["discretisation"]["results"]["residual velocity"]
+    told = table_of(tmp_path / "results")
+    accuracy = told["accuracy"]
+    residual = told["discretisation"]["results"]["residual velocity"]
     assert accuracy["confirmed"] is True
     assert f"accuracy confirmed: {accuracy['model']}, quarter panel" in out
     assert "Meshes that were run" in (tmp_path / "results/report.html").read_text()
     assert not list((tmp_path / "results").glob("checkpoint*"))
-    strike, shots = told["strike_velocity_m_s"], []
+    strike = told["strike_velocity_m_s"]
+    shots = []
     plain = (
         scene.read_text()
         .split("[accuracy]")[0]
@@ -45,9 +47,9 @@ def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere(command, sce
 
 
 def test_a_resumed_run_is_the_uninterrupted_one(command, scene, interrupted, tmp_path):
-    assert command("impact", scene, "--out", "whole")[0] == 0
+    assert command(f"impact {scene} --out whole")[0] == 0
     with interrupted(0.45):
-        assert command("impact", scene, "--out", "resumed")[0] == 130
+        assert command(f"impact {scene} --out resumed")[0] == 130
     assert [path.suffix for path in (tmp_path / "resumed").glob("[!.]*")] == [".h5"]
-    assert command("impact", scene, "--out", "resumed", "--resume")[0] == 0
+    assert command(f"impact {scene} --out resumed --resume")[0] == 0
     assert datasets(tmp_path / "whole/histories.h5") == datasets(tmp_path / "resumed/histories.h5")

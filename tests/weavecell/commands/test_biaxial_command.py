@@ -1,7 +1,5 @@
 """`weavecell biaxial`: the cell at a ratio of strains to the strength of a yarn, alone and beside the 3D crossover."""
 
-import csv
-import json
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +10,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
+from tests.weavecell.written import rows_of, table_of
 
 
 @pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])
@@ -36,9 +35,8 @@ def test_paths_that_lead_nowhere(ratio):
 
 def test_a_path_ends_at_the_strength_of_the_runs(results):
     run = results("biaxial")
-    rows = list(csv.DictReader((run.folder / "biaxial.csv").open(encoding="utf-8")))
-    assert {row["ratio"] for row in rows} == {"1:1", "1:0"}
-    told = json.loads((run.folder / "biaxial.json").read_text())["paths"]
+    assert {row["ratio"] for row in rows_of(run.folder, "biaxial.csv")} == {"1:1", "1:0"}
+    told = table_of(run.folder, "biaxial.json")["paths"]
     strength = catalogue.load("S-731").with_effective_density().weave.warp.strength
     assert told["1:0"]["failed"] == "warp"
     assert told["1:0"]["tension"][0] == pytest.approx(strength, rel=1e-6)
@@ -47,11 +45,12 @@ def test_a_path_ends_at_the_strength_of_the_runs(results):
 
 
 def test_options_of_the_cell(command, tmp_path):
-    options = ("--ratio", "1:1", "--profile", "straight", "--fibre-slack", "0.1 %,0.05 %")
-    code, _, err = command("biaxial", "glass-unbalanced", *options, "--out", "b")
+    options = "--ratio 1:1 --profile straight --fibre-slack '0.1 %,0.05 %'"
+    code, _, err = command(f"biaxial glass-unbalanced {options} --out b")
     assert code == 0, err
-    told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
-    assert (told["profile"], told["toe"]) == ("straight", [1e-3, 5e-4])
+    told = table_of(tmp_path / "b", "biaxial.json")
+    assert told["profile"] == "straight"
+    assert told["toe"] == [1e-3, 5e-4]
     model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
     expected = to_strength(model, (1, 1))
     assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
@@ -63,19 +62,17 @@ def test_the_law_of_a_calibration(command, tmp_path):
     mine = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
     law = CompressionLaw(4e-5, 5e-5)
     law.to_json(tmp_path / "law.json")
-    assert command("biaxial", mine, "--ratio", "1:1", "--law", "law.json", "--out", "b")[0] == 0
-    told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
+    assert command(f"biaxial {mine} --ratio 1:1 --law law.json --out b")[0] == 0
+    told = table_of(tmp_path / "b", "biaxial.json")
     expected = to_strength(CellModel(catalogue.read(mine), (law, law)), (1, 1))
     assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
 
 
 def test_beside_the_3d_crossover(command, tmp_path):
     pytest.importorskip("dolfinx")
-    code, _, err = command(
-        "biaxial", "S-720", "--ratio", "1:1", "--compare-3d", "coarse", "--out", "b"
-    )
+    code, _, err = command("biaxial S-720 --ratio 1:1 --compare-3d coarse --out b")
     assert code == 0, err
     assert (tmp_path / "b" / "1-1.h5").exists()
-    rms = json.loads((tmp_path / "b" / "biaxial.json").read_text())["paths"]["1:1"]["rms_from_3d"]
+    rms = table_of(tmp_path / "b", "biaxial.json")["paths"]["1:1"]["rms_from_3d"]
     # another model of the same crossover, with the law that the source fitted to its own: near, and not the same
     assert 0 < max(rms) < 0.1 * catalogue.load("S-720").weave.warp.strength

@@ -1,6 +1,5 @@
 """`weavecell calibrate`: the whole catalogue side by side, with fitted solids, and what is printed of a law."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +11,7 @@ pytest.importorskip("dolfinx")
 import weavecell as wc
 from fabrics import catalogue
 from tests.weavecell.session_runs import SHORT, small_calibration
+from tests.weavecell.written import table_of
 from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
@@ -90,14 +90,12 @@ def told(out):
 
 
 def test_one_fabric_from_its_platen_curve(command, tmp_path, small, fitted):
-    code, out, err = command(
-        "calibrate", "S-720", "--fit-solid", "--mesh", "coarse", "--jobs", "1", "--out", "c"
-    )
+    code, out, err = command("calibrate S-720 --fit-solid --mesh coarse --jobs 1 --out c")
     assert code == 0, err
     assert told(out)["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
     assert told(out)["misfit"].startswith("0.7 um and ")
     assert told(out)["of the solid"].count("..") == 2
-    solid = json.loads((tmp_path / "c" / "solid.json").read_text())
+    solid = table_of(tmp_path / "c", "solid.json")
     assert solid["rms_relative_pressure_before"] > solid["rms_relative_pressure"]
     assert "What it leaves open makes a of the law" in (tmp_path / "c" / "report.html").read_text()
 
@@ -121,7 +119,8 @@ def test_a_law_is_printed_with_its_intervals_and_spread(results):
 
 def test_a_law_outside_the_ends_of_its_range_says_so(small):
     found = wc.calibrate("S-720", mesh="coarse")
-    a, b = found.law.a, found.law.b
+    a = found.law.a
+    b = found.law.b
     law = replace(found.law, assumed_range=((0.5 * a, b), (2 * a, b)))  # at all forces
     found = replace(found, calibration=replace(found.calibration, law=law))
     note = "stiff end softer than the law from "

@@ -1,6 +1,5 @@
 """`weavecell coupon`: resuming to the bit, the table of a pull-out, and the examples, of which one is unstable."""
 
-import json
 import shutil
 from pathlib import Path
 from unittest import mock
@@ -11,16 +10,19 @@ import pytest
 
 from tests.scene_text import datasets, toml
 from tests.weavecell.session_runs import SCENES
+from tests.weavecell.written import names, table_of
 from weavecell.results import coupon as results_coupon
 from weavecell.scenes import coupon as scenes_coupon
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples" / "coupons").glob("*.toml"))
-LONG, UNSTABLE = {"S-728-bias"}, {"S-728-no-trellis"}
+LONG = {"S-728-bias"}
+UNSTABLE = {"S-728-no-trellis"}
 
 
 def interrupted_after(states):
     """The user presses Ctrl-C when this number of states has been kept."""
-    keep, calls = results_coupon.write_states, []
+    keep = results_coupon.write_states
+    calls = []
 
     def interrupted(*arguments):
         keep(*arguments)
@@ -34,13 +36,11 @@ def interrupted_after(states):
 def test_an_interrupted_run_goes_on_bit_for_bit(command, results, tmp_path):
     (tmp_path / "scene.toml").write_text(toml(SCENES["frame"]))
     with interrupted_after(2):
-        code, _, err = command("coupon", "scene.toml", "--out", "r")
-    assert (code, err.splitlines()[-1]) == (
-        130,
-        "error: interrupted; --resume goes on from its last step",
-    )
-    assert [path.name for path in (tmp_path / "r").glob("[!.]*")] == ["checkpoint.h5"]
-    assert command("coupon", "scene.toml", "--out", "r", "--resume")[0] == 0
+        code, _, err = command("coupon scene.toml --out r")
+    assert code == 130
+    assert err.splitlines()[-1] == "error: interrupted; --resume goes on from its last step"
+    assert names(tmp_path / "r") == "checkpoint.h5"
+    assert command("coupon scene.toml --out r --resume")[0] == 0
     assert datasets(tmp_path / "r" / "histories.h5") == datasets(
         results("coupon").folder / "histories.h5"
     )
@@ -49,7 +49,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, results, tmp_path):
 
 def test_resume_leaves_a_finished_run(command, results, tmp_path):
     folder = shutil.copytree(results("pull-out").folder, tmp_path / "r")
-    code, out, _ = command("coupon", folder / "scene.toml", "--out", "r", "--resume")
+    code, out, _ = command(f"coupon {folder}/scene.toml --out r --resume")
     assert code == 0
     assert out.endswith(": complete; done before with the same input and code, in r\n")
 
@@ -84,8 +84,8 @@ def test_the_table_of_a_pull_out_is_its_histories(results):
 def test_examples_run(command, tmp_path, path):
     """Figure 4-27: without the trellis the shear runs into bands; what was computed is kept."""
     assert f"weavecell coupon examples/coupons/{path.name}" in path.read_text()
-    code, out, err = command("coupon", path, "--out", "r")
-    summary = json.loads((tmp_path / "r" / "summary.json").read_text())
+    code, out, err = command(f"coupon {path} --out r")
+    summary = table_of(tmp_path / "r")
     assert (code == 3) == (summary["outcome"] == "unstable") == (path.stem in UNSTABLE), err
     if code == 0:
         assert summary.get("residual_max", 0.0) <= scenes_coupon.TOLERANCE

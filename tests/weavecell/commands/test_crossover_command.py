@@ -12,17 +12,18 @@ pytest.importorskip("dolfinx")
 from fabrics import catalogue
 from fabrics.plate_curve import PlateCurve
 from fabrics.record import Record
+from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path
 from weavecell.api import crossovers
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
-    "yarn": ("--yarn", "weft"),
-    "platens": ("--pressure", "60 kPa"),
-    "stack": ("--plies", 2, "--pressure", "20 kPa"),
-    "biaxial": ("--end-displacement", "4 um"),
-    "path": ("--path", "p.csv"),
-    "shear": ("--shear-angle", "12 deg", "--end-displacement", "4 um", "--section", "conforming"),
+    "yarn": "--yarn weft",
+    "platens": "--pressure '60 kPa'",
+    "stack": "--plies 2 --pressure '20 kPa'",
+    "biaxial": "--end-displacement '4 um'",
+    "path": "--path p.csv",
+    "shear": "--shear-angle '12 deg' --end-displacement '4 um' --section conforming",
 }
 PATH = "# up, back, and the weft slack\nd2 [um], d1 [mm]\n4, 0.004\n-1, 0.002\n"
 CRUSHED = "d1 [mm], d2 [mm]\n0.002, 0.002\n-0.2, -0.2\n"  # by a third of the cell: no equilibrium
@@ -32,20 +33,18 @@ CRUSHED = "d1 [mm], d2 [mm]\n0.002, 0.002\n-0.2, -0.2\n"  # by a third of the ce
 def run(command, tmp_path):
     """Exit code, outputs, case.json and Record of a case of S-720 on a mesh of 3 x 2 x 2."""
 
-    def called(case, *words, path=PATH):
+    def called(case, words, path=PATH):
         (tmp_path / "p.csv").write_text(path)
-        code, out, err = command(
-            "crossover", "S-720", "--case", case, *words, "--mesh", "3,2,2", "--out", "c"
-        )
-        content = json.loads((tmp_path / "c" / "case.json").read_text())
-        return code, out, err, content, Record.read(tmp_path / "c" / "case.h5")
+        code, out, err = command(f"crossover S-720 --case {case} {words} --mesh 3,2,2 --out c")
+        folder = tmp_path / "c"
+        return code, out, err, table_of(folder, "case.json"), Record.read(folder / "case.h5")
 
     return called
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
-    code, out, err, content, record = run(case, *CASES[case])
+    code, out, err, content, record = run(case, CASES[case])
     assert (code, record.failed) == (0, ""), err
     found = content["found"]
     again = crossovers.CASES[case].summary(catalogue.load("S-720"), record)
@@ -71,7 +70,7 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
 
 
 def test_a_failed_case_keeps_what_it_computed(run):
-    code, _, err, content, record = run("path", "--path", "p.csv", path=CRUSHED)
+    code, _, err, content, record = run("path", CASES["path"], path=CRUSHED)
     assert code == 3
     assert err.splitlines()[-1].startswith("error: the crossover found no equilibrium")
     assert content["failed"]
@@ -89,7 +88,7 @@ def test_the_example_of_a_path_is_good():
 @pytest.mark.slow
 def test_the_example_of_a_path_runs(run):
     """There and back again: at rest nothing is left."""
-    code, _, err, _, record = run("path", "--path", EXAMPLE)
+    code, _, err, _, record = run("path", f"--path {EXAMPLE}")
     assert code == 0, err
     assert record["T1"].max() > 100
     assert abs(record["T1"][-1] - record["T1"][0]) < 1e-3 * record["T1"].max()

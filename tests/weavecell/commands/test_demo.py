@@ -31,7 +31,8 @@ CHAPTERS = [
 class _Page(HTMLParser):
     def __init__(self):
         super().__init__()
-        self.ids, self.links = [], []
+        self.ids = []
+        self.links = []
 
     def handle_starttag(self, tag, attributes):
         found = dict(attributes)
@@ -48,7 +49,8 @@ def test_demonstration(tmp_path):
     for velocity, outcome in (("92.5", "stopped"), ("155", "perforated")):
         for law in ("fitted", "published"):
             record = ImpactRecord.read(tmp_path / "demo" / f"{velocity}-{law}" / "histories.h5")
-            assert (record.outcome, record.energy_error_max < 0.01) == (outcome, True)
+            assert record.outcome == outcome
+            assert record.energy_error_max < 0.01
     law = CompressionLaw.from_json(tmp_path / "demo" / "calibration" / "law.json")
     text = (tmp_path / "demo" / "report.html").read_text("utf-8")
     assert f"a = {1e3 * law.a:.4f} mm" in text

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import pyvista
+from numpy.testing import assert_array_equal, assert_equal
 
 import weavecell as wc
 from fabrics.errors import InputError
@@ -50,11 +51,13 @@ def leaves(value, table, path=""):
 
 @pytest.mark.parametrize("name", ["impact", "pack", "sliding", "coupon", "pull-out"])
 def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(results, name):
-    folder, impact = results(name).folder, name not in ("coupon", "pull-out")
+    folder = results(name).folder
+    impact = name not in ("coupon", "pull-out")
     summary = json_file.read_summary(folder / "summary.json")
     table = (*keys.SHARED, *(keys.IMPACT if impact else keys.TABLES["coupon"]))
     assert [key for key in leaves(summary, table) if find(key, table) is None] == []
-    scalars, attributes = {key.name for key in table}, []
+    scalars = {key.name for key in table}
+    attributes = []
 
     def see(name, item):
         attributes.extend(
@@ -121,11 +124,9 @@ def test_fronts_are_read_off_what_is_read_back(results):
         assert sorted(group["edges"]) == sorted(EDGES)
         assert [name.split("-")[1] for name in sorted(group["yarns"])] == ["warp", "warp", "weft"]
         for inner in group["yarns"].values():
-            np.testing.assert_array_equal(
-                inner["strain"][()], inner["tension"][()] / inner.attrs["EA"]
-            )
+            assert_array_equal(inner["strain"][()], inner["tension"][()] / inner.attrs["EA"])
         for name, speed in again.items():
-            np.testing.assert_equal(speed, group["fronts"][name].attrs["speed"])
+            assert_equal(speed, group["fronts"][name].attrs["speed"])
 
 
 def assert_same(one, other, at):
@@ -141,7 +142,7 @@ def assert_same(one, other, at):
         for number, (left, right) in enumerate(zip(one, other)):
             assert_same(left, right, f"{at}.{number}")
     else:
-        np.testing.assert_array_equal(one, other, at)
+        assert_array_equal(one, other, at)
 
 
 @pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
@@ -155,10 +156,12 @@ def test_measuring_changes_nothing_else():
         [set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})]
     )
     other = fired("impact")
-    assert (one.outcome, one.steps, one.measured) == (other.outcome, other.steps, ())
+    assert one.outcome == other.outcome
+    assert one.steps == other.steps
+    assert one.measured == ()
     for name in ("nodes", "tension"):
         ours, theirs = (getattr(shot.final[0], name) for shot in (one, other))
-        np.testing.assert_array_equal(ours, theirs)
+        assert_array_equal(ours, theirs)
 
 
 @pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
@@ -190,12 +193,12 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
 
 def test_vtk_reads_what_was_written(tmp_path):
     random = np.random.default_rng(1)
-    nodes, quads = (
-        random.normal(size=(12, 3)),
-        np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]]),
-    )
-    tension, failed = random.normal(size=(3, 2)), np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
-    pressure, segments = random.normal(size=(12, 4)).astype(np.float32), random.normal(size=(12, 2))
+    nodes = random.normal(size=(12, 3))
+    quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]])
+    tension = random.normal(size=(3, 2))
+    failed = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
+    pressure = random.normal(size=(12, 4)).astype(np.float32)
+    segments = random.normal(size=(12, 2))
     front, rear = (
         Shape(
             1e-6,
@@ -213,9 +216,11 @@ def test_vtk_reads_what_was_written(tmp_path):
     )
     vtk.write_panel(tmp_path, [[front, rear]], [quads[:2], quads[2:] - 6])
     ((path, time),) = vtk.read_series(tmp_path / "panel.pvd")
-    assert (path, time) == (tmp_path / "panel" / "panel-0000.vtu", 1e-6)
+    assert path == tmp_path / "panel" / "panel-0000.vtu"
+    assert time == 1e-6
     grid = pyvista.read(path)
-    assert (grid.points.dtype, set(grid.celltypes)) == (float, {pyvista.CellType.QUAD})
+    assert grid.points.dtype == float
+    assert set(grid.celltypes) == {pyvista.CellType.QUAD}
     for found, given in (
         (grid.points, nodes),
         (grid.cells.reshape(-1, 5)[:, 1:], quads),

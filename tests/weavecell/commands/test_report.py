@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import weavecell
 from fabrics import catalogue
@@ -34,7 +35,8 @@ def page(results):
 
 
 def test_all_chapters_are_there_and_nothing_is_fetched(page):
-    ids, tags = re.findall(r'<[^>]* id="([^"]*)"', page), re.findall(r"<([a-z]+)", page)
+    ids = re.findall(r'<[^>]* id="([^"]*)"', page)
+    tags = re.findall(r"<([a-z]+)", page)
     links = re.findall(r'<[^>]* (?:src|href|srcset|data|action|poster)="([^"]*)"', page)
     assert ids == [
         "motion",
@@ -95,7 +97,9 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     ).instants()
     head = json.loads(moving.moving(record, instants))
     data = zlib.decompress(base64.b64decode(head["data"]))
-    n, m, count = head["nodes"], head["elements"], head["instants"]
+    n = head["nodes"]
+    m = head["elements"]
+    count = head["instants"]
     sizes = np.cumsum(
         [12 * head["bodyVertices"], 16 * m, 6 * n * count, 2 * m * count, m * count, m]
     )
@@ -105,11 +109,9 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     places = np.cumsum(places.view("<u2").reshape(count, n, 3), axis=0, dtype=np.uint16)
     for k, (grid, _) in enumerate(instants):
         at = np.array(head["origin"]) + places[k] * np.array(head["step"])
-        np.testing.assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
+        assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
         share = tension.reshape(count, m, 2)[k, :, 0] / head["perUnit"]
-        np.testing.assert_allclose(
-            share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3
-        )
+        assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
         assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
     assert np.array_equal(
         quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:]
@@ -150,11 +152,13 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
         names.append(draw.__name__)
         with plots() as pyplot:
             figure = draw(pyplot, *arguments)
-            found, (width, height) = texts(figure), figure.bbox.size
+            found = texts(figure)
+            width, height = figure.bbox.size
         for text, box in found:
             assert min(box.x0, box.y0, width - box.x1, height - box.y1) > -1, text
         for (one, a), (other, b) in combinations(found, 2):
-            across, up = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+            across = min(a.x1, b.x1) - max(a.x0, b.x0)
+            up = min(a.y1, b.y1) - max(a.y0, b.y0)
             assert min(across, up) < 2, (one, other)
         return b""
 
@@ -187,7 +191,8 @@ def test_pictures_repeat_to_the_byte(record):
 def test_stamp_tells_versions_and_no_paths(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     stamp = provenance.stamp("a scene")
-    assert (stamp["weavecell"], stamp["scene"]) == (weavecell.__version__, "a scene")
+    assert stamp["weavecell"] == weavecell.__version__
+    assert stamp["scene"] == "a scene"
     assert f"numpy {np.__version__}" in stamp["packages"]
     assert "matplotlib" in stamp["packages"]
     assert stamp["threads"].startswith("OMP_NUM_THREADS 1")
@@ -219,6 +224,6 @@ def test_a_cut_shows_an_oblique_projectile_where_it_is(record):
     oblique = replace(record, half_energy=(shape,), final=(shape,))
     straight = replace(record, half_energy=record.final)
     views = [chapters_shot.cut_view(each, each.cuts[-1], "") for each in (straight, oblique)]
-    np.testing.assert_allclose(
+    assert_allclose(
         views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile)
     )

@@ -1,8 +1,6 @@
 """One run of each command: its folder, and its numbers against the Python interface, its files and its report."""
 
-import csv
 import html
-import json
 import re
 from dataclasses import asdict
 from importlib.util import find_spec
@@ -18,6 +16,7 @@ from fabrics.friction.pull_out import PullOutLaw
 from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
+from tests.weavecell.written import names, rows_of, table_of
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import sobol
 
@@ -32,31 +31,28 @@ def named(runs):
 
 
 def summary_of(run, name):
-    return json.loads((run.folder / RUNS[name].get("summary", "summary.json")).read_text())
-
-
-def rows_of(file):
-    return list(csv.DictReader(file.read_text("utf-8").splitlines()))
+    return table_of(run.folder, RUNS[name].get("summary", "summary.json"))
 
 
 @named(RUNS)
 def test_a_command_ends_well_and_leaves_its_folder(results, name):
-    run, told = results(name), RUNS[name]
+    run = results(name)
+    told = RUNS[name]
     assert run.code == 0, run.err
     assert "error" not in run.err
     assert "written to r\n" in run.out
-    assert sorted(path.name for path in run.folder.glob("[!.]*")) == told["folder"].split()
+    assert names(run.folder).split() == told["folder"].split()
     if "scene.toml" in told["folder"].split():
         assert (run.folder / "scene.toml").read_text() == (
             run.folder.parent / "scene.toml"
         ).read_text()
     if "pictures" in told:
-        assert (
-            sorted(path.stem for path in (run.folder / "pictures").iterdir())
-            == told["pictures"].split()
-        )
-    stamp = run.folder / "provenance.json"
-    stamp = json.loads(stamp.read_text()) if stamp.exists() else summary_of(run, name)["provenance"]
+        pictures = sorted(path.stem for path in (run.folder / "pictures").iterdir())
+        assert pictures == told["pictures"].split()
+    if "provenance.json" in told["folder"]:
+        stamp = table_of(run.folder, "provenance.json")
+    else:
+        stamp = summary_of(run, name)["provenance"]
     assert {"commit", "packages", "processor"} <= set(stamp)
 
 
@@ -140,7 +136,7 @@ def pulled(_):
 
 def stretched(folder):
     wc.biaxial("S-731", ratio=["1:1", "1:0"], out=folder)
-    return json.loads((folder / "biaxial.json").read_text())
+    return table_of(folder, "biaxial.json")
 
 
 IN_PYTHON = {
@@ -174,7 +170,8 @@ IN_PYTHON = {
 )
 def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     """To 12 digits, of the same input."""
-    told, found = numbers(summary_of(results(name), name)), numbers(IN_PYTHON[name](tmp_path))
+    told = numbers(summary_of(results(name), name))
+    found = numbers(IN_PYTHON[name](tmp_path))
     both = set(told) & set(found)
     assert len(both) >= (4 if name == "export" else 7)
     # what the 3D solver leaves of large forces that cancel is not the same to the last bit in two processes
@@ -189,7 +186,8 @@ def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
 @named(IMPACTS)
 def test_the_record_of_an_impact_has_the_numbers_of_its_summary(results, name):
     record = ImpactRecord.read(results(name).folder / "histories.h5")
-    told, found = numbers(summary_of(results(name), name)), numbers(record.facts())
+    told = numbers(summary_of(results(name), name))
+    found = numbers(record.facts())
     assert len(found) > 50
     assert {key: told[key] for key in found} == found
     assert record.energy_error_max < 5e-3
@@ -215,7 +213,8 @@ TABLES = {  # run: its table of shots, and what a column is in the list of shots
 @named(TABLES)
 def test_a_table_has_the_shots_of_the_summary(results, name):
     file, key, columns = TABLES[name]
-    rows, shots = rows_of(results(name).folder / file), summary_of(results(name), name)[key]
+    rows = rows_of(results(name).folder, file)
+    shots = summary_of(results(name), name)[key]
     for column, entry in columns.items():
         values = [row[column] for row in rows]
         if entry != "outcome":
@@ -224,34 +223,30 @@ def test_a_table_has_the_shots_of_the_summary(results, name):
 
 
 def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
-    told, rows = (
-        summary_of(results("draws"), "draws"),
-        rows_of(results("draws").folder / "draws.csv"),
-    )
+    told = summary_of(results("draws"), "draws")
+    rows = rows_of(results("draws").folder, "draws.csv")
     velocities = [float(row["residual_velocity_m_s"]) for row in rows]
     assert told["residual_velocity_mean_m_s"] == pytest.approx(np.mean(velocities), rel=1e-8)
-    told, rows = summary_of(results("v50"), "v50"), rows_of(results("v50").folder / "shots.csv")
+    told = summary_of(results("v50"), "v50")
+    rows = rows_of(results("v50").folder, "shots.csv")
     assert told["perforated"] == sum(row["outcome"] == "perforated" for row in rows)
     assert told["curves"]["probit"]["V50"] == told["v50_m_s"]
-    told, rows = (
-        summary_of(results("sensitivity"), "sensitivity"),
-        rows_of(results("sensitivity").folder / "sobol.csv"),
-    )
+    told = summary_of(results("sensitivity"), "sensitivity")
+    rows = rows_of(results("sensitivity").folder, "sobol.csv")
     first = [value for one in told["indices"] for value in one["first"]]
     assert [float(row["first order"]) for row in rows] == pytest.approx(first, abs=6e-4)
 
 
 @SOLID
 def test_files_of_the_3d_crossover_are_read_back(results):
-    told, folder = summary_of(results("calibrate"), "calibrate"), results("calibrate").folder
+    told = summary_of(results("calibrate"), "calibrate")
+    folder = results("calibrate").folder
     law = CompressionLaw.from_json(folder / "law.json")
     assert (law.a, law.b) == pytest.approx(
         (told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12
     )
-    found, file = (
-        summary_of(results("crossover"), "crossover")["found"],
-        results("crossover").folder.parent / "law.json",
-    )
+    found = summary_of(results("crossover"), "crossover")["found"]
+    file = results("crossover").folder.parent / "law.json"
     slip = PullOutLaw.from_json(file)
     assert list(slip.F_c) == pytest.approx(found["contact forces in slip [N]"])
     assert slip.mu_eff == pytest.approx(found["effective coefficient, mu_eff [-]"])

@@ -11,8 +11,12 @@ from itertools import pairwise
 
 import numpy as np
 
-EVERY, FIRST, SECOND, BELOW = slice(None), slice(1), slice(1, 2), slice(1, None)
-TEN, REAL5 = (10,) * 8, (20,) * 5
+EVERY = slice(None)
+FIRST = slice(1)
+SECOND = slice(1, 2)
+BELOW = slice(1, None)
+TEN = (10,) * 8
+REAL5 = (20,) * 5
 # word: columns of the cards below its title, the last one repeated; TEN of words that are not named
 DYNA = {"*NODE": [(8, 16, 16, 16)], "*ELEMENT_SHELL": [(8,) * 6], "*DEFINE_CURVE": [TEN, (20, 20)]}
 RADIOSS = {
@@ -92,11 +96,13 @@ def columns(line, widths):
 
 def named(text):
     """{keyword without a number: {name: text}} of the last row of each first block, by the comment lines."""
-    cards, names = {}, []
+    cards = {}
+    names = []
     for line in text.splitlines():
         if line[0] in "*/":
             word = re.sub(r"/\d+$", "", line)
-            card, names = ({} if word in cards else cards.setdefault(word, {})), []
+            card = {} if word in cards else cards.setdefault(word, {})
+            names = []
         elif line.startswith(("$#", "# ")):
             names = [(name[0], name.end()) for name in re.finditer(r"(?<=[ #])[^ #]\S*", line)]
         elif names and line[0] not in "#$":
@@ -141,10 +147,13 @@ def defined_in(cards, ids, words):
 
 def dyna(text):
     """{material: (warp, weft, shear)}, each (n, 2), with (DATTYP of warp)."""
-    lines, cards, ids = text.splitlines(), defaultdict(list), defaultdict(list)
+    lines = text.splitlines()
+    cards = defaultdict(list)
+    ids = defaultdict(list)
     assert all(len(line) <= 80 for line in lines)
     lines = [line for line in lines if not line.startswith("$")]
-    assert (lines[0], lines[-1]) == ("*KEYWORD", "*END")
+    assert lines[0] == "*KEYWORD"
+    assert lines[-1] == "*END"
     for word, body in blocks(lines[1:-1], "*", "$"):
         titled = word.endswith("_TITLE") or word in ("*TITLE", "*PART", "*PART_INERTIA")
         word = word.removesuffix("_TITLE")
@@ -171,8 +180,12 @@ def dyna(text):
 
 def radioss(text):
     """{material: (rows of its card, (n, 2) shear function)}."""
-    lines, cards, ids, numbered = text.splitlines(), defaultdict(list), defaultdict(list), {}
-    assert (lines[0], lines[-1]) == ("#RADIOSS STARTER", "/END")
+    lines = text.splitlines()
+    cards = defaultdict(list)
+    ids = defaultdict(list)
+    numbered = {}
+    assert lines[0] == "#RADIOSS STARTER"
+    assert lines[-1] == "/END"
     assert all(len(line.removeprefix("#")) <= 100 for line in lines)
     for head, body in blocks(lines[:-1], "/", "#"):
         word, _, number = (head[1:] + "/" * (head == "/NODE")).rpartition("/")
@@ -196,7 +209,8 @@ def radioss(text):
     assert defined.get("FAIL", set()) <= defined["MAT"]
     assert all(rows[3][2] > 0 for rows in cards["INTER/TYPE7"])
     body = cards["RBODY"][0][0]
-    assert (body[7], body[4] > 0) == (4, True)
+    assert body[7] == 4
+    assert body[4] > 0
     laws = {number: rows for (word, number), rows in numbered.items() if word == "MAT/LAW58"}
     return {
         int(n): (rows, np.array(numbered["FUNCT", str(int(rows[7][0]))]))

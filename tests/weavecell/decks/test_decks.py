@@ -62,7 +62,9 @@ def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, units):
         assert np.all(np.diff(shear, axis=0) > 0)
         return
     (warp, weft, shear), *_ = deck_readers.dyna(content).values()
-    assert (warp[1], weft[1], shear[1]) == (-2, -2, 0)
+    assert warp[1] == -2
+    assert weft[1] == -2
+    assert shear[1] == 0
     for family, (curve, _) in enumerate((warp, weft)):
         stretch, wanted = cloth(fabric).uniaxial(family)
         close(np.interp(stretch - 1, *curve.T) / SCALE[units], wanted, wanted)
@@ -134,7 +136,8 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     made = deck("S-720", "lsdyna", symmetry=symmetry)
     share = {"quarter": 0.25, "half": 0.5, "whole": 1.0}[symmetry]
     assert made.nose.mass == pytest.approx(3e-3 * share)
-    ply, held = made.plies[0], made.held()
+    ply = made.plies[0]
+    held = made.held()
     assert set(held) == {
         "clamped",
         *(["mirror_x"] if share < 1 else []),
@@ -145,10 +148,8 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     assert sides[:, 0] == pytest.approx(np.tile([spacing, 0, 0], (len(sides), 1)), abs=1e-12)
     side = np.ptp(ply.points[:, 1]) * (2 if symmetry == "quarter" else 1)
     assert 0.04 - 2 * spacing < side <= 0.04  # a half of a row at either edge lies in the clamps
-    cell, area = (
-        made.cards[0].cloth,
-        np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum(),
-    )
+    cell = made.cards[0].cloth
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
     mass = cell.density * cell.thickness * area
     assert mass == pytest.approx(share * side**2 * cell.model.fabric.weave.areal_density, rel=1e-9)
     assert np.all(
@@ -261,7 +262,7 @@ def test_units_are_consistent():
 
 
 @pytest.mark.parametrize(
-    ("to", "factors"),
+    "to, factors",
     [
         (
             "lsdyna",

@@ -1,7 +1,5 @@
 """`weavecell critical-velocity`: what its shots say, mixed outcomes, errors and the shots before them."""
 
-import csv
-import json
 from importlib import resources
 
 import numpy as np
@@ -10,15 +8,10 @@ import pytest
 from fabrics.errors import UnstableError
 from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
+from tests.weavecell.written import names, rows_of, table_of
 from weavecell.scenes import honoured, target
 
-FILES = [
-    "critical-velocity.json",
-    "report.html",
-    "residual-velocity.svg",
-    "scene.toml",
-    "shots.csv",
-]
+FILES = "critical-velocity.json report.html residual-velocity.svg scene.toml shots.csv"
 
 
 @pytest.fixture
@@ -29,8 +22,7 @@ def scene(tmp_path):
 
 
 def read(folder):
-    summary = json.loads((folder / "critical-velocity.json").read_text())
-    return summary, list(csv.DictReader((folder / "shots.csv").open(encoding="utf-8")))
+    return table_of(folder, "critical-velocity.json"), rows_of(folder, "shots.csv")
 
 
 def test_shots_stop_below_the_bracket_and_perforate_above(results):
@@ -51,9 +43,12 @@ def test_shots_stop_below_the_bracket_and_perforate_above(results):
     assert "Lambert-Jonas: a = " in run.out
 
 
-def test_zone_of_mixed_outcomes(command, scene, tmp_path, monkeypatch):
-    """No critical velocity, but the zone in summary and on the terminal, and a doubtful result; without a scan the
-    bisection sees one limit alone."""
+@pytest.fixture
+def mixed(command, scene, tmp_path, monkeypatch):
+    """A search with options, of a pack that stops below 140 m/s and again from 150 to 155 m/s.
+
+    search(options) is (exit code, standard output, folder).
+    """
 
     def fire(_, velocity, __):
         stops = velocity < 140.0 or 150.0 < velocity < 155.0
@@ -61,44 +56,59 @@ def test_zone_of_mixed_outcomes(command, scene, tmp_path, monkeypatch):
         outcome = "stopped" if stops else "perforated"
         return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
+    def search(options=""):
+        code, out, _ = command(f"critical-velocity {scene} --jobs 1 --out r {options}")
+        return code, out, tmp_path / "r"
+
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
-    words = ("critical-velocity", scene, "--jobs", 1, "--out")
-    code, out, _ = command(*words, "results")
-    assert code == 0
-    summary, rows = read(tmp_path / "results")
+    return search
+
+
+def test_mixed_outcomes_are_a_zone_without_a_critical_velocity(mixed):
+    code, _, folder = mixed()
+    summary, rows = read(folder)
     low, high = summary["mixed_zone_m_s"]
-    assert (summary["critical_velocity_m_s"], summary["checks"]["status"]) == (None, "doubtful")
-    assert (
-        low
-        == summary["lowest_perforation_m_s"]
-        == summary["bracket_m_s"][1]
-        == pytest.approx(140.0, abs=1.0)
-    )
+    assert code == 0
+    assert summary["critical_velocity_m_s"] is None
+    assert low == summary["lowest_perforation_m_s"] == summary["bracket_m_s"][1]
+    assert low == pytest.approx(140.0, abs=1.0)
     assert 150.0 < high == summary["highest_stop_m_s"] < 155.0
-    assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
-    assert f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s)" in out
     strike = [float(row["strike velocity [m/s]"]) for row in rows]
     assert min(strike) < 0.92 * low
     assert max(strike) == pytest.approx(2 * high, rel=1e-4)  # the curve begins above the zone
-    assert command(*words, "strict", "--strict")[0] == 3
-    assert sorted(path.name for path in (tmp_path / "strict").iterdir()) == FILES
-    no_scan = ("--scan-above", "0 %", "--scan-below", "0 %", "--residual-shots", 0)
-    code, out, _ = command(*words, "alone", *no_scan)
+
+
+def test_a_zone_of_mixed_outcomes_is_doubtful(mixed):
+    _, out, folder = mixed()
+    summary, _ = read(folder)
+    low, high = summary["mixed_zone_m_s"]
+    assert summary["checks"]["status"] == "doubtful"
+    assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
+    assert f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s)" in out
+
+
+def test_a_doubtful_zone_is_an_error_that_leaves_all_files_if_that_is_wanted(mixed):
+    code, _, folder = mixed("--strict")
+    assert code == 3
+    assert names(folder) == FILES
+
+
+def test_without_a_scan_the_bisection_sees_one_limit_alone(mixed):
+    _, out, folder = mixed("--scan-above '0 %' --scan-below '0 %' --residual-shots 0")
     assert "critical velocity 1" in out
     assert "doubtful" not in out
-    assert len(read(tmp_path / "alone")[1]) < 12
+    assert len(read(folder)[1]) < 12
 
 
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
     found = target.read("S-726", tmp_path, honoured.LIMITS)
     scene = found.case.scene
-    assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == (
-        "S-726",
-        0.203,
-        3e-3,
-    )
-    file, out = tmp_path / "mine.toml", tmp_path / "deep" / "results"
+    assert found.case.fabric.name == "S-726"
+    assert scene.panel.opening == 0.203
+    assert scene.projectile.mass == 3e-3
+    file = tmp_path / "mine.toml"
+    out = tmp_path / "deep" / "results"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out.mkdir(parents=True)
     found = target.read(str(file), out, honoured.LIMITS)
@@ -120,12 +130,9 @@ def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):
     def fails(patched, value):
         with monkeypatch.context() as patch:
             patch.setattr(ballistic_limit, patched, value)
-            code, _, err = command("critical-velocity", scene, "--out", "r", "--jobs", 1)
+            code, _, err = command(f"critical-velocity {scene} --out r --jobs 1")
         assert code == 3
-        assert sorted(path.name for path in (tmp_path / "r").iterdir()) == [
-            "scene.toml",
-            "shots.csv",
-        ]
+        assert names(tmp_path / "r") == "scene.toml shots.csv"
         return err.splitlines()[-1], (tmp_path / "r" / "shots.csv").read_text().splitlines()[1:]
 
     said, shots = fails("_fire", fire)

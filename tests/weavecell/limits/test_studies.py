@@ -1,7 +1,5 @@
 """`weavecell sweep`, `v50`, `sensitivity` and `compare`: tables, resuming, and limits against the number of plies."""
 
-import csv
-import json
 import re
 import shutil
 
@@ -10,14 +8,11 @@ import pytest
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from tests.scene_text import toml
 from tests.weavecell.session_runs import SCENES
+from tests.weavecell.written import names, rows_of, table_of
 from weavecell.api import sweeps
 from weavecell.results import progress
 from weavecell.studies import limit as limits
 from weavecell.studies import sweep as analysis
-
-
-def rows(folder):
-    return list(csv.DictReader((folder / "sweep.csv").read_text().splitlines()))
 
 
 def test_a_row_of_mixed_outcomes_has_the_zone_and_no_velocity(monkeypatch):
@@ -29,11 +24,14 @@ def test_a_row_of_mixed_outcomes_has_the_zone_and_no_velocity(monkeypatch):
     found = Limit(100.0, 101.0, tuple(shots))
     monkeypatch.setattr(limits, "search", lambda *_, **__: type("Search", (), {"limit": found}))
     row = analysis.critical_velocity(None, 1.0)
-    assert (row["outcome"], row["critical_velocity_m_s"]) == (analysis.MIXED, None)
-    assert (row["lower_m_s"], row["upper_m_s"]) == (95.0, 100.0)
+    assert row["outcome"] == analysis.MIXED
+    assert row["critical_velocity_m_s"] is None
+    assert row["lower_m_s"] == 95.0
+    assert row["upper_m_s"] == 100.0
     found = Limit(100.0, 101.0, (shots[0], shots[-1], shots[2]))
     row = analysis.critical_velocity(None, 1.0)
-    assert (row["outcome"], row["critical_velocity_m_s"]) == ("single limit", 100.5)
+    assert row["outcome"] == "single limit"
+    assert row["critical_velocity_m_s"] == 100.5
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):
@@ -62,7 +60,7 @@ def test_values_are_numbers_truth_values_or_texts():
 
 def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp_path):
     made = results("sweep")
-    found = rows(made.folder)
+    found = rows_of(made.folder, "sweep.csv")
     assert [(row["projectile.strike_velocity"], row["projectile.mass"]) for row in found] == [
         ("90 m/s", "3 g"),
         ("90 m/s", "2 g"),
@@ -72,42 +70,25 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
     assert "projectile.strike_velocity = 90 m/s, projectile.mass = 3 g: " in made.out
     folder = shutil.copytree(made.folder, tmp_path / "r")
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
-    more = (
-        "--over",
-        "projectile.strike_velocity=90 m/s,120 m/s,150 m/s",
-        "--over",
-        "projectile.mass=3 g,2 g",
-    )
-    assert (
-        command("sweep", folder / "scene.toml", *more, "--out", "r", "--jobs", 2, "--resume")[0]
-        == 0
-    )
+    velocities = "projectile.strike_velocity='90 m/s,120 m/s,150 m/s'"
+    line = f"sweep {folder}/scene.toml --over {velocities} --over projectile.mass='3 g,2 g'"
+    assert command(f"{line} --out r --jobs 2 --resume")[0] == 0
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
-    assert rows(folder)[:2] == found[:2]
-    assert len(rows(folder)) == 6
+    assert rows_of(folder, "sweep.csv")[:2] == found[:2]
+    assert len(rows_of(folder, "sweep.csv")) == 6
 
 
 def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
     (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
-    words = ("sweep", "scene.toml", "--jobs", 1, "--over")
-    limit = (
-        "panel.plies=1,2",
-        "--quantity",
-        "critical-velocity",
-        "--tolerance",
-        "10 m/s",
-        "--out",
-        "limit",
-    )
-    assert command(*words, *limit)[0] == 0
-    one, two = rows(tmp_path / "limit")
+    line = "sweep scene.toml --jobs 1 --over panel.plies="
+    limit = "--quantity critical-velocity --tolerance '10 m/s' --out limit"
+    assert command(f"{line}1,2 {limit}")[0] == 0
+    one, two = rows_of(tmp_path / "limit", "sweep.csv")
     assert float(two["areal_density_kg_m2"]) == pytest.approx(2 * float(one["areal_density_kg_m2"]))
     assert float(one["upper_m_s"]) < float(two["lower_m_s"])
-    assert (
-        command(*words, "panel.plies=1", "--quantity", "v50", "--shots", 8, "--out", "v50")[0] == 0
-    )
-    (row,) = rows(tmp_path / "v50")
+    assert command(f"{line}1 --quantity v50 --shots 8 --out v50")[0] == 0
+    (row,) = rows_of(tmp_path / "v50", "sweep.csv")
     limit = (float(one["lower_m_s"]) + float(one["upper_m_s"])) / 2
     assert float(row["v50_m_s"]) == pytest.approx(limit, rel=0.25)
     assert row["shots"] == "8"
@@ -138,9 +119,7 @@ def test_a_v50_study_says_what_it_found(results):
 
 def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
     folder = results("sensitivity").folder
-    assert {
-        one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]
-    } == {90.0}
+    assert {one["velocity"] for one in table_of(folder, "sobol.json")["indices"]} == {90.0}
     assert "2 x S-720: Sobol indices" in (folder / "report.html").read_text()
 
 
@@ -150,23 +129,14 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     )
     (tmp_path / "tests.csv").write_text(fired)
     (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
-    words = (
-        "compare",
-        "tests.csv",
-        "scene.toml",
-        "--tolerance",
-        "10 m/s",
-        "--jobs",
-        1,
-        "--out",
-        "r",
-    )
-    code, out, err = command(*words)
+    line = "compare tests.csv scene.toml --tolerance '10 m/s' --jobs 1 --out r"
+    code, out, err = command(line)
     assert code == 0, err
-    told = json.loads((tmp_path / "r" / "comparison.json").read_text())
+    folder = tmp_path / "r"
+    told = table_of(folder, "comparison.json")
     assert told["tests"] == 3
     assert 60 < told["tested_v50_m_s"] < 140
-    shots = list(csv.DictReader((tmp_path / "r" / "shots.csv").read_text().splitlines()))
+    shots = rows_of(folder, "shots.csv")
     assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
     assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
     off = [
@@ -174,5 +144,4 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     ]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
-    files = ["comparison.json", "comparison.svg", "report.html", "scene.toml", "shots.csv"]
-    assert sorted(path.name for path in (tmp_path / "r").iterdir()) == files
+    assert names(folder) == "comparison.json comparison.svg report.html scene.toml shots.csv"

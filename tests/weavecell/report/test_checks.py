@@ -16,23 +16,39 @@ from weavecell.report import checks
 from weavecell.report.shot import chapters_shot
 from weavecell.results.impact import ImpactRecord
 
-GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
+GOOD = Indicator("a", 0.5, 1.0)
+BAD = Indicator("b", 2.0, 1.0)
+WORSE = Indicator("c", 9.0, 1.0, "m")
 NOTED = Indicator("d", 0.5, 1.0, note=0.1)
 
 
-def test_status_line_summary_and_section():
-    assert (checks.status((GOOD,)), checks.line((GOOD,)), checks.words((GOOD,))) == ("ok", "", "ok")
+def test_a_result_within_its_limits_is_ok():
+    assert checks.status((GOOD,)) == "ok"
+    assert checks.line((GOOD,)) == ""
+    assert checks.words((GOOD,)) == "ok"
+
+
+def test_a_doubtful_result_names_what_is_beyond_its_limit_worst_first():
     assert checks.status((GOOD, BAD)) == "doubtful"
     assert checks.line((GOOD, BAD, WORSE)) == "c 9.00 m (limit 1 m); b 2.00 (limit 1)"
     assert checks.line((BAD,) * 5).endswith("2 more in the summary")
+
+
+def test_the_summary_has_every_indicator():
     found = checks.summary((GOOD, BAD, NOTED))["checks"]
     assert found["status"] == "doubtful"
     assert [one["status"] for one in found["indicators"]] == ["ok", "doubtful", "noted"]
     assert [one["ok"] for one in found["indicators"]] == [True, False, True]
     assert {"name", "value", "limit", "unit", "meaning"} <= set(found["indicators"][0])
+
+
+def test_the_section_of_the_report_has_every_indicator():
     section = checks.section((GOOD, BAD))
     assert "b 2.00 (limit 1)" in section.lead
     assert [row[3] for row in section.tables[0].rows] == ["ok", "doubtful"]
+
+
+def test_the_section_of_the_report_has_what_is_noted():
     section = checks.section((NOTED,))
     assert section.lead == "Noted: d 0.500 (noted above 0.1, limit 1)."
     assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
@@ -87,7 +103,7 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(command, tmp_path,
     few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
     edge = {"edge_radius": "0.05 mm", "panel": f"plies = {plies}", "run": 'outputs = ["report"]'}
     path.write_text(impact_scene("92.5 m/s", end_time="30 us", extra=few, **edge), encoding="utf-8")
-    code, printed, err = command("impact", path, "--out", "out", "--strict")
+    code, printed, err = command(f"impact {path} --out out --strict")
     assert code == 3
     assert "contact point spacing" in err
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

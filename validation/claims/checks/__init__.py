@@ -2,7 +2,6 @@
 
 from dataclasses import replace  # noqa: F401
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 from scipy.stats import spearmanr  # noqa: F401
@@ -21,11 +20,12 @@ from validation.claims import readers
 from validation.claims.checks import cell, compression, weave
 from validation.models import cell_equations, newton
 from validation.published.biaxial_glass import free_edge  # noqa: F401
+from validation.values import Values
 
 MODULES = (cell, compression, weave, cell_equations, newton, readers)
 
 
-def names() -> dict[str, Any]:
+def names() -> Values:
     """All that expressions may name: numpy as np, what is imported here, and what readers and checks define."""
     known = [globals(), *map(vars, MODULES)]
     return {

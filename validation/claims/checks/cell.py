@@ -8,6 +8,7 @@ Where the printed compression law is meant, it is used; else the regularised one
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,8 +23,9 @@ from shellfabric.cell import crossover_kernels
 from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
-from validation.claims.readers import KEVLAR
+from validation.claims.readers import crimped, derivative
 from validation.models.cell_equations import departure
+from validation.values import Values, largest, rms
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -48,10 +50,8 @@ def printed(name: str, a: float | None = None) -> CellModel:
 
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
-    table, (a, b) = (
-        CellModel(catalogue.load(name), form="variational").table(size),
-        np.broadcast_to(half, 2),
-    )
+    table = CellModel(catalogue.load(name), form="variational").table(size)
+    a, b = np.broadcast_to(half, 2)
     return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
 
 
@@ -104,27 +104,28 @@ def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> F
 def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
     """Of the cell along a yarn, at which the yarn is at its strength; that across is `other`."""
     strength = model.fabric.weave.yarns[family].strength
-    return brentq(
-        lambda stretch: float(pulled(model, family, stretch, other)) - strength,
-        1.0,
-        1.5,
-        xtol=1e-12,
-    )
+
+    def excess(stretch):
+        return float(pulled(model, family, stretch, other)) - strength
+
+    return brentq(excess, 1.0, 1.5, xtol=1e-12)
 
 
-def equilibrium() -> dict[str, Any]:
+def equilibrium() -> Values:
     """F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at rest; random states."""
     force = closing = 0.0
     for name in catalogue.list_names():
         model = cell(name)
         s1, s2 = random_states(name)
-        found, weave = model.solve(s1, s2), model.fabric.weave
+        found = model.solve(s1, s2)
+        weave = model.fabric.weave
         contact = found["F"] > 0
         for T, h, w, s in zip(("T1", "T2"), ("h1", "h2"), weave.w, (s1, s2)):
             k = np.pi * found[h] / (2 * w * s)
             F = 2 * found[T] * k / np.sqrt(1 + k * k)
             force = max(force, np.abs(F / found["F"] - 1)[contact].max())
-        sum_h, d = found["h1"] + found["h2"], model.fabric.laws[0].d(found["F"])
+        sum_h = found["h1"] + found["h2"]
+        d = model.fabric.laws[0].d(found["F"])
         closing = max(closing, np.abs((sum_h + 2 * d - sum(weave.h0)) / sum_h)[contact].max())
     return {"equilibrium": force, "compatibility": closing}
 
@@ -132,18 +133,15 @@ def equilibrium() -> dict[str, Any]:
 def jacobian_ratio() -> float:
     """dS/dh by differences of the arc length, over eq. 4-24 as printed; furthest from 2."""
     ratios = []
-    for weave in (catalogue.load(name).weave for name in KEVLAR):
-        for w, h in zip(weave.w, weave.h0):
-            step = 1e-4 * h
-            S = [arc_length(w, h + k * step) for k in (-2, -1, 1, 2)]
-            rise = (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
-            k = np.pi / (2 * w)
+    for w, h, *_ in crimped():
+        rise = derivative(partial(arc_length, w), h, 1e-4 * h)
+        k = np.pi / (2 * w)
 
-            def written(x, k=k, h=h):
-                return np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
+        def written(x, k=k, h=h):
+            return np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
 
-            ratios.append(rise / (k * k * h * quad(written, 0, w, epsabs=0, epsrel=1e-12)[0]))
-            assert abs(crossover_kernels.arc(w, h)[1] / rise - 1) < 1e-6
+        ratios.append(rise / (k * k * h * quad(written, 0, w, epsabs=0, epsrel=1e-12)[0]))
+        assert abs(crossover_kernels.arc(w, h)[1] / rise - 1) < 1e-6
     return max(ratios, key=lambda ratio: abs(ratio - 2))
 
 
@@ -153,26 +151,26 @@ def sine_slope_error() -> float:
     F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
     """
     worst = 0.0
-    for weave in (catalogue.load(name).weave for name in KEVLAR):
-        for w, h, S0, yarn in zip(weave.w, weave.h0, weave.S0, weave.yarns):
-            stretched = 1.02 * w
-            F, dF, T = crossover_kernels.contact_force(
-                stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
-            )
-            dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
-            found = (0.5 * dF - dT * 0.5 * F / T) / T
-            written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
-            worst = max(worst, abs(found / written - 1))
+    for w, h, S0, yarn in crimped():
+        stretched = 1.02 * w
+        F, dF, T = crossover_kernels.contact_force(
+            stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
+        )
+        dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
+        found = (0.5 * dF - dT * 0.5 * F / T) / T
+        written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
+        worst = max(worst, abs(found / written - 1))
     return worst
 
 
 def off_lone_yarns(name: str, **changes: Any) -> float:
     """Tensions of the cell less those of lone yarns, over EA; of random states at which the yarns would touch."""
-    stretches, weave = random_states(name), catalogue.load(name).weave
-    found, worst = cell(name, **changes).solve(*stretches), 0.0
-    for T, s, w, S0, yarn in zip(("T1", "T2"), stretches, weave.w, weave.S0, weave.yarns):
+    stretches = random_states(name)
+    found = cell(name, **changes).solve(*stretches)
+    worst = 0.0
+    for T, s, (w, _, S0, yarn) in zip(("T1", "T2"), stretches, crimped([name])):
         lone = yarn.EA * np.maximum(2 * w * s / S0 - 1, 0)
-        worst = max(worst, np.abs(found[T] - lone).max() / yarn.EA)
+        worst = max(worst, largest(found[T] - lone) / yarn.EA)
     return worst
 
 
@@ -188,16 +186,18 @@ def stress_resultant_error() -> float:
         coupon = rectangle(name, 8.000001 * np.array(weave.w), 201)
         stretch = [1 + 0.6 * (stretch_at_failure(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
-        state, width = coupon.table.model.solve(*stretch), 2 * np.array(weave.w[::-1])
+        state = coupon.table.model.solve(*stretch)
+        width = 2 * np.array(weave.w[::-1])
         for axis in (0, 1):
             rim = coupon.points[:, axis] > coupon.points[:, axis].max() - 0.1 * weave.w[axis]
-            across, pulled = np.ptp(coupon.points[rim, 1 - axis]), abs(forces[rim, axis].sum())
+            across = np.ptp(coupon.points[rim, 1 - axis])
+            pulled = abs(forces[rim, axis].sum())
             layer = float(state[f"N{axis + 1}"]) / (0.5 * weave.thickness * width[axis])
             worst = max(worst, abs(0.5 * layer * weave.thickness * across / pulled - 1))
     return worst
 
 
-def lone_yarn() -> dict[str, Any]:
+def lone_yarn() -> Values:
     """A yarn whose partner is gone, in a coupon of warp alone; and the slack of steps 11 and 25 as printed."""
     worst = 0.0
     for name in ("S-720", "S-731"):
@@ -208,22 +208,23 @@ def lone_yarn() -> dict[str, Any]:
         for stretch in (1.01, stretch_at_failure(weave.warp) - 0.005):
             T = coupon.tensions(coupon.points * [stretch, 1.0])[0][lone]
             alone = weave.warp.EA * max(2 * weave.w1 * stretch - weave.S01, 0) / weave.S01
-            worst = max(worst, np.abs(T - alone).max() / weave.warp.strength)
+            worst = max(worst, largest(T - alone) / weave.warp.strength)
         # the printed w for 2w leaves it slack whatever the stretch
         as_printed = max(weave.w1 * stretch_at_failure(weave.warp) - weave.S01, 0)
     return {"difference over strength": worst, "as printed, at failure": as_printed}
 
 
-def surfaces(fabric: str) -> dict[str, Any]:
+def surfaces(fabric: str) -> Values:
     """Stored energies of the bounds and of the cell between, over all pairs of strains at which no yarn fails."""
     models = [cell(fabric, model) for model in BOUNDED]
     pairs = grid(models[0], 41)
     found = [model.solve(*pairs) for model in models]
-    W = [part["W"][unfailed(models[0], found[0])] for part in found]
+    sound = unfailed(models[0], found[0])
+    high, middle, low = (part["W"][sound] for part in found)
+    least = min(float((high - middle).min()), float((middle - low).min()))
     return {
-        "least distance over the highest": min(float((a - b).min()) for a, b in (W[:2], W[1:]))
-        / W[0].max(),
-        "mean share of the way": float(np.mean(W[1] - W[2]) / np.mean(W[0] - W[2])),
+        "least distance over the highest": least / high.max(),
+        "mean share of the way": float(np.mean(middle - low) / np.mean(high - low)),
         "off the equations": max(departure(model, *pairs) for model in models),
     }
 
@@ -244,16 +245,18 @@ def displacement_at_strength(model: CellModel, family: int, away: float) -> floa
 
 def curve_change(curve: CellPath, family: int, shift: float) -> float:
     """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
-    strain, tension = curve.strain[:, family], curve.tension[:, family]
+    strain = curve.strain[:, family]
+    tension = curve.tension[:, family]
     common = strain > shift
-    off = np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2)
-    return np.sqrt(off) / np.sqrt(np.mean(tension[common] ** 2))
+    off = rms(tension[common] - np.interp(strain[common] - shift, strain, tension))
+    return off / rms(tension[common])
 
 
-def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
+def look_up(fabric: str, n: int, samples: int) -> Values:
     """Bilinear table of tensions against the cell itself, over all states up to failure; and their speed."""
     model = cell(fabric)
-    table, rng = model.table(n), np.random.default_rng(4)
+    table = model.table(n)
+    rng = np.random.default_rng(4)
     s1, s2 = (rng.uniform(axis[0], axis[-1], samples) for axis in (table.stretch1, table.stretch2))
     begun = time.perf_counter()
     exact = model.solve(s1, s2)
@@ -262,11 +265,14 @@ def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
         (s - axis[0]) / d
         for s, axis, d in zip((s1, s2), (table.stretch1, table.stretch2), table.steps)
     )
-    i, j = np.minimum(x.astype(int), n - 2), np.minimum(y.astype(int), n - 2)
-    x, y = x - i, y - j
+    i = np.minimum(x.astype(int), n - 2)
+    j = np.minimum(y.astype(int), n - 2)
+    x = x - i
+    y = y - j
     read = lambda c: c[:, 0] + c[:, 1] * x + c[:, 2] * y + c[:, 3] * x * y  # noqa: E731
     T1 = read(table.tension1[i, j])
-    reading, safe = time.perf_counter() - solved, unfailed(model, exact)
+    reading = time.perf_counter() - solved
+    safe = unfailed(model, exact)
     pairs = zip(
         (T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns
     )
@@ -281,16 +287,18 @@ def fitted(*paths: Any) -> CompressionLaw:
     return CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, paths))))
 
 
-def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> dict[str, Any]:
+def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Values:
     """The cell with its published law, or another, along a warp extension of the crossover: largest differences of the
     tensions over their peaks, and of the energy from the work of the ends, 2 T1 dd1, over that at the end."""
-    given, d, T = catalogue.load(fabric), path["d1"], path["T1"]
+    given = catalogue.load(fabric)
+    d = path["d1"]
+    T = path["T1"]
     cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
     work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
     return {
-        "warp": float(np.abs(cell["T1"] - T).max() / T.max()),
-        "weft": float(np.abs(cell["T2"] - path["T2"]).max() / path["T2"].max()),
-        "energy": (np.abs(cell["W"] - work) / work.max()).max(),
+        "warp": largest(cell["T1"] - T) / T.max(),
+        "weft": largest(cell["T2"] - path["T2"]) / path["T2"].max(),
+        "energy": largest(cell["W"] - work) / work.max(),
     }
 
 
@@ -299,18 +307,18 @@ def cell_error(path: Any, fabric: str, profile: str) -> float:
     strengths, along a path of the crossover up to the cell's first failure."""
     given = catalogue.load(fabric)
     cell = CellModel(given, form="equilibrium", profile=profile)
-    found = cell.solve(*(1 + d / w for d, w in zip((path["d1"], path["d2"]), given.weave.w)))
-    both = list(zip((found["T1"], found["T2"]), (path["T1"], path["T2"]), given.weave.yarns))
-    sound = np.all([T <= yarn.strength for T, _, yarn in both], axis=0)
-    return float(
-        np.sqrt(
-            np.mean(np.square([(T - given) / yarn.strength for T, given, yarn in both])[:, sound])
-        )
-    )
+    stretches = [1 + path[key] / w for key, w in zip(("d1", "d2"), given.weave.w)]
+    found = cell.solve(*stretches)
+    errors = []
+    sound = True
+    for key, yarn in zip(("T1", "T2"), given.weave.yarns):
+        sound = sound & (found[key] <= yarn.strength)
+        errors.append((found[key] - path[key]) / yarn.strength)
+    return rms(np.array(errors)[:, sound])
 
 
 def off_cosine(line: Any) -> float:
     """RMS distance of a deformed centreline from the cosine of its height and length, over the height."""
     x, z = line
     h = z[0] - z[-1]
-    return float(np.sqrt(np.mean((z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) ** 2)) / h)
+    return rms(z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) / h

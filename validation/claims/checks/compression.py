@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +20,8 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import crossover_kernels
-from validation.claims.readers import KEVLAR
+from validation.claims.readers import KEVLAR, derivative
+from validation.values import Values, largest
 
 
 @cache
@@ -66,7 +66,8 @@ def gap(fabric: str, start: float, plies: int = 4) -> float:
 def refitted_exponent(noise: float, seed: int) -> float:
     """The exponent of the pressure law, fitted to a curve of the law with noise on it."""
     curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
-    P0, scale = curve.pressure[0], curve.closure[-1]
+    P0 = curve.pressure[0]
+    scale = curve.closure[-1]
     measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(
         curve.closure.size
     )
@@ -78,7 +79,8 @@ def refitted_exponent(noise: float, seed: int) -> float:
 
 def areal_density_floor() -> float:
     """[kg/m2] below which there is no pressure law."""
-    low, high = 0.05, 0.3
+    low = 0.05
+    high = 0.3
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
         try:
@@ -97,21 +99,21 @@ def in_the_cell(law: CompressionLaw, F: ArrayLike) -> FloatArray:
 
 
 def _shift(law):
-    return law.F0 if law.form == "regularised" else 0.0
+    if law.form == "regularised":
+        return law.F0
+    return 0.0
 
 
 def compliance_error() -> float:
     """Slope of the law that the cell iterates with, and differences of its compression, against b / (3 F^(4/3))."""
     worst = 0.0
-    for given in (catalogue.load(name).laws[0] for name in KEVLAR):
+    for name in KEVLAR:
+        given = catalogue.load(name).laws[0]
         for law in (given, CompressionLaw(given.a, given.b, form="printed")):
             for F in (1.0, 10.0, 100.0):
                 written = law.b / (3 * (F + _shift(law)) ** (4 / 3))
-                h = 3e-3 * F  # central differences of four points: the error falls with h^4
-                d = in_the_cell(law, [F + k * h for k in (-2, -1, 1, 2)])
-                differences = (d[0] - 8 * d[1] + 8 * d[2] - d[3]) / (12 * h)
                 slopes = (
-                    differences,
+                    derivative(partial(in_the_cell, law), F, 3e-3 * F)[0],
                     crossover_kernels.compression(F, law.a, law.b, _shift(law))[1],
                     law.dd_dF(F),
                 )
@@ -121,7 +123,7 @@ def compliance_error() -> float:
 
 def layers_taken_off(
     fabric: str, layer_modulus: float, layer_thickness: float, rows: int
-) -> dict[str, Any]:
+) -> Values:
     """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.
@@ -142,6 +144,6 @@ def layers_taken_off(
     off = (both - alone) - (own.at(P) - own.at(P[0]))
     end = own.closure[-1]
     return {
-        "largest difference over the end": float(np.abs(off).max() / end),
+        "largest difference over the end": largest(off) / end,
         "layers over the ply": float(alone[-1] / end),
     }

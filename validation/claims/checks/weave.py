@@ -21,8 +21,9 @@ from shellfabric.coupon.model import Coupon
 from shellfabric.coupon.quasistatic import inextensible_shear
 from shellfabric.panel.model import Panel
 from validation.claims.checks.cell import rectangle
-from validation.claims.readers import FAMILIES, KEVLAR
+from validation.claims.readers import ALL, FAMILIES, KEVLAR, crimped
 from validation.published.bias_extension import coupon_fabric
+from validation.values import Values, largest
 
 
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
@@ -66,25 +67,22 @@ def with_density_of_G2(fabric: Fabric) -> Fabric:
 def arc_length_error() -> float:
     """Relative difference of the length of a cosine yarn from its quadrature, the largest of all fabrics."""
     worst = 0.0
-    for weave in (catalogue.load(name).weave for name in catalogue.list_names()):
-        for w, h in zip(weave.w, weave.h0):
-            k = pi * h / (2 * w)
-            S = (
-                2
-                * quad(
-                    lambda x, k=k, w=w: np.sqrt(1 + (k * np.sin(pi * x / (2 * w))) ** 2),
-                    0,
-                    w,
-                    epsrel=1e-13,
-                )[0]
-            )
-            worst = max(worst, abs(arc_length(w, h) / S - 1))
+    for w, h, *_ in crimped(ALL):
+        k = pi / (2 * w)
+
+        def ds(x, k=k, h=h):
+            return np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
+
+        S = 2 * quad(ds, 0, w, epsrel=1e-13)[0]
+        worst = max(worst, abs(arc_length(w, h) / S - 1))
     return worst
 
 
 def in_trellis(coupon: Coupon, gamma: float) -> FloatArray:
     """[m] nodes of a coupon that is sheared evenly by gamma [rad]."""
-    (x, y), c, s = coupon.points.T, np.cos(gamma / 2), np.sin(gamma / 2)
+    x, y = coupon.points.T
+    c = np.cos(gamma / 2)
+    s = np.sin(gamma / 2)
     return np.stack([c * x + s * y, s * x + c * y], axis=1)
 
 
@@ -102,10 +100,11 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
     return (high - 2 * middle + low) / (step**2 * volume)
 
 
-def limit_angles(fabric: str, K_s: float) -> dict[str, Any]:
+def limit_angles(fabric: str, K_s: float) -> Values:
     """gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
     given = catalogue.load(fabric)
-    weave, touching = given.weave, []
+    weave = given.weave
+    touching = []
     for family, count in zip(FAMILIES, (weave.warp_count, weave.weft_count)):
         try:
             touching.append(touching_angle(given.micrograph[family]["width"], 1 / count))
@@ -115,19 +114,20 @@ def limit_angles(fabric: str, K_s: float) -> dict[str, Any]:
     return {"gamma1": touching[0] if touching else None, "gamma2": locking}
 
 
-def law_shape() -> dict[str, Any]:
+def law_shape() -> Values:
     """Whether the trellis laws are odd and continuous, and their moduli constant, rising, constant."""
     odd = step = 0.0
     shape = True
     for law in (catalogue.load(name).shear for name in KEVLAR):
         g = np.linspace(-1.2, 1.2, 24001)
         tau = law.stress(g)
-        odd = max(odd, float(np.abs(tau + tau[::-1]).max() / tau.max()))
+        odd = max(odd, largest(tau + tau[::-1]) / tau.max())
         for corner in (law.gamma1, law.gamma2):
             sides = law.stress(np.array([corner * (1 - 1e-14), corner * (1 + 1e-14)]))
             step = max(step, float(np.ptp(sides) / tau.max()))
         G = np.gradient(tau, g)
-        low, high = (np.abs(g) < law.gamma1 - 1e-3), (g > law.gamma2 + 1e-3) & (g < 1.19)
+        low = np.abs(g) < law.gamma1 - 1e-3
+        high = (g > law.gamma2 + 1e-3) & (g < 1.19)
         shape = (
             shape
             and np.allclose(G[low], law.G1, rtol=1e-6)
@@ -150,7 +150,7 @@ def tension_change_in_shear(stretch: float, gamma: float) -> float:
         coupon.tensions(stretch * coupon.points),
         coupon.tensions(stretch * in_trellis(coupon, gamma)),
     )
-    return max(np.abs(square - sheared).max() / square.max() for square, sheared in both)
+    return max(largest(square - sheared) / square.max() for square, sheared in both)
 
 
 def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
@@ -159,10 +159,12 @@ def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
     Zone B has the area width^2, zone C length width - 1.5 width^2 (Figure 4-25); gamma as `inextensible_shear`; the
     fabric is that of straight yarns with G1 at all angles.
     """
-    fabric, step = coupon_fabric("straight")[0], 1e-6 * length
+    fabric = coupon_fabric("straight")[0]
+    step = 1e-6 * length
     gamma, before, after = (
         inextensible_shear(length, width, elongation + d) for d in (0, -step, step)
     )
-    C, B = length * width - 1.5 * width**2, width**2
+    C = length * width - 1.5 * width**2
+    B = width**2
     moment = C * fabric.shear.stress(gamma) + 0.5 * B * fabric.shear.stress(0.5 * gamma)
     return float(fabric.weave.thickness * moment * (after - before) / (2 * step))

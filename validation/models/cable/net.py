@@ -28,6 +28,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from shellfabric.projectile import contact
 from validation.models.cable import net_kernels as kernels
+from validation.values import largest
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -67,9 +68,7 @@ class NetResult:
     @property
     def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
-        return float(
-            np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0]
-        )
+        return largest(self.energies["error"]) / self.energies["kinetic_projectile"][0]
 
 
 class CableNet:
@@ -93,7 +92,9 @@ class CableNet:
         penalty: float = 0.3,
     ):
         panel = setup.panel(setup.plain_table())
-        weave, const, self.setup = panel.weave, panel.constants(), setup
+        weave = panel.weave
+        const = panel.constants()
+        self.setup = setup
         stiffness = [yarn.EA / S0 for yarn, S0 in zip(weave.yarns, weave.S0)]
         self.dt, self.cv = time_step(2 * (sum(stiffness) / weave.cell_mass) ** 0.5, cfl, viscosity)
         law = contact.constants(
@@ -103,8 +104,10 @@ class CableNet:
             const._replace(dt=self.dt, **law),
             panel.state(setup.strike_velocity),
         )
-        shape, slots = (const.ni + 1, const.row_stride), self.state.mass.size
-        n, self.S0 = shape[0] * shape[1], weave.S0
+        shape = (const.ni + 1, const.row_stride)
+        slots = self.state.mass.size
+        n = shape[0] * shape[1]
+        self.S0 = weave.S0
         self.stiffness, self.kick = (
             np.zeros((2, slots)),
             np.tile(self.dt * self.state.inverse_mass, (3, 1)),
@@ -139,11 +142,11 @@ class CableNet:
 
         The kinetic ones are m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
         """
-        state, const, v = self.state, self.const, np.array(self.state.v)
-        shot, push = (
-            state.projectile_velocity,
-            self.dt * np.array(const.free_dofs) * state.f_contact_nose,
-        )
+        state = self.state
+        const = self.const
+        v = np.array(self.state.v)
+        shot = state.projectile_velocity
+        push = self.dt * np.array(const.free_dofs) * state.f_contact_nose
         stretched = np.maximum(self.length - np.array(self.S0)[:, None], 0.0)
         own = {
             "kinetic_fabric": 0.5
@@ -157,8 +160,11 @@ class CableNet:
 
     def run(self) -> NetResult:
         """March until the projectile stops or the end time of the set-up has passed."""
-        began, rows, samples = time.perf_counter(), [], [self.energies()]
-        left, every = int(np.ceil(self.setup.end_time / self.dt)), max(1, round(2e-6 / self.dt))
+        began = time.perf_counter()
+        rows = []
+        samples = [self.energies()]
+        left = int(np.ceil(self.setup.end_time / self.dt))
+        every = max(1, round(2e-6 / self.dt))
         while left > 0:
             rows.append(self.march(min(every, left)))
             samples.append(self.energies())
@@ -166,7 +172,8 @@ class CableNet:
         energies = {name: np.array([sample[name] for sample in samples]) for name in samples[0]}
         total = np.sum(list(energies.values()), axis=0)
         history = np.concatenate(rows)
-        clock, force = self.dt * np.arange(1, len(history) + 1), 4 * history[:, kernels.NOSE_FORCE]
+        clock = self.dt * np.arange(1, len(history) + 1)
+        force = 4 * history[:, kernels.NOSE_FORCE]
         reactions = {"warp": history[:, kernels.MIDDLE], "weft": history[:, kernels.MIDDLE + 1]}
         reactions["edges"] = 4 * history[:, kernels.CLAMP_FORCE]
         return NetResult(

@@ -11,11 +11,19 @@ import math
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import contact_kernels
 
-VISCOUS, CONTACT = 0, 1  # of spent
+# places in `spent`
+VISCOUS = 0
+CONTACT = 1
 # columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the net along z; the pulls
 # of the middle warp and weft on their clamps, along the yarns at rest
-Z, V_Z, NOSE_FORCE, CLAMP_FORCE, MIDDLE, COLUMNS = 0, 1, 2, 3, 4, 6
-_MIN_VELOCITY, _MIN_LENGTH = 1e-60, 1e-12
+Z = 0
+V_Z = 1
+NOSE_FORCE = 2
+CLAMP_FORCE = 3
+MIDDLE = 4
+COLUMNS = 6
+_MIN_VELOCITY = 1e-60
+_MIN_LENGTH = 1e-12
 
 
 @kernel(fastmath={"reassoc", "contract", "nsz", "arcp"})
@@ -27,26 +35,32 @@ def pull(x, y, z, offset, along, across, S0, cv, stiffness, length, drag, P):
     """
     work = 0.0
     for k in range(P.shape[1]):
-        dx, dy, dz = (
-            along + (x[k + offset] - x[k]),
-            across + (y[k + offset] - y[k]),
-            z[k + offset] - z[k],
-        )
+        dx = along + (x[k + offset] - x[k])
+        dy = across + (y[k + offset] - y[k])
+        dz = z[k + offset] - z[k]
         now = math.sqrt(dx * dx + dy * dy + dz * dz)
-        change, T = now - length[k], stiffness[k] * max(now - S0, 0.0)
+        change = now - length[k]
+        T = stiffness[k] * max(now - S0, 0.0)
         viscous = max(cv * stiffness[k] * change if T > 0.0 else 0.0, -T)
         work += 0.5 * (viscous + drag[k]) * change
-        drag[k], length[k] = viscous, now
+        drag[k] = viscous
+        length[k] = now
         force = (T + viscous) / max(now, _MIN_LENGTH)
-        P[0, k], P[1, k], P[2, k] = force * dx, force * dy, force * dz
+        P[0, k] = force * dx
+        P[1, k] = force * dy
+        P[2, k] = force * dz
     return work
 
 
 @kernel()
 def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent):
     """Forces of all bars and of the projectile on the nodes, into state.f_int."""
-    s, n, (x, y, z) = const.row_stride, pulls.shape[2] - const.row_stride, state.u
-    P, Q = pulls[0], pulls[1]  # begin one row before slot 0
+    s = const.row_stride
+    n = pulls.shape[2] - const.row_stride
+    x, y, z = state.u
+    # both begin one row before slot 0
+    P = pulls[0]
+    Q = pulls[1]
     for family in range(2):
         along, across, offset = (const.dx, 0.0, s) if family == 0 else (0.0, const.dy, 1)
         spent[VISCOUS] += pull(
@@ -66,7 +80,8 @@ def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent)
     taken, _ = contact_kernels.contact_forces(state, const, scratch)
     spent[CONTACT] += taken
     for c in range(3):
-        f, push = state.f_int[c], state.f_contact[c]
+        f = state.f_int[c]
+        push = state.f_contact[c]
         for k in range(n):
             f[k] = (P[c, k + s] - P[c, k]) + (Q[c, k + s] - Q[c, k + s - 1]) + push[k]
 
@@ -95,7 +110,9 @@ def march(
     n = pulls.shape[2] - const.row_stride
     for m in range(len(history)):
         for c in range(3):
-            u, v, f = state.u[c], state.v[c], state.f_int[c]
+            u = state.u[c]
+            v = state.v[c]
+            f = state.f_int[c]
             for k in range(n):
                 speed = v[k] + kick[c, k] * f[k]
                 v[k] = speed if abs(speed) > _MIN_VELOCITY else 0.0
@@ -105,8 +122,10 @@ def march(
             state.projectile_position[c] += const.dt * state.projectile_velocity[c]
         forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent)
         row = history[m]
-        row[Z], row[V_Z] = state.projectile_position[2], state.projectile_velocity[2]
-        row[NOSE_FORCE], row[CLAMP_FORCE] = state.f_contact_nose[2], 0.0
+        row[Z] = state.projectile_position[2]
+        row[V_Z] = state.projectile_velocity[2]
+        row[NOSE_FORCE] = state.f_contact_nose[2]
+        row[CLAMP_FORCE] = 0.0
         for k in clamped:
             row[CLAMP_FORCE] -= state.f_int[2][k]
         for family in range(2):

@@ -113,40 +113,48 @@ def strike(
     the plateau between the waves; c is where the strain is half of that; U follows from the area under the deflected
     yarn, which is a triangle of the base U t and the height V t; the force is the mean over the second half of the run.
     """
-    d, V = length / bars, velocity
-    k, mass = yarn.EA / d, np.full((bars + 1, 1), d * yarn.linear_density)
+    d = length / bars
+    V = velocity
+    k = yarn.EA / d
+    mass = np.full((bars + 1, 1), d * yarn.linear_density)
     mass[[0, -1]] *= 0.5
     dt, cv = time_step(2 * yarn.wave_speed / d, cfl, viscosity)
     kick = dt / mass
     kick[[0, -1]] = 0.0
     u, v, f = np.zeros((3, bars + 1, 2))
     v[0, 1] = V  # the driven node has no kick: it keeps its speed
-    L, drag, lost, drive = np.full(bars, d), np.zeros(bars), 0.0, []
+    L = np.full(bars, d)
+    drag = np.zeros(bars)
+    lost = 0.0
+    drive = []
     for _ in range(round(0.9 * length / (yarn.wave_speed * dt))):
         v += kick * f
         u += dt * v
         sides = np.diff(u, axis=0) + np.array([d, 0.0])
-        before, L = L, np.hypot(*sides.T)
+        before = L
+        L = np.hypot(*sides.T)
         T = k * np.maximum(L - d, 0.0)
         viscous = np.where(T > 0, np.maximum(cv * k * (L - before), -T), 0.0)
         lost += np.sum(0.5 * (viscous + drag) * (L - before))
-        drag, pull = viscous, ((T + viscous) / L)[:, None] * sides
+        drag = viscous
+        pull = ((T + viscous) / L)[:, None] * sides
         f = np.diff(np.pad(pull, ((1, 1), (0, 0))), axis=0)
         drive.append(-f[0, 1])
-    kinetic, stored = (
-        0.5 * np.sum(mass * v * (v + kick * f)),
-        0.5 * k * np.sum(np.maximum(L - d, 0.0) ** 2),
-    )
+    kinetic = 0.5 * np.sum(mass * v * (v + kick * f))
+    stored = 0.5 * k * np.sum(np.maximum(L - d, 0.0) ** 2)
     done = V * dt * (sum(drive) - 0.5 * drive[-1])
     error = (kinetic + stored + lost - done - 0.5 * mass[0, 0] * V**2) / done
     X = d * np.arange(bars + 1)
-    nodes, strain = u + np.stack([X, 0 * X], axis=1), L / d - 1
+    nodes = u + np.stack([X, 0 * X], axis=1)
+    strain = L / d - 1
     return YarnRun(_read(yarn, X, nodes, strain, drive, dt, V), X, nodes, strain, error)
 
 
 def _read(yarn, X, nodes, strain, drive, dt, V):
     """The TransverseImpact of a run."""
-    t, middle, spacing = len(drive) * dt, 0.5 * (X[1:] + X[:-1]), X[1]
+    t = len(drive) * dt
+    middle = 0.5 * (X[1:] + X[:-1])
+    spacing = X[1]
     area = 0.5 * np.sum(np.diff(nodes[:, 0]) * (nodes[1:, 1] + nodes[:-1, 1]))
     U = 2 * area / (V * t * t)
     # the kink has taken up the material up to U t plus what has moved in
