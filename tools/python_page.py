@@ -29,7 +29,6 @@ SECTIONS = {
         "draws",
         "critical_velocity",
         "v50",
-        "sensitivity",
         "compare",
     ),
     "Tests of materials": ("coupon", "biaxial", "fit"),

@@ -68,7 +68,6 @@ GROUPS = {
         "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
-        "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
         "export ply.toml --to lsdyna --out export",
     ),
     "meshes": ("mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",),

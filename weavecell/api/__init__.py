@@ -24,7 +24,7 @@ from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
 from weavecell.api.runs import fabric, projectile, setup
-from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
+from weavecell.api.scatter import DrawsResult, V50Result, draws, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
@@ -45,7 +45,6 @@ __all__ = [
     "MeshResult",
     "Result",
     "RunSize",
-    "SensitivityResult",
     "ShotResult",
     "SurfaceResult",
     "SweepResult",
@@ -71,7 +70,6 @@ __all__ = [
     "new_fabric",
     "projectile",
     "projectiles",
-    "sensitivity",
     "setup",
     "show_backing",
     "show_fabric",

@@ -1,9 +1,8 @@
-"""Results of studies of scatter: V50, drawn panels, Sobol indices.
+"""Results of studies of scatter: V50, drawn panels.
 
 The folders that `save` writes, beside runs/ with a file for each run
     of a V50        report.html, v50.csv (curves), shots.csv, v50.json, v50.png, scene.toml
     of draws        report.html, draws.csv, summary.csv (means), summary.json, summary.png, scene.toml
-    of Sobol indices    report.html, sobol.csv, sobol.json, sobol.png, scene.toml
 """
 
 from __future__ import annotations
@@ -33,10 +32,9 @@ if TYPE_CHECKING:
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.draws import Draws
-    from weavecell.studies.sobol import Indices
     from weavecell.studies.v50 import Study
 
-__all__ = ["DrawsResult", "SensitivityResult", "V50Result", "draws", "sensitivity", "v50"]
+__all__ = ["DrawsResult", "V50Result", "draws", "v50"]
 
 
 @explained
@@ -141,72 +139,6 @@ def v50(
             result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
     if study.failures:
         told = f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
-        raise UnstableError(told, result=result)
-    return result
-
-
-@explained
-def sensitivity(
-    target: Fabric | FilePath | ImpactSetup | None,
-    *,
-    velocity: list[float | str] | None = None,
-    samples: int = 64,
-    seed: int = 1,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
-    **options: Unpack[Keywords],
-) -> SensitivityResult:
-    """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
-
-    A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file
-    these keys are ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
-    [accuracy] are rejected.
-
-    The folder then holds report.html, sobol.csv, .json, .png, scene.toml, and runs/, a file for each row.
-
-    Parameters
-    ----------
-    target : as of `critical_velocity`
-    velocity : strike velocity [m/s], may be given again; in Python a list. That of the input file where it is left out,
-        or 92.5 and 170 m/s at a fabric
-    samples : N, a power of 2; N (inputs + 2) rows are run
-    seed : of the sample and of the intervals
-    jobs, executor, out, resume : as of `v50`
-    **options : beside a fabric, keywords of `setup` but history
-
-    Returns
-    -------
-    SensitivityResult
-
-    Raises
-    ------
-    InputError : as `critical_velocity`, or samples that are no power of 2
-    UnstableError : shots became unphysical, so that there is no index; its attribute `result` is the SensitivityResult
-
-    Examples
-    --------
-    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
-    >>> [of.quantity for of in sensitivity.indices]
-    ['velocity', 'peak tension']
-    """
-    from weavecell.studies import inputs, sobol
-
-    velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
-    panel = targets.of(target, options, honoured.SENSITIVITY)
-    velocities = velocities or [
-        *((panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES)
-    ]
-    drawn = inputs.alone(panel.setup, strike_velocity=1.0), velocities, seed
-    with targets.study(
-        panel, f"{panel.title}, sensitivities", out, resume, jobs, executor, drawn
-    ) as run:
-        sizes = {"samples": samples, "seed": seed}
-        indices = sobol.study(panel.setup, velocities, **sizes, report=run.report(), **run.runs)
-        result = saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
-    if unstable := sum(of.unstable for of in indices if of.quantity == "velocity"):
-        told = f"{unstable} shots became unstable: no index of their velocity is determined"
         raise UnstableError(told, result=result)
     return result
 
@@ -575,105 +507,3 @@ class DrawsResult(StudyResult):
             "draws.csv": self.to_dataframe().to_csv(index=False, float_format="%.9g"),
             "summary.png": None,
         }
-
-
-@dataclass(frozen=True, repr=False)
-class SensitivityResult(StudyResult):
-    """Sobol indices of an impact over the uncertainties of its input.
-
-    Parameters
-    ----------
-    indices : of each strike velocity and quantity, `weavecell.studies.sobol.Indices`
-    target : `weavecell.scenes.target.Target` that was shot at
-    samples, seed : of the rows that were run
-    wall_time : [s]
-
-    Examples
-    --------
-    >>> shot = {"opening": "20 mm", "end_time": "10 us"}
-    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, **shot)
-    >>> [indices.quantity for indices in sensitivity.indices]
-    ['velocity', 'peak tension']
-    """
-
-    indices: tuple[Indices, ...]
-    target: Target
-    samples: int
-    seed: int
-    wall_time: float
-
-    @property
-    def _rows(self):
-        return self.samples * (len(self.indices[0].names) + 2)
-
-    @property
-    def title(self) -> str:
-        return f"{self.target.title}: Sobol indices, {self._rows} rows"
-
-    def summary(self) -> dict[str, Any]:
-        """Total order index of each input, by quantity and strike velocity."""
-        return {
-            f"{of.quantity.replace(' ', '_')}_{of.velocity:g}_m_s_{name}": float(total)
-            for of in self.indices
-            for name, total in zip(of.names, of.total)
-        }
-
-    def _columns(self):
-        return {name: column.tolist() for name, column in self.table().items()}
-
-    def lines(self) -> list[str]:
-        from weavecell.studies.sobol import QUANTITIES
-
-        velocities = len({of.velocity for of in self.indices})
-        return [
-            *(
-                f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
-                f"{QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated"
-                f"{f'; indices not determined, because {of.unstable} shots became unstable' * (of.unstable > 0)}."
-                for of in self.indices
-            ),
-            f"{self.samples} base samples, {self._rows} rows of {velocities} shots, seed {self.seed}.",
-            *self.notes,
-        ]
-
-    def table(self) -> DataFrame:
-        """First and total order index of each input with its interval."""
-        from pandas import DataFrame
-
-        from weavecell.report.pictures_uncertainty import LABELS
-        from weavecell.studies import inputs
-
-        ranges = inputs.table("range")
-        return DataFrame(
-            {
-                "strike velocity [m/s]": of.velocity,
-                "quantity": of.quantity,
-                "input": LABELS.get(name, name.replace("_", " ")),
-                "range [%]": f"-{100 * ranges[name].value:g} to +{100 * ranges[name].up:g}",
-                "status of the range": ranges[name].status,
-                "first order": of.first[k],
-                "± 95 %": of.first_half[k],
-                "total order": of.total[k],
-                "total order ± 95 %": of.total_half[k],
-            }
-            for of in self.indices
-            for k, name in enumerate(of.names)
-        )
-
-    def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
-        from weavecell.studies import inputs
-
-        content = {
-            "indices": [asdict(of) for of in self.indices],
-            "inputs": [asdict(entry) for entry in inputs.table("range").values()],
-            "wall_time": self.wall_time,
-        }
-        table = self.table().to_csv(index=False, float_format="%.6g")
-        return {"sobol.json": content, "sobol.csv": table, "sobol.png": None}
-
-    def draw(self, pyplot: Any) -> Figure:
-        """First and total order index of each input."""
-        from weavecell.report import pictures_uncertainty
-
-        return pictures_uncertainty.indices(pyplot, self.indices, self.title)

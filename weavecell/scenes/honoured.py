@@ -42,12 +42,14 @@ DRAWS: Keys = (
     | silent("", "panel.symmetry history")
     | {"accuracy": "left out of draws, which run the mesh of the scene"}
 )
-SENSITIVITY: Keys = SHOTS | {"title": None, "history": NO_HISTORY}
-LIMITS: Keys = SENSITIVITY | silent(
-    "", "projectile.strike_velocity run.end_time backing.after_stop"
+LIMITS: Keys = (
+    SHOTS
+    | {"title": None, "history": NO_HISTORY}
+    | silent("", "projectile.strike_velocity run.end_time backing.after_stop")
 )
-SWEEP: Keys = SENSITIVITY | {
-    "history": "left out: a sweep records nothing along yarns; `weavecell impact` does"
+SWEEP: Keys = SHOTS | {
+    "title": None,
+    "history": "left out: a sweep records nothing along yarns; `weavecell impact` does",
 }
 COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from laws"}
 

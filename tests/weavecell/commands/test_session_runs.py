@@ -19,7 +19,6 @@ from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
 from weavecell.results.impact import ImpactRecord
-from weavecell.studies import sobol
 
 IMPACTS = ("impact", "pack", "sliding")
 SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")
@@ -148,11 +147,6 @@ IN_PYTHON = {
     "draws": lambda _: wc.draws(set_up(SCENES["small"]), 3, seed=4).summary(),
     "critical-velocity": limit,
     "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=8, batch=4, seed=2).summary(),
-    "sensitivity": lambda folder: {
-        "indices": list(
-            map(asdict, sobol.study(set_up(SCENES["plies"]), [90.0], samples=2, folder=folder))
-        )
-    },
     "sweep": swept,
     "coupon": frame,
     "pull-out": lambda _: wc.coupon("S-726", "pull_out", **SCENES["pull"]["pull_out"]).summary(),
@@ -233,12 +227,6 @@ def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
     told, rows = summary_of(results("v50"), "v50"), rows_of(results("v50").folder / "shots.csv")
     assert told["perforated"] == sum(row["outcome"] == "perforated" for row in rows)
     assert told["curves"]["probit"]["V50"] == told["v50_m_s"]
-    told, rows = (
-        summary_of(results("sensitivity"), "sensitivity"),
-        rows_of(results("sensitivity").folder / "sobol.csv"),
-    )
-    first = [value for one in told["indices"] for value in one["first"]]
-    assert [float(row["first order"]) for row in rows] == pytest.approx(first, abs=6e-4)
 
 
 @SOLID
@@ -281,9 +269,6 @@ SAID = {
     ],
     "v50": lambda s: [
         f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} "
-    ],
-    "sensitivity": lambda s: [
-        f"{one['mean']:.1f} ± {one['deviation']:.1f} " for one in s["indices"]
     ],
     "coupon": lambda s: [
         f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa",

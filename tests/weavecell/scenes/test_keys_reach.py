@@ -338,7 +338,7 @@ def test_a_key_that_the_run_reads_stands_in_the_scene(key):
     assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
 
 
-@pytest.mark.parametrize("name", ["IMPACT", "DRAWS", "SENSITIVITY", "LIMITS", "SWEEP", "COUPON"])
+@pytest.mark.parametrize("name", ["IMPACT", "DRAWS", "LIMITS", "SWEEP", "COUPON"])
 def test_what_is_not_honoured_are_keys(name):
     """One that is declared in vain would be honoured in silence."""
     model = CouponScene if name == "COUPON" else Scene
