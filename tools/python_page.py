@@ -26,7 +26,6 @@ SECTIONS = {
         "impact",
         "setup",
         "sweep",
-        "draws",
         "critical_velocity",
         "v50",
         "compare",

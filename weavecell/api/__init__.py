@@ -24,7 +24,7 @@ from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
 from weavecell.api.runs import fabric, projectile, setup
-from weavecell.api.scatter import DrawsResult, V50Result, draws, v50
+from weavecell.api.scatter import V50Result, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
@@ -39,7 +39,6 @@ __all__ = [
     "CrossoverResult",
     "DeckResult",
     "DoubtfulResult",
-    "DrawsResult",
     "InputError",
     "Listing",
     "MeshResult",
@@ -60,7 +59,6 @@ __all__ = [
     "coupon",
     "critical_velocity",
     "crossover",
-    "draws",
     "export",
     "fabric",
     "fabrics",

@@ -1,8 +1,7 @@
-"""Results of studies of scatter: V50, drawn panels.
+"""V50: shots at panels whose yarns differ in strength.
 
-The folders that `save` writes, beside runs/ with a file for each run
-    of a V50        report.html, v50.csv (curves), shots.csv, v50.json, v50.png, scene.toml
-    of draws        report.html, draws.csv, summary.csv (means), summary.json, summary.png, scene.toml
+The folder has, beside runs/ with a file for each run, report.html, v50.csv (curves), shots.csv, v50.json, v50.png and
+scene.toml.
 """
 
 from __future__ import annotations
@@ -31,10 +30,9 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.draws import Draws
     from weavecell.studies.v50 import Study
 
-__all__ = ["DrawsResult", "V50Result", "draws", "v50"]
+__all__ = ["V50Result", "v50"]
 
 
 @explained
@@ -111,7 +109,7 @@ def v50(
     scatter = replace(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
-    panel = targets.of(target, options, honoured.LIMITS)
+    panel = targets.of(target, options, honoured.V50)
     over = ranges.with_ends(panel.setup, assumed_range)
     searches, repeats = 0, 0
     if over is not None:
@@ -140,72 +138,6 @@ def v50(
     if study.failures:
         told = f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
         raise UnstableError(told, result=result)
-    return result
-
-
-def draws(
-    target: Fabric | FilePath | ImpactSetup,
-    count: int = 20,
-    *,
-    weibull_shape: float | None = None,
-    seed: int = 1,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
-) -> DrawsResult:
-    """One shot at many whole panels or packs, each yarn of each ply with a strength of its own (Weibull).
-
-    The symmetry of the input file is not used, since the whole panel is computed, nor are [history] and what a run
-    records. The folder then holds mean, scatter and probability of perforation: summary.json, summary.csv,
-    report.html, draws.csv, scene.toml, and runs/, from which --resume goes on, also to more draws.
-
-    Parameters
-    ----------
-    target : input file of a ply or pack; in Python also a set-up of `setup`
-    count : number of draws, at least 2
-    weibull_shape : Weibull shape of the yarns' strength; that of weavecell/studies/inputs.toml where it is
-        not given
-    seed, jobs, executor, out, resume : as of `v50`
-
-    Returns
-    -------
-    DrawsResult
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
-    UnstableError : draws that became unstable, which count in no estimate; its attribute `result` is the DrawsResult,
-        which is written
-
-    Examples
-    --------
-    >>> panels = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
-    >>> panels.summary()["in_flight"]
-    2
-    """
-    from weavecell.studies import draws as analysis
-    from weavecell.studies import inputs
-
-    scatter = (
-        inputs.published()
-        if weibull_shape is None
-        else replace(inputs.published(), shape=weibull_shape)
-    )
-    panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
-    drawn = inputs.alone(panel.setup, symmetry="whole"), scatter, seed
-    with targets.study(
-        panel, f"{panel.shot_title}, draws", out, resume, jobs, executor, drawn
-    ) as run:
-        study = analysis.study(
-            panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs
-        )
-        result = saved(DrawsResult(study, panel, run.wall_time), run.folder)
-    unstable = len(study.draws) - len(study.counted)
-    if unstable:
-        raise UnstableError(
-            f"{unstable} of {count} draws became unstable and count in no estimate", result=result
-        )
     return result
 
 
@@ -409,101 +341,3 @@ class V50Result(StudyResult):
         from weavecell.report import pictures_uncertainty
 
         return pictures_uncertainty.perforation(pyplot, self.study, self.title)
-
-
-@dataclass(frozen=True, repr=False)
-class DrawsResult(StudyResult):
-    """Shots at panels or packs whose yarns differ in strength; `to_dataframe` has a row a draw.
-
-    Parameters
-    ----------
-    study : `weavecell.studies.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
-    target : `weavecell.scenes.target.Target` that was shot at
-    wall_time : [s]
-
-    Examples
-    --------
-    >>> panels = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
-    >>> panels.study.outcomes["in flight"]
-    2
-    """
-
-    study: Draws
-    target: Target
-    wall_time: float
-
-    def summary(self) -> dict[str, Any]:
-        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
-        return self.study.summary()
-
-    def _columns(self):
-        from weavecell.studies.draws import QUANTITIES
-
-        units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {
-            "time": "s"
-        }
-        draws = [vars(draw) for draw in self.study.draws]
-        return {
-            f"{name}_{units.get(name, '')}".rstrip("_"): [d[name] for d in draws]
-            for name in draws[0]
-        }
-
-    @property
-    def headline(self) -> tuple[str, str]:
-        return "Probability of perforation", "{:.2f} ({:.2f} to {:.2f})".format(
-            *self.study.probability()
-        )
-
-    @property
-    def title(self) -> str:
-        return f"{self.target.shot_title}: {len(self.study.draws)} draws of yarn strength"
-
-    def table(self) -> DataFrame:
-        """Mean, standard error and standard deviation of each quantity."""
-        from pandas import DataFrame
-
-        from weavecell.studies.draws import QUANTITIES
-
-        estimates = (
-            (words, unit, self.study.estimate(name)) for name, (unit, words) in QUANTITIES.items()
-        )
-        rows = [(words, unit, of.mean, of.error, of.deviation) for words, unit, of in estimates]
-        return DataFrame(
-            rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"]
-        )
-
-    def lines(self) -> list[str]:
-        from weavecell.studies.draws import CONFIDENCE
-
-        study, scatter = self.study, self.study.scatter
-        share, low, high = study.probability()
-        outcomes = ", ".join(
-            f"{count} {outcome}" for outcome, count in study.outcomes.items() if count
-        )
-        return [
-            *(
-                f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}."
-                for words, unit, mean, error, deviation in self.table().itertuples(index=False)
-            ),
-            f"probability of perforation {share:.2f}, {low:.2f} to {high:.2f} with {100 * CONFIDENCE:g} % confidence "
-            f"(Wilson); {outcomes}.",
-            f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm, seed {study.seed}; every yarn of "
-            f"every ply is drawn and the whole panel computed; worst energy balance "
-            f"{100 * max(draw.balance for draw in study.draws):.2g} %.",
-            *self.notes,
-        ]
-
-    def draw(self, pyplot: Any) -> Figure:
-        """Residual velocities of the draws, and how their mean settles."""
-        from weavecell.report import pictures_uncertainty
-
-        return pictures_uncertainty.draws(pyplot, self.study, self.title)
-
-    def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
-        return {
-            "summary.json": self.summary() | {"wall_time": self.wall_time},
-            "summary.csv": self.table().to_csv(index=False, float_format="%.6g"),
-            "draws.csv": self.to_dataframe().to_csv(index=False, float_format="%.9g"),
-            "summary.png": None,
-        }

@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
+SEED = "panel.strength.seed"
 SCANNED = 18  # shots of a scan about the bracket, as it is by default
 # what a notebook shows of each shot
 _SHOWN = (
@@ -132,7 +135,12 @@ def sweep(
     if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
         allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
         raise InputError("is missing", key=struck, allowed=allowed)
-    support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
+    of_quantity = {
+        "shot": honoured.SWEEP,
+        "critical-velocity": honoured.LIMITS,
+        "v50": honoured.V50,
+    }
+    support = of_quantity[quantity]
     combinations = _combinations(keys, one_at_a_time)
     panels = [_panel(str(target), Path(out or "."), support, each) for each in combinations]
     if check:
@@ -305,6 +313,21 @@ class SweepTable(StudyResult):
         unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
 
+    def _scatter(self):
+        """Mean, standard deviation and standard error of the residual velocity over seeds, a line a group of shots."""
+        table = self.to_dataframe()
+        table = table[table["outcome"] != "unstable"]
+        others = [key for key in self.keys if key != SEED and table[key].nunique() > 1]
+        for name, shots in table.groupby(others or (lambda _: ""), dropna=False):
+            residual = shots["residual_velocity_m_s"].astype(float)
+            count, deviation = len(shots), residual.std()
+            perforated = int((shots["outcome"] == "perforated").sum())
+            group = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(name)))
+            yield (
+                f"{group or 'all seeds'}: residual velocity {residual.mean():.4g} ± {deviation / count**0.5:.4g} m/s "
+                f"(mean and standard error), standard deviation {deviation:.4g} m/s; {perforated} of {count} perforated"
+            )
+
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
         content = {"quantity": self.quantity, "rows": self.rows}
@@ -326,6 +349,8 @@ class SweepTable(StudyResult):
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
             lines.append(f"{self._changes(row)}: {words}{doubt}")
+        if SEED in self.keys and quantity.column == "residual_velocity_m_s":
+            lines += self._scatter()
         return lines
 
 

@@ -33,7 +33,6 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "calibrate": (api.calibrate, "S-720 --mesh coarse"),
     "surface": (api.surface, "S-720 --mesh coarse --points 11"),
     "impact": (api.impact, "examples/S-720-stops.toml"),
-    "draws": (api.draws, "examples/S-720-perforates.toml --count 20"),
     "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
     "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),

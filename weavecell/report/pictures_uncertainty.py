@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.draws import Draws
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
@@ -83,33 +82,6 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
         lower.plot(above, fit.residual_velocity(above), color=BLUE, label="Lambert-Jonas")
     lower.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
     lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return figure
-
-
-def draws(pyplot: Any, study: Draws, title: str) -> Any:
-    """Residual velocities of drawn panels in their order, and the mean with its standard error over the draws."""
-    values = np.array([draw.residual_velocity for draw in study.counted])
-    outcomes = np.array([draw.outcome for draw in study.counted])
-    colours = {"stopped": INK, "perforated": RED, "in flight": ORANGE}
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
-    order = np.argsort(values, kind="stable")
-    share = (np.arange(values.size) + 0.5) / max(values.size, 1)
-    for outcome, colour in colours.items():
-        drawn = outcomes[order] == outcome
-        if drawn.any():
-            left.plot(values[order][drawn], share[drawn], "o", ms=5, color=colour, label=outcome)
-    left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
-    left.legend(loc="best")
-    n = np.arange(2, values.size + 1)
-    means = np.array([values[:k].mean() for k in n])
-    errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
-    right.fill_between(
-        n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error"
-    )
-    right.plot(n, means, color=BLUE, label="mean")
-    right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
-    right.legend(loc="best")
-    figure.suptitle(title)
     return figure
 
 

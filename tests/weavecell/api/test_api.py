@@ -188,7 +188,6 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
             lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1),
             "opening: must be left out beside a set",
         ),
-        (lambda: wc.draws(wc.setup("S-720", 90.0), 1), "draws = 1: must be at least 2"),
     ],
 )
 def test_bad_arguments_are_one_line(call, told):

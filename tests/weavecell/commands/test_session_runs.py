@@ -144,7 +144,6 @@ def stretched(folder):
 
 IN_PYTHON = {
     **{name: lambda _, name=name: fired(name).summary() for name in IMPACTS},
-    "draws": lambda _: wc.draws(set_up(SCENES["small"]), 3, seed=4).summary(),
     "critical-velocity": limit,
     "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=8, batch=4, seed=2).summary(),
     "sweep": swept,
@@ -217,13 +216,7 @@ def test_a_table_has_the_shots_of_the_summary(results, name):
         assert [shot[entry] for shot in shots] == values
 
 
-def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
-    told, rows = (
-        summary_of(results("draws"), "draws"),
-        rows_of(results("draws").folder / "draws.csv"),
-    )
-    velocities = [float(row["residual_velocity_m_s"]) for row in rows]
-    assert told["residual_velocity_mean_m_s"] == pytest.approx(np.mean(velocities), rel=1e-8)
+def test_the_table_of_a_v50_has_the_perforations_of_its_summary(results):
     told, rows = summary_of(results("v50"), "v50"), rows_of(results("v50").folder / "shots.csv")
     assert told["perforated"] == sum(row["outcome"] == "perforated" for row in rows)
     assert told["curves"]["probit"]["V50"] == told["v50_m_s"]
@@ -264,9 +257,6 @@ def of_shot(s):
 
 SAID = {
     **dict.fromkeys(IMPACTS, of_shot),
-    "draws": lambda s: [
-        f"{s['residual_velocity_mean_m_s']:.4g} ± {s['residual_velocity_error_m_s']:.4g} m/s"
-    ],
     "v50": lambda s: [
         f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} "
     ],

@@ -14,6 +14,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup, Ply
+from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.panel.model import Numerics, Panel
 from weavecell.studies import assumed_range, inputs, probit, protocol, strengths, v50
 
@@ -177,15 +178,13 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
 
 def test_drawn_strengths(fabric):
     """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
-    scatter, n = v50.Scatter(shape=14.3, gauge_length=0.2), 200_000
-    _, (short, long) = strengths.draw(scatter, 1, 0, (n, n), (0.2, 0.4))
-    m = scatter.shape
+    m, n = 14.3, 200_000
+    short, long = draw_strengths(YarnStrength(m), 0, (n, n), (0.2, 0.4))
     deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
     assert short.mean() == pytest.approx(1.0, abs=1e-3)
     assert short.std() == pytest.approx(deviation, rel=0.01)
     assert long.mean() == pytest.approx(0.5 ** (1 / m), abs=1e-3)
-    factors, plain = strengths.draw(v50.Scatter(), 1, 0, (3, 4), (0.2, 0.2))
-    assert factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
+    plain = draw_strengths(YarnStrength(np.inf), 0, (3, 4), (0.2, 0.2))
     assert all((part == 1).all() for part in plain)
 
 
