@@ -30,7 +30,7 @@ SECTIONS = {
         "v50",
         "compare",
     ),
-    "Tests of materials": ("coupon", "biaxial", "fit"),
+    "Tests of materials": ("coupon", "biaxial"),
     "The 3D crossover": ("mesh", "calibrate", "crossover", "surface"),
     "Files and pictures": ("export", "view"),
 }

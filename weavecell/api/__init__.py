@@ -4,7 +4,7 @@ from fabrics import __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.biaxial_paths import BiaxialResult, biaxial
 from weavecell.api.calibration import CalibrationResult, calibrate
-from weavecell.api.comparison import ComparisonResult, compare
+from weavecell.api.comparison import ComparisonResult, TestsResult, compare
 from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.crossovers import CrossoverResult, crossover
 from weavecell.api.exports import DeckResult, export
@@ -28,7 +28,6 @@ from weavecell.api.scatter import V50Result, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
-from weavecell.studies.fit import fit
 
 __all__ = [
     "BiaxialResult",
@@ -48,6 +47,7 @@ __all__ = [
     "SurfaceResult",
     "SweepResult",
     "SweepTable",
+    "TestsResult",
     "UndecidedError",
     "UnstableError",
     "V50Result",
@@ -62,7 +62,6 @@ __all__ = [
     "export",
     "fabric",
     "fabrics",
-    "fit",
     "impact",
     "mesh",
     "new_fabric",

@@ -4,5 +4,5 @@
 depends on laws that are assumed and on the mesh; `v50` fires at panels whose yarns differ in strength
 (`strengths`), `probit` fits V0, V50 and V100, `protocol` is a laboratory's short series; `inputs` has the
 ranges and spreads of the input, each with its source (inputs.toml); `sweep` is a row of a table
-over keys, `compare` puts tests of a laboratory beside, `fit` is a least squares fit to measured points.
+over keys, `compare` reduces tests of a laboratory and puts them beside.
 """
