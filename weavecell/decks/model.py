@@ -68,7 +68,7 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point or ())),
     "panel.strength": (
         "left out: cards have one strength",
-        lambda ply: ply.strength_factors is not None,
+        lambda ply: ply.strength is not None,
     ),
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
     "panel.crossovers": (

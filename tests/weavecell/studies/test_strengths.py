@@ -86,3 +86,10 @@ def test_a_sweep_over_seeds_has_mean_and_scatter(tmp_path):
     deviation = np.std(found, ddof=1)
     assert f"{np.mean(found):.4g} ± {deviation / 3**0.5:.4g} m/s (mean and standard error)" in line
     assert f"standard deviation {deviation:.4g} m/s" in line
+
+
+def test_a_deck_has_one_strength(tmp_path):
+    setup = wc.setup("S-720", "90 m/s", opening="20 mm", strength={"weibull_shape": 14.3})
+    with pytest.raises(InputError, match="left out: cards have one strength"):
+        wc.export(setup, "lsdyna", tmp_path / "deck")
+    assert not (tmp_path / "deck").exists()
