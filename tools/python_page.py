@@ -17,7 +17,6 @@ SECTIONS = {
         "new_fabric",
         "show_fabric",
         "projectiles",
-        "projectile",
         "show_projectile",
         "backings",
         "show_backing",

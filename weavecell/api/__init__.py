@@ -23,7 +23,7 @@ from weavecell.api.lists import (
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
-from weavecell.api.runs import fabric, projectile, setup
+from weavecell.api.runs import fabric, setup
 from weavecell.api.scatter import V50Result, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
@@ -65,7 +65,6 @@ __all__ = [
     "impact",
     "mesh",
     "new_fabric",
-    "projectile",
     "projectiles",
     "setup",
     "show_backing",

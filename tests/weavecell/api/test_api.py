@@ -93,13 +93,13 @@ def test_numbers_are_in_si_units_and_a_projectile_may_be_its_name():
         "S-720", "333 km/h", projectile=cut, opening=(0.1, "20 cm"), history={"interval": "1 us"}
     )
     name = "FSP 1.10 g"
-    made = [
-        wc.setup("S-720", 90.0, projectile=one).projectile
-        for one in (name, {"name": name}, wc.projectile(name))
-    ]
-    assert made[0] == made[1] == made[2]
+    made = [wc.setup("S-720", 90.0, projectile=one).projectile for one in (name, {"name": name})]
+    assert made[0] == made[1]
     turned = wc.setup(
-        "S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole"
+        "S-720",
+        90.0,
+        projectile={"name": name, "mass": 1.13e-3, "roll": "45 deg"},
+        symmetry="whole",
     )
     assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx(
         (1.13e-3, made[0].radius)
@@ -474,3 +474,9 @@ def test_a_shot_without_velocity_and_the_folder_of_a_set_up_are_refused_before_a
     with pytest.raises(InputError, match="out: must be left out beside a set-up"):
         wc.impact(wc.setup("S-720", 100.0, **SMALL), out=tmp_path / "r")
     assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize("name", ["draws", "fit", "projectile", "sensitivity"])
+def test_what_was_removed_says_what_to_use(name):
+    with pytest.raises(AttributeError, match=f"weavecell.{name} was removed: (use|give) "):
+        getattr(wc, name)
