@@ -10,7 +10,7 @@ behind. Coarse: an opening of 80 mm. About 5 s. Run with ``python examples/obliq
 import weavecell as wc
 
 for angle in (0, 15, 30, 45):
-    projectile = wc.projectile("FSP 1.10 g", obliquity=f"{angle} deg")
+    projectile = {"name": "FSP 1.10 g", "obliquity": f"{angle} deg"}
     shot = wc.impact(
         "S-720",
         "200 m/s",

@@ -37,12 +37,11 @@ docs/generated.
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
-`weavecell critical-velocity` and `v50`, *sensitivity*, *export* and *coupon* are the commands of these names; `sweep`
+`weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`
 and `compare` use keys as the command that they repeat."""
 COMMANDS = {
     "impact": honoured.IMPACT,
     "limits": honoured.LIMITS,
-    "sensitivity": honoured.SENSITIVITY,
     "export": folder.NOT_HONOURED,
     "coupon": honoured.COUPON,
 }

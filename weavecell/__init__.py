@@ -27,6 +27,14 @@ for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
             "rename it, or run from another folder"
         )
 
+# functions and commands of earlier versions: what to use instead
+REMOVED = {
+    "fit": "use scipy.optimize.least_squares (docs/coupons.md), or `compare` for the statistics of tests",
+    "projectile": "give the keyword a dict: projectile={'name': 'FSP 1.10 g', 'obliquity': '30 deg'}",
+    "draws": "use `sweep` over the key panel.strength.seed",
+    "sensitivity": "use `sweep` with one_at_a_time; examples/sobol_indices.py has Sobol indices",
+}
+
 if TYPE_CHECKING:
     from weavecell.api import *  # noqa: F403
 
@@ -37,6 +45,8 @@ def __getattr__(name: str) -> Any:
 
     if name == "__all__" or name in api.__all__:
         return getattr(api, name)
+    if name in REMOVED:
+        raise AttributeError(f"weavecell.{name} was removed: {REMOVED[name]}")
     raise AttributeError(f"module 'weavecell' has no attribute {name!r}")
 
 

@@ -26,6 +26,7 @@ from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver import guards
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.outcome import Outcome
+from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.jit import compile_in_child
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
@@ -113,13 +114,15 @@ class ImpactSetup:
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     ply_friction : [-] Coulomb's coefficient between plies
+    strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes its defaults
     lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and `laws`, `plies` is their
         number, and stacking and ply_gap are not used. Empty for plies that are
 
     Raises
     ------
-    InputError : a lay-up of another number of plies, or of cells from a response surface
+    InputError : a lay-up of another number of plies, or of cells from a response surface; yarns that differ in strength
+        and do not fail, or of a part of the panel
     """
 
     fabric: Fabric
@@ -157,6 +160,7 @@ class ImpactSetup:
     ply_friction: float = 0.0
     contact: PlyContact | None = None
     lay_up: tuple[Ply, ...] = ()
+    strength: YarnStrength | None = None
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
@@ -169,6 +173,11 @@ class ImpactSetup:
             raise InputError(
                 key="surface", value="given", allowed="left out with plies of a lay-up"
             )
+        if self.strength is not None and self.symmetry != "whole":
+            allowed = "whole: each yarn has a strength of its own"
+            raise InputError(key="symmetry", value=self.symmetry, allowed=allowed)
+        if self.strength is not None and not self.failure:
+            raise InputError(key="strength", allowed="left out: the yarns do not fail")
 
     @property
     def title(self) -> str:
@@ -463,7 +472,11 @@ class ImpactSetup:
         ------
         InputError : as `panel`, Pack and Pack.stacked
         """
-        panel = self.panel(table)
+        pack = self._pack(self.panel(table))
+        return pack if self.strength is None else with_strengths(pack, self.strength)
+
+    def _pack(self, panel):
+        """The plies, of which `panel` is the first, with yarns that are all alike."""
         if self.lay_up:
             used = self.meshed
             kinds = [

@@ -135,6 +135,9 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> R
         alone and "elements_per_crossover" not in run and draw.chance(0.7)
     ):  # the default costs several times as much
         run["elements_per_crossover"] = 1
+    if panel["symmetry"] == "whole" and draw.chance(0.2):
+        shape, seed = round(draw.log_uniform(8, 50), 2), int(draw.uniform(0, 1000))
+        panel["strength"] = {"weibull_shape": shape, "seed": seed}
     return RandomScene(
         name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body
     )

@@ -4,7 +4,7 @@ from fabrics import __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.biaxial_paths import BiaxialResult, biaxial
 from weavecell.api.calibration import CalibrationResult, calibrate
-from weavecell.api.comparison import ComparisonResult, compare
+from weavecell.api.comparison import ComparisonResult, TestsResult, compare
 from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.crossovers import CrossoverResult, crossover
 from weavecell.api.exports import DeckResult, export
@@ -23,12 +23,11 @@ from weavecell.api.lists import (
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
-from weavecell.api.runs import fabric, projectile, setup
-from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
+from weavecell.api.runs import fabric, setup
+from weavecell.api.scatter import V50Result, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
-from weavecell.studies.fit import fit
 
 __all__ = [
     "BiaxialResult",
@@ -39,17 +38,16 @@ __all__ = [
     "CrossoverResult",
     "DeckResult",
     "DoubtfulResult",
-    "DrawsResult",
     "InputError",
     "Listing",
     "MeshResult",
     "Result",
     "RunSize",
-    "SensitivityResult",
     "ShotResult",
     "SurfaceResult",
     "SweepResult",
     "SweepTable",
+    "TestsResult",
     "UndecidedError",
     "UnstableError",
     "V50Result",
@@ -61,17 +59,13 @@ __all__ = [
     "coupon",
     "critical_velocity",
     "crossover",
-    "draws",
     "export",
     "fabric",
     "fabrics",
-    "fit",
     "impact",
     "mesh",
     "new_fabric",
-    "projectile",
     "projectiles",
-    "sensitivity",
     "setup",
     "show_backing",
     "show_fabric",

@@ -1,4 +1,4 @@
-"""Tests of a laboratory beside what is computed.
+"""Tests of a laboratory, alone and beside what is computed.
 
 The folder of `weavecell compare`
     comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
@@ -6,19 +6,27 @@ The folder of `weavecell compare`
     comparison.svg       residual against strike velocity, tested and computed
     report.html          all of it on one page
     scene.toml           the input file
+
+Of tests alone
+    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals, provenance
+    shots.csv            every test
+    tests.svg            residual against strike velocity
 """
 
 from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
+from fabrics import files
 from fabrics.checks import FilePath
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
 from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import saved
+from weavecell.api.result import Result, figure, saved
 from weavecell.api.study_result import StudyResult
 from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
@@ -29,46 +37,51 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.scenes.target import Target
-    from weavecell.studies.compare import Comparison
+    from weavecell.studies.compare import Comparison, ReducedTests
 
-__all__ = ["ComparisonResult", "compare"]
+__all__ = ["ComparisonResult", "TestsResult", "compare"]
 
 
 @explained
 def compare(
     tests: FilePath,
-    target: Fabric | FilePath | ImpactSetup,
+    target: Fabric | FilePath | ImpactSetup | None = None,
     *,
     tolerance: float | str = "1 m/s",
     jobs: int = 1,
     executor: str | Executor = "local",
     out: FilePath | None = None,
     **options: Unpack[Keywords],
-) -> ComparisonResult:
-    """Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
+) -> ComparisonResult | TestsResult:
+    """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual velocities, with intervals.
 
     TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
-    measured, residual velocity, each speed with its unit in the heading: "velocity [m/s]". The shots are fired at the
-    target at these velocities, and its critical velocity is found, on the mesh of the input file.
+    measured, residual velocity, each speed with its unit in the heading: "velocity [m/s]". Without a target nothing is
+    computed: the tests alone give V50 of a probit fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and
+    Jonas to the residual velocities. With a target the shots are also fired at it at these velocities, and its critical
+    velocity is found, on the mesh of the input file.
 
     Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
     run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml.
+    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml; of tests alone
+    tests.json, shots.csv and tests.svg.
 
     Parameters
     ----------
     tests : table of tests (``*.csv``), a row a shot
-    target, tolerance, jobs, executor, out : as of `critical_velocity`
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up or a Fabric.
+        Left out, the tests alone are reduced
+    tolerance, jobs, executor, out : as of `critical_velocity`
     **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
-    ComparisonResult
+    ComparisonResult; without a target TestsResult
 
     Raises
     ------
-    InputError : a wrong table, or as `critical_velocity`
+    InputError : a wrong table, keywords without a target, or as `critical_velocity`
     UndecidedError, UnstableError : as `critical_velocity`
 
     Examples
@@ -85,6 +98,11 @@ def compare(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
+    if target is None:
+        for key in options:
+            raise InputError(key=key, allowed="left out where nothing is shot at")
+        with out_folder.held(out) as folder:
+            return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
     panel = targets.of(target, options, honoured.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     with out_folder.held(out) as folder, limits.kept_shots(panel, folder) as ended, panel.named():
@@ -108,6 +126,60 @@ def compare(
         result = saved(ComparisonResult(panel, compared, str(tests), checks), folder)
     result.warn()
     return result
+
+
+@dataclass(frozen=True, repr=False)
+class TestsResult(Result):
+    """Tests of a laboratory, to which nothing is computed; the table has a row a test.
+
+    Parameters
+    ----------
+    reduced : `weavecell.studies.compare.ReducedTests`
+    tests : name of their file
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n80, CP\\n70, CP\\n75, PP\\n")
+    >>> wc.compare("tests.csv").reduced.table.shape
+    (4, 3)
+    """
+
+    __test__ = False  # pytest: these are not its tests
+
+    reduced: ReducedTests
+    tests: str
+
+    def summary(self) -> dict[str, Any]:
+        """V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
+        return self.reduced.summary()
+
+    def _columns(self):
+        return self.reduced.table
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Residual against strike velocity [m/s]."""
+        from weavecell.report import pictures
+
+        return pictures.tested_and_computed(pyplot, self.tests, self.reduced, None)
+
+    def plot(self) -> Figure:
+        """A matplotlib figure."""
+        return figure(self.draw)
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of the module to a folder."""
+        from weavecell.report import pictures
+        from weavecell.results import json_file, provenance
+
+        out = Path(out)
+        content = {"format": "weavecell tests 1", **self.summary()}
+        json_file.write(out / "tests.json", content | {"provenance": provenance.stamp("")})
+        files.write(out / "shots.csv", self.to_dataframe().to_csv(index=False, float_format="%.6g"))
+        files.write(out / "tests.svg", pictures.render(self.draw, kind="svg"))
+
+    def __str__(self) -> str:
+        return "\n".join(self.reduced.lines(self.tests))
 
 
 @dataclass(frozen=True, repr=False)
@@ -149,7 +221,7 @@ class ComparisonResult(StudyResult):
 
     def _off(self):
         """By how much the computed velocity differs from the V50 of the tests; "" without one."""
-        limit, curve = self.comparison.limit, self.comparison.curve
+        limit, curve = self.comparison.limit, self.comparison.tests.curve
         if curve.reason:
             return ""
         return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
@@ -161,7 +233,9 @@ class ComparisonResult(StudyResult):
         """Residual against strike velocity [m/s], tested and computed."""
         from weavecell.report import pictures
 
-        return pictures.tested_and_computed(pyplot, self.title, self.comparison)
+        return pictures.tested_and_computed(
+            pyplot, self.title, self.comparison.tests, self.comparison
+        )
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
@@ -177,9 +251,7 @@ class ComparisonResult(StudyResult):
         bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
         lines = [
             f"{self.title}: computed critical velocity {bracket}{self._off()}",
-            f"tests, {self.tests}: {comparison.curve.words()}",
-            f"tests: {comparison.six_shots.words()}",
-            f"tests, Lambert-Jonas: {comparison.tested.words()}",
+            *comparison.tests.lines(self.tests),
             f"computed, Lambert-Jonas: {comparison.computed.words()}",
         ]
         count, residual = len(comparison.table), comparison.difference()

@@ -106,6 +106,7 @@ class Keywords(TypedDict, total=False):
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; a number from 0 to 2
     yarn_failure : whether a yarn fails at its strength; true or false
+    strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
     rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
         high rates, from the table `[strain_rate]` of the fabric file, else assumed by fibre family;
         true or false
@@ -153,6 +154,7 @@ class Keywords(TypedDict, total=False):
     ply_contact: PlyLaw | FilePath | None
     ply_friction: Number
     yarn_failure: bool
+    strength: Mapping[str, Quantity] | None
     rate_dependence: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "sliding"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, Unpack
 
 from fabrics import catalogue
-from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -16,7 +15,7 @@ from weavecell.api.keywords import Keywords, explained
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
-__all__ = ["fabric", "projectile", "setup"]
+__all__ = ["fabric", "setup"]
 
 
 def fabric(
@@ -44,26 +43,6 @@ def fabric(
     if linear_density not in ("effective", "nominal"):
         raise InputError(key="linear_density", value=linear_density, allowed="effective or nominal")
     return with_linear_density(catalogue.load(name), linear_density)
-
-
-def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
-    """A projectile by name, as the dict that `setup` and what takes its keywords take for `projectile`.
-
-    Parameters
-    ----------
-    name : of `projectiles`; the name alone will do as well: projectile="FSP 1.10 g"
-    **changes : keys of [projectile] in the input file that are added to its data or replace them
-
-    Raises
-    ------
-    InputError : no such projectile
-
-    Examples
-    --------
-    >>> wc.projectile("FSP 1.10 g", obliquity="30 deg")["diameter"]
-    '5.46 mm'
-    """
-    return projectile_data.table(name, changes)
 
 
 @explained

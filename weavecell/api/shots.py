@@ -462,6 +462,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
             lines.append(
-                "values jump with the velocity, as yarns fail one by one: --uncertainty or weavecell draws give means"
+                "values jump with the velocity, as yarns fail one by one: --uncertainty gives means"
             )
         return "\n".join(lines)

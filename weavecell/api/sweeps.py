@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
+SEED = "panel.strength.seed"
 SCANNED = 18  # shots of a scan about the bracket, as it is by default
 # what a notebook shows of each shot
 _SHOWN = (
@@ -64,6 +67,7 @@ def sweep(
     tolerance: float | str = "1 m/s",
     shots: int = 60,
     seed: int = 1,
+    one_at_a_time: bool = False,
     check: bool = False,
     jobs: int = 1,
     executor: str | Executor = "local",
@@ -83,11 +87,14 @@ def sweep(
     ----------
     target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of `setup`, of which
         each is fired as `impact` does
-    over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict
+    over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict. A key
+        is also one of modulus, failure_strain, crimp_warp, crimp_weft, areal_density, compression_a, compression_b,
+        trellis_stiffness, trellis_angles and failure_length, whose values are factors on that number of all fabrics
     quantity : what is computed of each: shot, critical-velocity or v50
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
+    one_at_a_time : compute the input file as it is, and then each value alone, in place of all combinations
     check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
     jobs : number of runs in parallel; 1 runs them in this process one after the other
     executor, out, resume : as of `v50`
@@ -128,11 +135,14 @@ def sweep(
     if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
         allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
         raise InputError("is missing", key=struck, allowed=allowed)
-    support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
-    combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
-    panels = [
-        read(str(target), Path(out or "."), support, changes=changes) for changes in combinations
-    ]
+    of_quantity = {
+        "shot": honoured.SWEEP,
+        "critical-velocity": honoured.LIMITS,
+        "v50": honoured.V50,
+    }
+    support = of_quantity[quantity]
+    combinations = _combinations(keys, one_at_a_time)
+    panels = [_panel(str(target), Path(out or "."), support, each) for each in combinations]
     if check:
         fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
             quantity, (shots, 1)
@@ -153,11 +163,36 @@ def sweep(
             ]
         else:
             rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
-        table = tuple(
-            changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
-            for changes, panel, row in zip(combinations, panels, rows)
-        )
-        return saved(SweepTable(quantity, tuple(keys), table, tuple(panels)), run.folder)
+        table = []
+        for changes, panel, row in zip(combinations, panels, rows):
+            areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
+            table.append(dict.fromkeys(keys) | changes | areal_density | row)
+        result = SweepTable(quantity, tuple(keys), tuple(table), tuple(panels), one_at_a_time)
+        return saved(result, run.folder)
+
+
+def _combinations(keys, one_at_a_time):
+    """{key: value} of each row: all combinations, or nothing and then each value alone."""
+    if one_at_a_time:
+        return [{}] + [{key: value} for key, values in keys.items() for value in values]
+    return [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
+
+
+def _panel(target, folder, support, changes):
+    """The Target with the values of some keys, and factors on numbers of its fabrics, in place of its own."""
+    from weavecell.studies import inputs
+
+    factors = {key: value for key, value in changes.items() if key in inputs.table("range")}
+    for key, factor in factors.items():
+        if isinstance(factor, bool) or not isinstance(factor, (int, float)) or not factor > 0:
+            raise InputError(key=key, value=factor, allowed="a factor above 0, such as 1.2")
+    keys = {key: value for key, value in changes.items() if key not in factors}
+    panel = read(target, folder, support, changes=keys)
+    if not factors:
+        return panel
+    if panel.setup.surface is not None:
+        raise InputError("a response surface holds for one fabric", key=next(iter(factors)))
+    return replace(panel, setup=inputs.changed_setup(panel.setup, **factors))
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
@@ -195,6 +230,7 @@ class SweepTable(StudyResult):
     keys : of the input file
     rows : {key or name of a result: value} of each combination
     targets : the Target of each
+    one_at_a_time : whether the first row is the input file, and each other row changes one key, the others being None
 
     Examples
     --------
@@ -207,6 +243,7 @@ class SweepTable(StudyResult):
     keys: tuple[str, ...]
     rows: tuple[dict[str, Any], ...]
     targets: tuple[Target, ...]
+    one_at_a_time: bool = False
 
     @property
     def target(self) -> Target:  # type: ignore[override]
@@ -241,16 +278,28 @@ class SweepTable(StudyResult):
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
-        (x, label), quantity = self._abscissa(), QUANTITIES[self.quantity]
+        quantity = QUANTITIES[self.quantity]
+        if self.one_at_a_time:
+            return pictures_uncertainty.one_at_a_time(
+                pyplot, list(map(self._changes, self.rows)), self.to_dataframe(), quantity
+            )
+        x, label = self._abscissa()
         return pictures_uncertainty.sweep(
             pyplot, x, label, self.to_dataframe(), self.keys[1:], quantity
         )
+
+    def _changes(self, row):
+        """The keys that a row changes, in words."""
+        changed = [f"{key} = {row[key]}" for key in self.keys if row[key] is not None]
+        return ", ".join(changed) or "input file"
 
     def _abscissa(self):
         """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
         key = self.keys[0]
         if key == "panel.plies":
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
+        if "." not in key:  # a factor
+            return [row[key] for row in self.rows], f"factor on {key}"
         values = []
         for panel in self.targets:
             value = panel.case.scene
@@ -263,6 +312,21 @@ class SweepTable(StudyResult):
             return [str(row[key]) for row in self.rows], key
         unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
+
+    def _scatter(self):
+        """Mean, standard deviation and standard error of the residual velocity over seeds, a line a group of shots."""
+        table = self.to_dataframe()
+        table = table[table["outcome"] != "unstable"]
+        others = [key for key in self.keys if key != SEED and table[key].nunique() > 1]
+        for name, shots in table.groupby(others or (lambda _: ""), dropna=False):
+            residual = shots["residual_velocity_m_s"].astype(float)
+            count, deviation = len(shots), residual.std()
+            perforated = int((shots["outcome"] == "perforated").sum())
+            group = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(name)))
+            yield (
+                f"{group or 'all seeds'}: residual velocity {residual.mean():.4g} ± {deviation / count**0.5:.4g} m/s "
+                f"(mean and standard error), standard deviation {deviation:.4g} m/s; {perforated} of {count} perforated"
+            )
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
@@ -284,7 +348,9 @@ class SweepTable(StudyResult):
             if row["outcome"] == MIXED:
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
-            lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
+            lines.append(f"{self._changes(row)}: {words}{doubt}")
+        if SEED in self.keys and quantity.column == "residual_velocity_m_s":
+            lines += self._scatter()
         return lines
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.honoured import Keys
 
-STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric, the first also of its deck
+STRIKE = 92.5  # [m/s] of the deck of a fabric, and of studies that choose their velocities
 RUNS = "runs"  # folder of finished runs
 
 
@@ -82,7 +82,7 @@ def of(
         raise InputError(
             "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
         )
-    panel = made(target, STRIKES[0] if velocity is None else velocity, chosen)
+    panel = made(target, STRIKE if velocity is None else velocity, chosen)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
         targets.build.LOG.info(line)
     return panel

@@ -15,6 +15,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
+import weavecell
 from fabrics.errors import InputError, WeavecellError, marked
 from weavecell import api
 from weavecell.cli import from_signature
@@ -32,13 +33,11 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "calibrate": (api.calibrate, "S-720 --mesh coarse"),
     "surface": (api.surface, "S-720 --mesh coarse --points 11"),
     "impact": (api.impact, "examples/S-720-stops.toml"),
-    "draws": (api.draws, "examples/S-720-perforates.toml --count 20"),
     "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
     "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),
     "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
     "crossover": (api.crossover, "S-720 --case shear --shear-angle '50 deg' --mesh coarse"),
-    "sensitivity": (api.sensitivity, "S-720 --samples 64", "opening"),
     "v50": (api.v50, "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
@@ -89,8 +88,6 @@ def program(word: str = "") -> typer.Typer:
 
 def _version(wanted: bool) -> None:
     if wanted:
-        import weavecell
-
         typer.echo(f"weavecell {weavecell.__version__}")
         raise typer.Exit
 
@@ -136,6 +133,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     )
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
+        if words and words[0] in weavecell.REMOVED:
+            raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
         with termination.as_interrupt():
             code = program(words[0] if words else "")(args=words, standalone_mode=False)
     except WeavecellError as problem:

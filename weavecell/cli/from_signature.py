@@ -58,13 +58,15 @@ def command(
     own = [p for p in given if p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY]
     parameters = [p for p in own if p.kind is not p.VAR_KEYWORD]
     required = [
-        p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")
+        p.name
+        for p in parameters
+        if p.name == "target" or (p.default is p.empty and p.name not in ("out", "tests"))
     ]
     has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
 
     def call(strict: bool = False, **values: Any) -> None:
         if values.get("out", "") is None and " " not in name:
-            stems = [Path(values[key]).stem for key in required]
+            stems = [Path(values[key]).stem for key in required if values[key] is not None]
             values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
         values |= {key: LEFT_OUT.get(key) for key, value in values.items() if value is None}
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
@@ -172,7 +174,10 @@ def _parameter(parameter, meaning):
         if name == "target":
             settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
-        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
+        left_out = None if name == "target" and default is None else parameter.empty
+        return inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=left_out, annotation=annotation
+        )
     if default is parameter.empty:
         default = None if name == "out" else ...
     word = _option(name)

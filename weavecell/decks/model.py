@@ -66,6 +66,10 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point or ())),
+    "panel.strength": (
+        "left out: cards have one strength",
+        lambda ply: ply.strength is not None,
+    ),
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
     "panel.crossovers": (
         '"pinned": no law here lets yarns slide',

@@ -280,28 +280,30 @@ def _of_velocities(pyplot, title, low, high):
     return figure, axes
 
 
-def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
-    """Residual against strike velocity of tests and of the computed shots, V50 and the critical velocity.
+def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
+    """Residual against strike velocity of tests and of computed shots, V50 and the critical velocity.
 
     Parameters
     ----------
-    found : weavecell.studies.compare.Comparison
+    tests : weavecell.studies.compare.ReducedTests
+    found : weavecell.studies.compare.Comparison; None of tests alone
     """
-    table, strike = found.table, found.table["velocity [m/s]"]
-    velocities = [*strike, found.limit.low] + ([] if found.curve.reason else [found.curve.V50])
-    low, high = 0.94 * min(velocities), 1.02 * max(*velocities, found.limit.high)
+    table, strike, curve = tests.table, tests.table["velocity [m/s]"], tests.curve
+    velocities = [*strike] if curve.reason else [*strike, curve.V50]
+    fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
+    if found is not None:
+        velocities += [found.limit.low, found.limit.high]
+        fits.append((found.computed, BLUE, "computed, Lambert-Jonas"))
+    low, high = 0.94 * min(velocities), 1.02 * max(velocities)
     figure, axes = _of_velocities(pyplot, title, low, high)
-    if not found.curve.reason:
-        start, end = (max(low, min(high, v)) for v in found.curve.intervals["V50"])
+    if not curve.reason:
+        start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
-        words = f"V50 of the tests\n{found.curve.V50:.1f} m/s\n(grey: 95 % interval)"
-        axes.axvline(found.curve.V50, color=STEEL, lw=1.5, label=words)
-    words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
-    axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
-    fits = (
-        (found.tested, STEEL, "tests, Lambert-Jonas"),
-        (found.computed, BLUE, "computed, Lambert-Jonas"),
-    )
+        words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)"
+        axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)
+    if found is not None:
+        words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
+        axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
     for fit, color, words in fits:
         if not fit.reason:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
@@ -319,7 +321,8 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
             mec=STEEL,
             label=f"test, {outcome}",
         )
-    computed = table["computed residual velocity [m/s]"]
-    axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
+    if found is not None:
+        computed = found.table["computed residual velocity [m/s]"]
+        axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure

@@ -1,4 +1,4 @@
-"""Pictures of scatter and of assumptions: Sobol indices, tornado plot, probability of perforation with its shots."""
+"""Pictures of scatter and of assumptions: tornado plot, probability of perforation with its shots, sweeps."""
 
 from __future__ import annotations
 
@@ -14,46 +14,10 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.draws import Draws
-    from weavecell.studies.sobol import Indices
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
-LABELS = {
-    "modulus": "yarn modulus",
-    "crimp_warp": "warp crimp",
-    "crimp_weft": "weft crimp",
-}  # of inputs
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
-
-
-def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
-    """First and total order of each quantity, a panel each."""
-    rows = -(-len(indices) // 2)
-    figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
-    for axis, of in zip(axes.flat, indices):
-        y = np.arange(len(of.names))
-        for values, half, shift, colour, label in (
-            (of.first, of.first_half, -0.19, BLUE, "first order"),
-            (of.total, of.total_half, 0.19, ORANGE, "total order"),
-        ):
-            axis.barh(y + shift, values, 0.36, color=colour, label=label)
-            axis.errorbar(
-                values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5
-            )
-        axis.set_yticks(y, [LABELS.get(name, name.replace("_", " ")) for name in of.names])
-        axis.invert_yaxis() if axis is axes[0, 0] else None
-        axis.grid(axis="y", visible=False)
-        axis.axvline(0, color=FAINT, lw=0.9)
-        axis.set(
-            title=f"{of.quantity}, struck at {of.velocity:g} m/s",
-            xlabel="share of the variance [-]",
-        )
-    axes.flat[0].legend(loc="lower right")
-    for axis in axes.flat[len(indices) :]:
-        axis.set_visible(False)
-    figure.suptitle(title)
-    return figure
 
 
 def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
@@ -121,33 +85,6 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     return figure
 
 
-def draws(pyplot: Any, study: Draws, title: str) -> Any:
-    """Residual velocities of drawn panels in their order, and the mean with its standard error over the draws."""
-    values = np.array([draw.residual_velocity for draw in study.counted])
-    outcomes = np.array([draw.outcome for draw in study.counted])
-    colours = {"stopped": INK, "perforated": RED, "in flight": ORANGE}
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
-    order = np.argsort(values, kind="stable")
-    share = (np.arange(values.size) + 0.5) / max(values.size, 1)
-    for outcome, colour in colours.items():
-        drawn = outcomes[order] == outcome
-        if drawn.any():
-            left.plot(values[order][drawn], share[drawn], "o", ms=5, color=colour, label=outcome)
-    left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
-    left.legend(loc="best")
-    n = np.arange(2, values.size + 1)
-    means = np.array([values[:k].mean() for k in n])
-    errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
-    right.fill_between(
-        n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error"
-    )
-    right.plot(n, means, color=BLUE, label="mean")
-    right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
-    right.legend(loc="best")
-    figure.suptitle(title)
-    return figure
-
-
 def sweep(
     pyplot: Any,
     x: Sequence[Any],
@@ -187,4 +124,16 @@ def sweep(
     axes.set_ylim(bottom=0)
     if others:
         axes.legend(loc="best")
+    return figure
+
+
+def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantity: Quantity) -> Any:
+    """A quantity of each row of a sweep, with what the row changes at its side; the first row changes nothing."""
+    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(changes)))
+    values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)
+    axes.plot(values, range(len(changes)), "o", color=BLUE)
+    axes.axvline(values[0], color=FAINT, lw=1)
+    axes.set_yticks(range(len(changes)), changes)
+    axes.invert_yaxis()
+    axes.set(xlabel=quantity.label)
     return figure

@@ -314,6 +314,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     ------
     InputError : values that fit each on its own but not together, named with the scene's file
     """
+    from shellfabric.impact.strengths import YarnStrength
     from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.model import Numerics
     from weavecell.scenes.short_setup import ShortSetup
@@ -343,6 +344,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "history": history,
         }
         given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
+        given |= {"strength": panel.strength and YarnStrength(**panel.strength.model_dump())}
         made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
         raise in_file(problem, file) from None

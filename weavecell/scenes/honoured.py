@@ -36,18 +36,15 @@ UNWRITTEN = silent(
 SHOTS: Keys = (
     IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
 )
-DRAWS: Keys = (
-    IMPACT
-    | UNWRITTEN
-    | silent("", "panel.symmetry history")
-    | {"accuracy": "left out of draws, which run the mesh of the scene"}
+LIMITS: Keys = (
+    SHOTS
+    | {"title": None, "history": NO_HISTORY}
+    | silent("", "projectile.strike_velocity run.end_time backing.after_stop")
 )
-SENSITIVITY: Keys = SHOTS | {"title": None, "history": NO_HISTORY}
-LIMITS: Keys = SENSITIVITY | silent(
-    "", "projectile.strike_velocity run.end_time backing.after_stop"
-)
-SWEEP: Keys = SENSITIVITY | {
-    "history": "left out: a sweep records nothing along yarns; `weavecell impact` does"
+V50: Keys = LIMITS | {"panel.strength": "left out: a V50 draws the strengths itself"}
+SWEEP: Keys = SHOTS | {
+    "title": None,
+    "history": "left out: a sweep records nothing along yarns; `weavecell impact` does",
 }
 COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from laws"}
 

@@ -445,13 +445,6 @@ def check(
     scene = validated(Scene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)
-        if (
-            "panel.symmetry" in refused
-            and scene.panel.crossovers == "sliding"
-            and scene.panel.plies == 1
-        ):
-            panel = scene.panel.model_copy(update={"symmetry": "whole"})
-            scene = scene.model_copy(update={"panel": panel})
     return scene if file is None else anchored(scene, file)
 
 

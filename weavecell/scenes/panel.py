@@ -176,6 +176,28 @@ def _crossovers(value):
     return int(over) / int(under)
 
 
+class StrengthTable(Table):
+    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull distribution. The whole
+    panel is modelled. `weavecell sweep` over seeds gives the scatter of a result ([studies](../studies.md)).
+
+    [panel.strength]
+    weibull_shape = 14.3
+    seed = 1
+    """
+
+    weibull_shape: number(
+        "shape of the Weibull distribution; 14.3 was measured on yarns of Kevlar 49 of 200 mm",
+        14.3,
+        gt=0.0,
+    )
+    seed: whole("seed of what is drawn: another seed is another panel", 0, 2**31 - 1) = 1
+    gauge_length: quantity(
+        "length of a yarn whose mean strength is that of the fabric: longer yarns are weaker",
+        "m",
+        "200 mm",
+    ) = 0.2
+
+
 MOST_PLIES = 100
 BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
 
@@ -300,6 +322,9 @@ class PanelTable(Table):
     ] = None
     ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
     yarn_failure: flag("whether a yarn fails at its strength") = True
+    strength: Annotated[
+        StrengthTable | None, Field(description="a table { weibull_shape = 14.3, seed = 1 }")
+    ] = None
     rate_dependence: flag(
         "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
         "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/yarns.md))"
@@ -354,7 +379,7 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_one_or_more_plies(self):
         if not self.yarn_failure:
-            self.refuse("rate_dependence", "left out where yarns do not fail")
+            self.refuse("rate_dependence strength", "left out where yarns do not fail")
         if self.crossovers == "pinned":
             self.refuse(
                 "crossover_friction crossover_cohesion", "left out where crossovers are pinned"
@@ -370,9 +395,15 @@ class PanelTable(Table):
 
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
-        """The whole panel where a ply is at an angle, and of one ply of sliding yarns unless its symmetry is given."""
+        """The whole panel if a ply is at an angle or yarns differ in strength, and of one ply of sliding yarns unless
+        its symmetry is given."""
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
+        drawn = self.strength is not None
+        if drawn and given and self.symmetry != "whole":
+            allowed = "whole, or left out, where yarns differ in strength"
+            raise InputError(key="symmetry", allowed=allowed)
         slides = self.crossovers == "sliding" and self.plies == 1 and not given
-        return self.model_copy(update={"symmetry": "whole"}) if self.angled or slides else self
+        whole = self.angled or drawn or slides
+        return self.model_copy(update={"symmetry": "whole"}) if whole else self

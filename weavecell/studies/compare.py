@@ -114,23 +114,73 @@ def _row(number, values, units, path):
 
 
 @dataclass(frozen=True)
+class ReducedTests:
+    """Tests of a laboratory and the statistics of them alone.
+
+    Parameters
+    ----------
+    table : DataFrame, a row a test: velocity, outcome and residual velocity
+    curve : probability of perforation fitted to the tests
+    six_shots : V50 of six of the tests
+    lambert_jonas : fit to the residual velocities
+    """
+
+    table: DataFrame
+    curve: Curve
+    six_shots: SixShots
+    lambert_jonas: LambertJonas
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain numbers, keys with their units."""
+        return {
+            "tests": len(self.table),
+            "confidence": CONFIDENCE,
+            "tested_v50_m_s": self.curve.V50,
+            "tested_v50_interval_m_s": list(self.curve.intervals["V50"]),
+            "tested_v50_reason": self.curve.reason,
+            **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
+            "lambert_jonas_tested": asdict(self.lambert_jonas),
+        }
+
+    def lines(self, file: str) -> list[str]:
+        """What is printed of the tests in a file."""
+        return [
+            f"tests, {file}: {self.curve.words()}",
+            f"tests: {self.six_shots.words()}",
+            f"tests, Lambert-Jonas: {self.lambert_jonas.words()}",
+        ]
+
+
+def reduce(tests: DataFrame) -> ReducedTests:
+    """The statistics of tests as of `read`."""
+    table = tests.rename(
+        columns={
+            VELOCITY: "velocity [m/s]",
+            OUTCOME: "tested",
+            RESIDUAL: "tested residual velocity [m/s]",
+        }
+    )
+    velocities, perforated = table["velocity [m/s]"], table["tested"] == "perforated"
+    curve = probit.fit(velocities, perforated, confidence=CONFIDENCE)
+    six_shots = protocol.six_shots(velocities, perforated)
+    return ReducedTests(table, curve, six_shots, _fit(table, "tested", None))
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Tests beside computed shots.
 
     Parameters
     ----------
-    table : DataFrame, a row a test: velocity, outcomes and residual velocities as tested and as computed
+    tests : ReducedTests
+    table : DataFrame, that of the tests with outcomes and residual velocities as computed
     limit : the computed Limit
-    curve : probability of perforation fitted to the tests
-    six_shots : V50 of six of the tests
-    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones
+    computed : Lambert-Jonas fit to the computed residual velocities
     """
 
+    tests: ReducedTests
     table: DataFrame
     limit: Limit
-    curve: Curve
-    six_shots: SixShots
-    tested: LambertJonas
     computed: LambertJonas
 
     @property
@@ -170,51 +220,32 @@ class Comparison:
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain numbers, keys with their units."""
-        limit, curve = self.limit, self.curve
-        return {
-            "tests": len(self.table),
+        limit = self.limit
+        off = self.difference()
+        return self.tests.summary() | {
             "outcomes_that_agree": self.agree,
-            "confidence": CONFIDENCE,
             "critical_velocity_m_s": limit.velocity,
             "bracket_m_s": [limit.low, limit.high],
-            "tested_v50_m_s": curve.V50,
-            "tested_v50_interval_m_s": list(curve.intervals["V50"]),
-            "tested_v50_reason": curve.reason,
-            **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
-            "critical_velocity_over_v50": limit.velocity / curve.V50,
+            "critical_velocity_over_v50": limit.velocity / self.tests.curve.V50,
             **{
-                f"residual_velocity_{name}_m_s": v
-                for name, v in self.difference().items()
-                if name != "shots"
+                f"residual_velocity_{name}_m_s": off[name]
+                for name in ("mean", "low", "high", "rms")
             },
-            "lambert_jonas_tested": asdict(self.tested),
             "lambert_jonas_computed": asdict(self.computed),
         }
 
 
 def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison:
     """The Comparison of tests with the computed shots at their velocities and the computed limit."""
-    from pandas import DataFrame
-
-    table = DataFrame(
-        {
-            "velocity [m/s]": tests[VELOCITY],
-            "tested": tests[OUTCOME],
-            "computed": [shot.outcome for shot in shots],
-            "tested residual velocity [m/s]": tests[RESIDUAL],
-            "computed residual velocity [m/s]": [shot.residual_velocity for shot in shots],
-            "checks": [quality.status(shot.checks) for shot in shots],
-        }
-    )
-    velocities, perforated = table["velocity [m/s]"], table["tested"] == "perforated"
-    return Comparison(
-        table,
-        limit,
-        probit.fit(velocities, perforated, confidence=CONFIDENCE),
-        protocol.six_shots(velocities, perforated),
-        _fit(table, "tested", None),
-        _fit(table, "computed", limit.velocity if limit.single else None),
-    )
+    reduced = reduce(tests)
+    columns = {
+        "computed": [shot.outcome for shot in shots],
+        "computed residual velocity [m/s]": [shot.residual_velocity for shot in shots],
+        "checks": [quality.status(shot.checks) for shot in shots],
+    }
+    table = reduced.table.assign(**columns)
+    computed = _fit(table, "computed", limit.velocity if limit.single else None)
+    return Comparison(reduced, table, limit, computed)
 
 
 def _fit(table, kind, limit):

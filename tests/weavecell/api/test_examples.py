@@ -21,6 +21,7 @@ NUMBERS = {
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 226),
     "oblique_fragment": (r"45 degrees: perforated,", 100),
     "punch_test": (r"failure length 0.75 mm: limit", 39.0),
+    "sobol_indices": (r"80 shots: mean", 126.2),
     "uncertainty": (r"3 x 3 elements per crossover:", 128.4),
 }
 

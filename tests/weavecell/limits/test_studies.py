@@ -1,12 +1,13 @@
-"""`weavecell sweep`, `v50`, `sensitivity` and `compare`: tables, resuming, and limits against the number of plies."""
+"""`weavecell sweep`, `v50` and `compare`: tables, resuming, and limits against the number of plies."""
 
 import re
 import shutil
 
 import pytest
 
+import weavecell as wc
 from shellfabric.impact.ballistic_limit import Limit, Shot
-from tests.scene_text import toml
+from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, rows_of, table_of
 from weavecell.api import sweeps
@@ -117,12 +118,6 @@ def test_a_v50_study_says_what_it_found(results):
     )
 
 
-def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
-    folder = results("sensitivity").folder
-    assert {one["velocity"] for one in table_of(folder, "sobol.json")["indices"]} == {90.0}
-    assert "2 x S-720: Sobol indices" in (folder / "report.html").read_text()
-
-
 def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     fired = (
         "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
@@ -145,3 +140,23 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
     assert names(folder) == "comparison.json comparison.svg report.html scene.toml shots.csv"
+
+
+def test_one_key_at_a_time_is_the_file_and_then_each_value_alone(tmp_path):
+    scene = {
+        "panel": {"opening": "20 mm"},
+        "run": {"end_time": "10 us"},
+        "projectile": {"strike_velocity": "150 m/s"},
+    }
+    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
+    over = {"areal_density": [1.2], "crimp_warp": [0.8, 1.2], "panel.opening": ["16 mm"]}
+    table = wc.sweep(tmp_path / "scene.toml", over=over, one_at_a_time=True)
+    changed = [[row[key] for key in over] for row in table.rows]
+    alone = [[1.2, None, None], [None, 0.8, None], [None, 1.2, None], [None, None, "16 mm"]]
+    assert changed == [[None] * 3, *alone]
+    given, heavy = table.rows[:2]
+    assert heavy["areal_density_kg_m2"] == pytest.approx(1.2 * given["areal_density_kg_m2"])
+    assert len({row["absorbed_energy_J"] for row in table.rows[:4]}) == 4
+    assert str(table).splitlines()[0].startswith("input file: ")
+    assert str(table).splitlines()[-1].startswith("panel.opening = 16 mm: ")
+    assert len(table.plot().axes[0].get_yticks()) == 5

@@ -83,11 +83,12 @@ def test_what_is_replaced_is_named(command):
 def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, monkeypatch):
     """Comments, the title and the path of the file make no other input."""
 
-    def draws(*_, **__):
+    def interrupted(*_, **__):
         (tmp_path / "r" / "kept.json").write_text('{"date": "today", "title": "S-720, 155 m/s"}')
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("weavecell.studies.draws.study", draws)
+    monkeypatch.setattr("weavecell.api.sweeps.run_cache.results", interrupted)
+    over = "--over 'run.end_time=10 us,20 us'"
     one = impact_scene().replace(
         "[projectile]", 'law = { a = "45 um", b = "58 um * N**(1/3)" }\n[projectile]'
     )
@@ -97,10 +98,10 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
         ("other", one.replace("50 mm", "60 mm")),
     ):
         (tmp_path / f"{name}.toml").write_text(text)
-    assert command("draws one.toml --out r")[0] == 130
-    assert command("draws same.toml --out r --resume")[0] == 130
+    assert command(f"sweep one.toml {over} --out r")[0] == 130
+    assert command(f"sweep same.toml {over} --out r --resume")[0] == 130
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()}
-    code, _, err = command("draws other.toml --out r --resume")
+    code, _, err = command(f"sweep other.toml {over} --out r --resume")
     line = "error: --out = 'r': must be another folder: this one has S-720, 155 m/s of today, of other input or "
     assert code == 2
     assert err == f"{line}options; without --resume it is replaced\n"

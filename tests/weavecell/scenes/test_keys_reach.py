@@ -48,6 +48,7 @@ DENSE = {
 PACK, SLIDING = {"panel": {"plies": 2}}, {"panel": {"crossovers": "sliding", "symmetry": "quarter"}}
 LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 OWN_LAW, PLIES = {"fabric": {"law": LAW}}, {"panel": {"ply": [{"law": LAW}, {}]}}
+DRAWN = {"panel": {"strength": {"weibull_shape": 14.3}}}
 DAMAGE = {"fabric": {"weaving_damage": {"source": "made up"}}}
 GRIP, PULL = (
     {"clamp_force": "10 N"},
@@ -165,6 +166,9 @@ ROWS = {
         {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...},
     ),
     "panel.yarn_failure": ({}, False, {"failure": False, "fabric.assumed": ()}),
+    "panel.strength.weibull_shape": (DRAWN, 7.0, {"strength.weibull_shape": 7.0}),
+    "panel.strength.seed": (DRAWN, 3, {"strength.seed": 3}),
+    "panel.strength.gauge_length": (DRAWN, "50 mm", {"strength.gauge_length": 0.05}),
     "panel.rate_dependence": ({}, True, {"rate_dependence": True, "fabric.": ...}),
     "panel.nose_bending": ({}, True, {"nose_bending": True, "fabric.": ...}),
     "panel.grading": ({}, [[9, "1/2"], [inf, 2]], {"grading": ((9.0, 0.5), (inf, 2.0))}),
@@ -338,7 +342,7 @@ def test_a_key_that_the_run_reads_stands_in_the_scene(key):
     assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
 
 
-@pytest.mark.parametrize("name", ["IMPACT", "DRAWS", "SENSITIVITY", "LIMITS", "SWEEP", "COUPON"])
+@pytest.mark.parametrize("name", ["IMPACT", "LIMITS", "V50", "SWEEP", "COUPON"])
 def test_what_is_not_honoured_are_keys(name):
     """One that is declared in vain would be honoured in silence."""
     model = CouponScene if name == "COUPON" else Scene

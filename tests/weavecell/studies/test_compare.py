@@ -1,9 +1,12 @@
 """Tests of a laboratory: read from a table, and held against computed shots."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy import stats
 
+import weavecell as wc
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from weavecell.studies import compare, protocol
 
@@ -53,7 +56,7 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     assert summary["critical_velocity_over_v50"] == pytest.approx(105 / 115)
     low, high = summary["tested_v50_interval_m_s"]
     assert low < 115 < high
-    assert found.tested.words() == (
+    assert found.tests.lambert_jonas.words() == (
         "not determined, because 2 perforations do not determine its 3 parameters"
     )
     assert found.computed.limit == 105.0
@@ -64,7 +67,7 @@ def test_the_v50_that_laboratories_state(tmp_path):
     fired = "velocity [ft/s], outcome\n430,PP\n445,PP\n452,CP\n455,PP\n470,CP\n480,CP\n"
     tests = read(tmp_path, fired)
     shots = [shot(v, 0.0) for v in tests["velocity"]]
-    found = compare.compare(tests, shots, Limit(104.0, 106.0, ())).six_shots
+    found = compare.compare(tests, shots, Limit(104.0, 106.0, ())).tests.six_shots
     assert found.velocity == pytest.approx(2732 / 6 * 0.3048)
     assert found.spread == pytest.approx(50 * 0.3048)
     assert found.met == 60
@@ -79,9 +82,30 @@ def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
     assert few.words().endswith("not determined, because 1 shots stopped and 2 perforated")
 
 
+def test_tests_alone_are_reduced_as_beside_computed_shots(command, tmp_path):
+    (tmp_path / "tests.csv").write_text(TABLE)
+    code, out, err = command("compare", "tests.csv", "--out", "r")
+    assert code == 0, err
+    assert sorted(path.name for path in (tmp_path / "r").iterdir()) == [
+        "shots.csv",
+        "tests.json",
+        "tests.svg",
+    ]
+    told = json.loads((tmp_path / "r" / "tests.json").read_text())
+    assert told["tested_v50_m_s"] == pytest.approx(115.0)
+    assert "tests: V50 of six shots (MIL-STD-662F: 3 fastest stops" in out
+    tests = read(tmp_path, TABLE)
+    shots = [shot(v, 10.0) for v in tests["velocity"]]
+    beside = compare.compare(tests, shots, Limit(104.0, 106.0, ())).summary()
+    alone = wc.compare(tmp_path / "tests.csv").summary()
+    assert {key: str(beside[key]) for key in alone} == {key: str(alone[key]) for key in alone}
+    with pytest.raises(wc.InputError, match="opening: must be left out where nothing is shot at"):
+        wc.compare(tmp_path / "tests.csv", opening=0.1)
+
+
 def test_of_one_outcome_there_is_no_v50(tmp_path):
     tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
     found = compare.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
-    assert found.curve.reason == "all 2 shots perforated"
+    assert found.tests.curve.reason == "all 2 shots perforated"
     assert np.isnan(found.summary()["tested_v50_m_s"])
     assert found.difference()["mean"] is None

@@ -1,4 +1,4 @@
-"""Scatter: indices and likelihoods against closed forms, draws, rounds, and the limit without scatter."""
+"""Scatter: likelihoods against closed forms, draws, rounds, and the limit without scatter."""
 
 import hashlib
 from concurrent.futures import ThreadPoolExecutor
@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup, Ply
+from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.studies import assumed_range, inputs, probit, protocol, sobol, strengths, v50
+from weavecell.studies import assumed_range, inputs, probit, protocol, strengths, v50
 
 OPENING = 0.03048
 
@@ -56,25 +56,6 @@ def fabric():
 @pytest.fixture(scope="module")
 def panel(fabric):
     return Panel(CellModel(fabric).table(21), (OPENING, OPENING), symmetry="whole")
-
-
-def test_ishigami_has_its_known_indices():
-    """y = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 over -pi .. pi."""
-    given = {"num_vars": 3, "names": ["x1", "x2", "x3"], "bounds": [[-np.pi, np.pi]] * 3}
-    x = sobol.sample(given, 2048, seed=1)
-    y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    first, first_half, total, total_half = sobol.estimate(given, y, seed=1)
-    np.testing.assert_allclose(first, [0.3139, 0.4424, 0.0], atol=0.03)
-    np.testing.assert_allclose(total, [0.5576, 0.4424, 0.2437], atol=0.03)
-    assert np.all(first_half < 0.1)
-    assert np.all(total_half < 0.1)
-
-
-def test_what_does_not_vary_has_no_indices():
-    given = sobol.problem(inputs.table("range"))
-    assert np.isnan(sobol.estimate(given, np.ones(2 * 11), seed=1)[0]).all()
-    with pytest.raises(InputError, match="power of 2"):
-        sobol.sample(given, 12, seed=1)
 
 
 def test_changed_fabric(fabric):
@@ -197,15 +178,13 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
 
 def test_drawn_strengths(fabric):
     """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
-    scatter, n = v50.Scatter(shape=14.3, gauge_length=0.2), 200_000
-    _, (short, long) = strengths.draw(scatter, 1, 0, (n, n), (0.2, 0.4))
-    m = scatter.shape
+    m, n = 14.3, 200_000
+    short, long = draw_strengths(YarnStrength(m), 0, (n, n), (0.2, 0.4))
     deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
     assert short.mean() == pytest.approx(1.0, abs=1e-3)
     assert short.std() == pytest.approx(deviation, rel=0.01)
     assert long.mean() == pytest.approx(0.5 ** (1 / m), abs=1e-3)
-    factors, plain = strengths.draw(v50.Scatter(), 1, 0, (3, 4), (0.2, 0.2))
-    assert factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
+    plain = draw_strengths(YarnStrength(np.inf), 0, (3, 4), (0.2, 0.2))
     assert all((part == 1).all() for part in plain)
 
 

@@ -282,7 +282,11 @@ def assumptions(
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
     pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, at any strain rate; "
-    fails += "each yarn's is drawn about that." if drawn else "it is the same for all yarns."
+    fails += (
+        "each yarn's is drawn about that."
+        if drawn or setup.strength
+        else "it is the same for all yarns."
+    )
     shot, between = setup.projectile, setup.ply_friction
     projectile = "Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis."
     projectile += f" {body[0].upper()}{body[1:]}." if body else ""

@@ -1,0 +1,109 @@
+"""Yarns that differ in strength.
+
+A yarn has one strength T_u all along, of a Weibull distribution of shape m,
+
+    F(T) = 1 - exp(-(L / L0) (T / T0)^m)
+
+over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of the fabric's yarn,
+so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of the weakest place of the whole yarn,
+is held against its tension everywhere, the yarn is taken as weak where the projectile strikes: the limit is on the safe
+side. Every yarn of every ply is drawn: panels are whole.
+
+On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line that stands for
+several yarns has the strength of the weakest of them. Yarns of an oblique weave have the length of the panel's sides,
+which is the most that they can have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import gamma, inf
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.panel import grading
+from shellfabric.panel.model import Panel
+from shellfabric.plies.model import Pack
+
+SCATTERED_BEFORE = (
+    3  # numbers of a stream that belong to modulus and crimps (`weavecell.studies.strengths`)
+)
+
+
+@dataclass(frozen=True)
+class YarnStrength:
+    """The distribution of the strength of yarns.
+
+    Parameters
+    ----------
+    weibull_shape : [-] m; infinite for yarns that are all alike
+    seed : of what is drawn, a whole number of at least 0
+    gauge_length : [m] L0, at which the mean of the strengths is that of the fabric
+    """
+
+    weibull_shape: float
+    seed: int = 1
+    gauge_length: float = 0.2
+
+    def __post_init__(self):
+        for key in ("weibull_shape", "gauge_length"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+
+
+def draw_strengths(
+    strength: YarnStrength, number: int, counts: Sequence[int], lengths: Sequence[float]
+) -> tuple[np.ndarray, ...]:
+    """Draw the strength of each yarn of a ply, from the seed and the number of the ply alone.
+
+    Parameters
+    ----------
+    counts : (warp, weft) yarns
+    lengths : (warp, weft) [m] of a yarn in the panel
+
+    Returns
+    -------
+    (warp, weft) (n,) factors on the strength of each yarn
+    """
+    random = np.random.default_rng([strength.seed, number])
+    random.standard_normal(SCATTERED_BEFORE)
+    m = strength.weibull_shape
+    factors = []
+    for count, length in zip(counts, lengths):
+        uniform = random.uniform(size=count)
+        if m == inf:
+            factors.append(np.ones(count))
+            continue
+        mean = (strength.gauge_length / length) ** (1 / m) / gamma(1 + 1 / m)
+        factors.append(mean * (-np.log1p(-uniform)) ** (1 / m))
+    return tuple(factors)
+
+
+def with_strengths(pack: Pack, strength: YarnStrength, number: int = 0) -> Pack:
+    """The pack with yarns that differ in strength; its plies are whole.
+
+    Parameters
+    ----------
+    number : of the pack, if many are drawn from one seed
+    """
+    plies = []
+    for place, ply in enumerate(pack.plies):
+        uniform = replace(ply, grading=None)
+        lengths = [count * side for count, side in zip(uniform.counts, uniform.spacing)]
+        of_ply = number * len(pack.plies) + place
+        factors = draw_strengths(strength, of_ply, uniform.yarn_counts, lengths)
+        if ply.sides is not None:
+            factors = of_lines(factors, ply)
+        plies.append(replace(ply, strength_factors=factors))
+    return replace(pack, plies=tuple(plies))
+
+
+def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
+    """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
+    lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_axes[::-1])
+    return tuple(
+        grading.weakest(factors, np.fix((1 + 1e-9) * x[axes] / (2 * w)))
+        for factors, x, w, axes in lines
+    )

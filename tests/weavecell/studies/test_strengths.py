@@ -1,0 +1,95 @@
+"""Yarns that differ in strength: what is drawn, the shot without scatter, and a sweep over seeds."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.strengths import YarnStrength, draw_strengths
+from tests.scene_text import merged, toml
+from tests.weavecell.session_runs import SCENES
+from weavecell.studies import inputs, strengths
+
+ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
+
+
+@pytest.fixture(scope="module")
+def setup():
+    fabric = catalogue.load("S-720").with_effective_density()
+    return ImpactSetup(fabric, 90.0, opening=0.03048, end_time=60e-6, table_size=51)
+
+
+def test_every_yarn_of_every_ply_is_drawn(setup):
+    """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
+    given = replace(setup, elements_per_crossover=1, plies=2, stacking="alternating", ply_gap=1e-4)
+    drawn = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 3)
+    first, second = drawn.pack.plies
+    for p, ply in enumerate((first, second)):
+        lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
+        wanted = draw_strengths(YarnStrength(14.3, 7), 6 + p, ply.yarn_counts, lengths)
+        np.testing.assert_array_equal(ply.strength_factors[0], wanted[0])
+    assert drawn.weakest[0] == min(ply.strength_factors[0].min() for ply in (first, second))
+    assert not np.isin(second.strength_factors[0], first.strength_factors[0]).any()
+    assert drawn.factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
+    whole = replace(given, symmetry="whole", strength=YarnStrength(14.3, seed=7))
+    of_a_scene, of_a_v50 = whole.target(), strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 0).pack
+    for one, other in zip(of_a_scene.plies, of_a_v50.plies):
+        np.testing.assert_array_equal(one.strength_factors[1], other.strength_factors[1])
+
+
+def test_plies_of_a_draw_are_of_one_roll(setup):
+    """Modulus and crimp are one value for all plies of a draw, and scale the laws that a set-up names as well."""
+    given = replace(setup, elements_per_crossover=1, plies=2, ply_gap=1e-4)
+    drawn = strengths.drawn(given, inputs.published(), 7, 3)
+    one, other = drawn.pack.plies
+    assert one.fabric == other.fabric
+    assert one.fabric.weave.warp.E == pytest.approx(
+        setup.fabric.weave.warp.E * drawn.factors["modulus"]
+    )
+    assert drawn.factors["modulus"] != 1
+    laws = inputs.changed_setup(replace(setup, laws=setup.fabric.laws), compression_a=2.0).laws
+    assert laws[0].a == 2 * setup.fabric.laws[0].a
+
+
+def test_yarns_of_one_strength_make_the_plain_shot(setup):
+    whole = replace(setup, symmetry="whole")
+    plain, drawn = map(simulation.run, (whole, replace(whole, strength=YarnStrength(inf))))
+    assert drawn.residual_velocity == plain.residual_velocity
+    assert drawn.peak_tension == plain.peak_tension
+
+
+def test_strengths_are_of_whole_panels_that_fail(setup):
+    with pytest.raises(InputError, match="symmetry = 'quarter': must be whole"):
+        replace(setup, strength=YarnStrength(14.3))
+    with pytest.raises(InputError, match="strength: must be left out: the yarns do not fail"):
+        replace(setup, symmetry="whole", failure=False, strength=YarnStrength(14.3))
+    assert wc.setup("S-720", "90 m/s", strength={"weibull_shape": 14.3}).symmetry == "whole"
+
+
+def test_a_sweep_over_seeds_has_mean_and_scatter(tmp_path):
+    scene = {
+        "panel": {"opening": "20 mm", "strength": {"weibull_shape": 5}},
+        "run": {"end_time": "20 us"},
+        "projectile": {"strike_velocity": "250 m/s"},
+    }
+    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
+    table = wc.sweep(tmp_path / "scene.toml", over={"panel.strength.seed": [1, 2, 3]})
+    found = [row["residual_velocity_m_s"] for row in table.rows]
+    assert len(set(found)) == 3
+    line = str(table).splitlines()[-1]
+    deviation = np.std(found, ddof=1)
+    assert f"{np.mean(found):.4g} ± {deviation / 3**0.5:.4g} m/s (mean and standard error)" in line
+    assert f"standard deviation {deviation:.4g} m/s" in line
+
+
+def test_a_deck_has_one_strength(tmp_path):
+    setup = wc.setup("S-720", "90 m/s", opening="20 mm", strength={"weibull_shape": 14.3})
+    with pytest.raises(InputError, match="left out: cards have one strength"):
+        wc.export(setup, "lsdyna", tmp_path / "deck")
+    assert not (tmp_path / "deck").exists()
