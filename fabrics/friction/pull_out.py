@@ -10,20 +10,17 @@ file of the compression law, law.json, as its group "pull_out".
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics import law_file
 from fabrics.checks import FilePath, FloatArray, not_negative
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
-from fabrics.files import write_whole
 from fabrics.units import si
 
 GROUP = "pull_out"
@@ -136,10 +133,7 @@ class PullOutLaw:
         ------
         InputError : no such file, or not a compression law
         """
-        content = _content(path)
-        with write_whole(path) as file:
-            json.dump(content | {GROUP: self.group()}, file, indent=2)
-            file.write("\n")
+        law_file.write(path, law_file.read(path) | {GROUP: self.group()})
 
     @classmethod
     def from_json(cls, path: FilePath) -> PullOutLaw | None:
@@ -149,7 +143,7 @@ class PullOutLaw:
         ------
         InputError : no such file, not a compression law, or a bad value
         """
-        group = _content(path).get(GROUP)
+        group = law_file.read(path).get(GROUP)
         return None if group is None else cls.of_group(group, path)
 
     @classmethod
@@ -189,8 +183,3 @@ class PullOutLaw:
             raise
         except (TypeError, ValueError):
             raise InputError("holds what is no number", file=path, key=GROUP) from None
-
-
-def _content(path):
-    CompressionLaw.from_json(path)  # refuses what is no compression law
-    return json.loads(Path(path).read_text(encoding="utf-8-sig"))

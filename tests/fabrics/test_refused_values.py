@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics import assumed, catalogue, variants
+from fabrics import assumed, catalogue, ply_laws, variants
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
-from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.trellis import touching_angle
 from fabrics.weave import height_from_length
@@ -55,7 +54,7 @@ REFUSED = [
         lambda: assumed.with_strain_rate(UNKNOWN),
         r".*S-720 has no \[strain_rate\].*none of para-aramid",
     ),
-    (lambda: PlyLaw.of(UNKNOWN), r".*has no \[solid\] "),
+    (lambda: ply_laws.default(UNKNOWN), r".*has no \[solid\] "),
     (lambda: comparison.with_law_form(BARE, "printed"), "fabric S-720 has no"),
     (lambda: variants.with_shear(BARE, G1=1e6), "fabric S-720 has no"),
     (lambda: variants.with_solids(BARE, E_c=1e9), "fabric S-720 has no"),

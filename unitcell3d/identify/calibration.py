@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from fabrics import ply_laws
 from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
@@ -204,7 +205,7 @@ def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
     left_out = len(history.path) - 1 - len(pressure)
     source = f"3D crossover of {fabric.name} between platens, {size} mesh"
     source += f", {left_out} steps of falling force left out" if left_out else ""
-    return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
+    return PlyLaw(at, curve(at) ** 3, ply_laws.solid_fibre(fabric).stiffness, source, "computed")
 
 
 def samples(history: History, *columns: FloatArray) -> tuple[FloatArray, ...]:

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 import weavecell as wc
-from fabrics import catalogue, variants
+from fabrics import catalogue, ply_laws, variants
 from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
-from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation
@@ -98,7 +97,7 @@ def setup(
     used, plies = changed_fabric(fabric, **change or {}), keywords.get("plies", 1)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
-        keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
+        keywords["ply_gap"] = ply_gap(used, ply_laws.default(used)).value + wider
     own = {} if isinstance(projectile, str) else projectile or {}
     made = wc.setup(
         used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords
