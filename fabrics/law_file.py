@@ -1,4 +1,4 @@
-"""The file law.json: compression law, and beside it contact law of plies and slip threshold of a crossover."""
+"""The file law.json: a compression law, and the contact law of plies beside it."""
 
 from __future__ import annotations
 
