@@ -51,8 +51,16 @@ def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
     """
     if isinstance(choice, PlyLaw):
         return choice
-    named = {"solid": solid_fibre, "pressure_law": of_packs}
-    return named[str(choice)](fabric) if choice in named else read(choice, fabric)
+    if choice in NAMED:
+        return NAMED[str(choice)](fabric)
+    return read(choice, fabric)
+
+
+def fitted_data(choice: PlyLaw | FilePath) -> str:
+    """Digest of the data that a law.json was fitted to; empty of any other choice, and if it is not known."""
+    if isinstance(choice, PlyLaw) or choice in NAMED or Path(choice).suffix == ".csv":
+        return ""
+    return str(law_file.read(choice).get("fitted_data", ""))
 
 
 def of_packs(fabric: Fabric) -> PlyLaw:
@@ -106,7 +114,8 @@ def read(path: FilePath, fabric: Fabric) -> PlyLaw:
         )
         return _checked(columns, path.name, "user", fabric, path, "")
     content = law_file.read(path)
-    table, stated = content.get("ply_contact"), content.get("fabric", "")
+    table = content.get("ply_contact")
+    stated = content.get("fabric", "")
     if table is None:
         raise InputError("has no ply_contact", file=path, allowed="a law of `weavecell calibrate`")
     if stated not in ("", fabric.name):
@@ -213,3 +222,6 @@ def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray
     """
     pack, one = (PlateCurve.pressure_law(areal_density, count) for count in (plies, 1))
     return one.pressure, (pack.closure - one.closure) / (plies - 1)
+
+
+NAMED = {"solid": solid_fibre, "pressure_law": of_packs}
