@@ -10,17 +10,15 @@ apart. The regularised form has the same limit a and the same b, is zero at zero
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics import law_file
 from fabrics.checks import FilePath, FloatArray, not_negative
 from fabrics.errors import InputError
-from fabrics.files import write_whole
 from fabrics.units import si
 
 if TYPE_CHECKING:
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
     from fabrics.weave import Weave
 
 FORMS = ("regularised", "printed")
-_FORMAT = "weavecell compression law 1"
 
 
 @dataclass(frozen=True)
@@ -229,7 +226,6 @@ class CompressionLaw:
     def to_json(self, path: FilePath, contact: PlyLaw | None = None) -> None:
         """Write the law, its fit and its provenance; and `contact`, the law of plies on each other, beside it."""
         content = {
-            "format": _FORMAT,
             "form": self.form,
             "a": f"{self.a!r} m",
             "b": f"{self.b!r} m * N**(1/3)",
@@ -246,9 +242,7 @@ class CompressionLaw:
             and [{"a": f"{a!r} m", "b": f"{b!r} m * N**(1/3)"} for a, b in self.assumed_range],
             "ply_contact": contact and contact.table(),
         }
-        with write_whole(path) as file:
-            json.dump(content, file, indent=2)
-            file.write("\n")
+        law_file.write(path, content)
 
     @classmethod
     def from_json(cls, path: FilePath) -> CompressionLaw:
@@ -258,7 +252,7 @@ class CompressionLaw:
         ------
         InputError : no such file, not JSON, another format, or a bad value
         """
-        content = _read_json(path)
+        content = law_file.read(path)
         try:
             fit = content.get("fit") or {}
             F_range, a_interval, b_interval = (
@@ -323,18 +317,9 @@ def _read_range(entries, path):
     return soft, stiff
 
 
-def _read_json(path):
-    try:
-        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as problem:
-        raise InputError(
-            "cannot be read", file=path, allowed=f"a compression law ({problem.strerror})"
-        ) from problem
-    except ValueError as problem:
-        raise InputError(
-            "is not JSON", file=path, allowed=f"a compression law ({problem})"
-        ) from problem
-    found = content.get("format") if isinstance(content, dict) else None
-    if found != _FORMAT:
-        raise InputError(file=path, key="format", value=found, allowed=repr(_FORMAT))
-    return content
+class HasLaw(Protocol):
+    """What has a fitted law, such as the result of `weavecell.calibrate`."""
+
+    @property
+    def law(self) -> CompressionLaw:
+        """Of both yarn families."""

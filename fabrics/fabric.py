@@ -44,7 +44,7 @@ class Fabric:
     thickness : [m] of the data sheet, or None
     yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None where not known
     notes : lines about numbers of the data file that disagree
-    ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
+    ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_laws.default`)
     strain_rate : RateLaw of its yarns, or None
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the strength
     ranges : {dotted key: (low, high) over the value} of numbers with a range of their own

@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import fabric_tables, ply_law, surface  # noqa: E402
+from fabrics import fabric_tables, ply_laws, surface  # noqa: E402
 from fabrics.families import strain_rate  # noqa: E402
 
 LISTS = {
@@ -50,7 +50,7 @@ def fabric_file() -> list[list[str]]:
             units = " or ".join(text or unit or "1" for unit, text in quantity.bounds.items())
             optional = "" if model.model_fields[key].is_required() else "optional: "
             rows.append([table, f"`{key}`", units, f"{optional}{quantity.meaning}"])
-    lists = {"`[ply_contact]`, or its `file`": ply_law.UNITS, "`[strain_rate]`": strain_rate.UNITS}
+    lists = {"`[ply_contact]`, or its `file`": ply_laws.UNITS, "`[strain_rate]`": strain_rate.UNITS}
     rows += [
         [table, f"`{key}`", unit or "1", LISTS[key]]
         for table, keys in lists.items()

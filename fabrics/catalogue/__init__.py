@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from fabrics import assumed, data_sheet
+from fabrics import assumed, data_sheet, ply_laws
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.errors import InputError, nearest
@@ -29,7 +29,6 @@ from fabrics.fabric_tables import (
     Solids,
 )
 from fabrics.families.strain_rate import RateLaw
-from fabrics.ply_law import PlyLaw
 from fabrics.schema import read_toml, validated
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
@@ -166,7 +165,7 @@ def _fabric(file, sources, path):
     fabric = assumed.with_ranges_of_guesses(fabric)
     if file.ply_contact is None:
         return fabric
-    law = PlyLaw.from_table(file.ply_contact, fabric, path)
+    law = ply_laws.from_table(file.ply_contact, fabric, path)
     entry = {"value": law.words(), "source": law.source, "status": law.status}
     return replace(fabric, ply_contact=law, sources=fabric.sources | {"ply_contact": entry})
 

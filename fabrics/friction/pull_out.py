@@ -4,32 +4,25 @@
 
 c0 is what resists without contact force (the crimp has to travel along the yarn), mu_eff Coulomb's coefficient as the
 crossover has it: the yarns press on each other obliquely too, which the vertical force F_c does not count. Both are
-fitted to thresholds of the 3D crossover at several contact forces (`unitcell3d.cases.pull_out`). The law is kept in the
-file of the compression law, law.json, as its group "pull_out".
+fitted to thresholds of the 3D crossover at several contact forces (`unitcell3d.cases.pull_out`).
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FilePath, FloatArray, not_negative
-from fabrics.compression import CompressionLaw
+from fabrics.checks import FloatArray, not_negative
 from fabrics.errors import InputError
-from fabrics.files import write_whole
-from fabrics.units import si
 
-GROUP = "pull_out"
-FRICTION, FRICTION_RANGE = 0.2, (0.15, 0.25)  # of aramid yarns on each other
+# of aramid yarns on each other: a range quoted in the literature, no single measurement
+FRICTION = 0.2
+FRICTION_RANGE = (0.15, 0.25)
 FRICTION_STATUS = "literature"
-FRICTION_SOURCE = "range quoted for aramid yarns on aramid yarns; no single measurement"
 
 
 @dataclass(frozen=True)
@@ -44,7 +37,6 @@ class PullOutLaw:
     friction : [-] Coulomb's coefficient of the 3D contact
     friction_range : (lowest, highest) [-] of the coefficient in the literature
     status : of the coefficient and its range
-    source : where they come from
     residual_rms : [N] of the fit
     provenance : how the thresholds were computed
 
@@ -61,7 +53,6 @@ class PullOutLaw:
     friction: float = FRICTION
     friction_range: tuple[float, float] = FRICTION_RANGE
     status: str = FRICTION_STATUS
-    source: str = FRICTION_SOURCE
     residual_rms: float | None = None
     provenance: str = ""
 
@@ -108,89 +99,11 @@ class PullOutLaw:
             )
         slope, start = (float(part) for part in np.polyfit(forces, thresholds, 1))
         off = thresholds - start - slope * forces
-        samples, rms = (
-            (tuple(forces.tolist()), tuple(thresholds.tolist())),
-            float(np.sqrt(np.mean(off**2))),
+        return cls(
+            start,
+            max(slope, 0.0),
+            tuple(forces.tolist()),
+            tuple(thresholds.tolist()),
+            residual_rms=float(np.sqrt(np.mean(off**2))),
+            **others,
         )
-        return cls(start, max(slope, 0.0), *samples, residual_rms=rms, **others)
-
-    def group(self) -> dict[str, Any]:
-        """The content of the group "pull_out", as plain types."""
-        return {
-            "c0": f"{self.c0!r} N",
-            "mu_eff": self.mu_eff,
-            "friction": self.friction,
-            "friction_range": list(self.friction_range),
-            "status": self.status,
-            "source": self.source,
-            "F_c_N": list(self.F_c),
-            "T_f_N": list(self.T_f),
-            "residual_rms_N": self.residual_rms,
-            "provenance": self.provenance,
-        }
-
-    def add_to(self, path: FilePath) -> None:
-        """Write the group into the file of a compression law, in the place of one that is there.
-
-        Raises
-        ------
-        InputError : no such file, or not a compression law
-        """
-        content = _content(path)
-        with write_whole(path) as file:
-            json.dump(content | {GROUP: self.group()}, file, indent=2)
-            file.write("\n")
-
-    @classmethod
-    def from_json(cls, path: FilePath) -> PullOutLaw | None:
-        """The law in the file of a compression law; None where it has none.
-
-        Raises
-        ------
-        InputError : no such file, not a compression law, or a bad value
-        """
-        group = _content(path).get(GROUP)
-        return None if group is None else cls.of_group(group, path)
-
-    @classmethod
-    def of_group(cls, group: Mapping[str, Any], path: FilePath) -> PullOutLaw:
-        """The law of a group; `path` is named in errors.
-
-        Raises
-        ------
-        InputError : a missing or a bad value
-        """
-        if not isinstance(group, Mapping):
-            raise InputError(file=path, key=GROUP, value=group, allowed="a group of keys")
-        try:
-            low, high = (float(value) for value in group["friction_range"])
-            F_c, T_f = (tuple(float(value) for value in group[key]) for key in ("F_c_N", "T_f_N"))
-            rms = group.get("residual_rms_N")
-            return cls(
-                si(group["c0"], "N", file=path, key=f"{GROUP}.c0"),
-                float(group["mu_eff"]),
-                F_c,
-                T_f,
-                float(group["friction"]),
-                (low, high),
-                str(group["status"]),
-                str(group["source"]),
-                None if rms is None else float(rms),
-                str(group.get("provenance", "")),
-            )
-        except KeyError as missing:
-            raise InputError("is missing", file=path, key=f"{GROUP}.{missing.args[0]}") from None
-        except InputError as problem:
-            if problem.file is None:
-                key = f"{GROUP}.{problem.key}"
-                raise InputError(
-                    file=path, key=key, value=problem.value, allowed=problem.allowed
-                ) from None
-            raise
-        except (TypeError, ValueError):
-            raise InputError("holds what is no number", file=path, key=GROUP) from None
-
-
-def _content(path):
-    CompressionLaw.from_json(path)  # refuses what is no compression law
-    return json.loads(Path(path).read_text(encoding="utf-8-sig"))

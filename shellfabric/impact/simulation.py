@@ -25,7 +25,6 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver import guards
 from shellfabric.driver.solver import Hook, run_to_end
-from shellfabric.impact.outcome import Outcome
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.jit import compile_in_child
 from shellfabric.output import checkpoint, histories
@@ -34,10 +33,11 @@ from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Grip, PullIn
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
+from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import (
     WINDOWING_FRICTION,
@@ -507,7 +507,7 @@ class ImpactSetup:
 
 
 @dataclass(frozen=True)
-class ImpactResult(Outcome):
+class ImpactResult:
     """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
 
     Parameters
@@ -572,6 +572,45 @@ class ImpactResult(Outcome):
     slips: tuple[SlipSummary, ...] = ()
     failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
     step_factor: float = 1.0
+
+    @property
+    def strike_energy(self) -> float:
+        """[J]"""
+        return self.setup.projectile.energy(self.setup.strike_velocity)
+
+    @property
+    def energy_error_max(self) -> float:
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
+
+    @property
+    def mirrored(self) -> tuple[bool, bool]:
+        """(x, y), True if the modelled part continues mirrored beyond x = 0 or y = 0."""
+        return SYMMETRIES[self.setup.symmetry]
+
+    @property
+    def rigidity(self) -> Rigidity | None:
+        """What says whether a rigid projectile is enough.
+
+        Its contact is compared with the period of the bar that it is, or would be if it were of steel. None for other
+        shapes than a flat cylinder, and if the fabric was never touched.
+        """
+        shot = self.setup.projectile
+        try:
+            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+            if bar is None:
+                return None
+            t, force = self.step_history[:, 0], self.step_history[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(
+                contact_time(t, force, bar.period),
+                bar.period,
+                held,
+                bar.yield_force,
+                elastic=shot.bar is not None,
+            )
+        except InputError:
+            return None
 
     @property
     def panels(self) -> tuple[Panel, ...]:

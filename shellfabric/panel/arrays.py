@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.ply_law import packing_stiffness
+from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros

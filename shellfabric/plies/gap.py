@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fabrics import ply_laws
 from fabrics.data_sheet import entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE
-from fabrics.ply_law import TESTED, PlyLaw, between_plies
+from fabrics.ply_law import PlyLaw
+from fabrics.ply_laws import TESTED, between_plies
 
 
 def compression_gap(areal_density: float, plies: int = TESTED) -> float:
@@ -59,7 +61,7 @@ def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
 
 def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
     """The gap between plies of two fabrics with their own contact laws: the mean of both."""
-    one, other = (ply_gap(fabric, PlyLaw.of(fabric)) for fabric in (front, rear))
+    one, other = (ply_gap(fabric, ply_laws.default(fabric)) for fabric in (front, rear))
     value, low, high = (
         0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high")
     )

@@ -24,6 +24,7 @@ from math import cos, inf, pi, remainder, sin
 
 import numpy as np
 
+from fabrics import ply_laws
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.ply_law import PlyLaw
@@ -79,7 +80,7 @@ class Pack:
                 raise InputError(key="ply_gap", value=gap, allowed="at least 0")
         if not self.laws:
             own = {
-                id(ply): PlyLaw.of(ply.fabric)
+                id(ply): ply_laws.default(ply.fabric)
                 for ply in self.plies[: len(self.plies) if self.gaps else 0]
             }
             laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
@@ -136,7 +137,7 @@ class Pack:
         stacking : "aligned" or "alternating"
         gap : [m] between all plies; None takes that of `gap.ply_gap`
         contact, friction : as of a Pack
-        law : PlyLaw of two of these plies; None takes that of the fabric (`PlyLaw.of`)
+        law : PlyLaw of two of these plies; None takes that of the fabric (`ply_laws.default`)
 
         Raises
         ------
@@ -146,7 +147,7 @@ class Pack:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
-        law = law or (PlyLaw.of(ply.fabric) if plies > 1 else None)
+        law = law or (ply_laws.default(ply.fabric) if plies > 1 else None)
         if gap is None:
             gap = ply_gap(ply.fabric, law).value if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, ply_laws
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
-from fabrics.ply_law import PlyLaw, between_plies
+from fabrics.ply_law import PlyLaw
+from fabrics.ply_laws import between_plies
 from shellfabric.plies.gap import compression_gap, ply_gap
 
 CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
@@ -18,7 +19,7 @@ CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
 def fabric():
     """S-728 with a law like the platen curve of its 3D crossover."""
     plain, x = catalogue.load("S-728"), np.linspace(0.0, 1.0, 25)
-    stiffness = PlyLaw.solid(plain).stiffness
+    stiffness = ply_laws.solid_fibre(plain).stiffness
     return replace(
         plain,
         ply_contact=PlyLaw(190.6e-6 * x, PLATEN_PRESSURE * x**3, stiffness, "platens", "computed"),
@@ -27,11 +28,14 @@ def fabric():
 
 def test_the_fabrics_own_law_comes_first_and_then_solid_fibre(fabric):
     """E_c rho_f / areal density."""
-    assert (PlyLaw.of(fabric).status, PlyLaw.of(fabric)) == ("computed", fabric.ply_contact)
+    assert (ply_laws.default(fabric).status, ply_laws.default(fabric)) == (
+        "computed",
+        fabric.ply_contact,
+    )
     for name in catalogue.list_names():
         plain = catalogue.load(name)
-        law, yarn = PlyLaw.of(plain), plain.weave.warp
-        assert law == PlyLaw.solid(plain)
+        law, yarn = ply_laws.default(plain), plain.weave.warp
+        assert law == ply_laws.solid_fibre(plain)
         assert law.status == "assumed"
         assert law.pressure_at(1e-6) == pytest.approx(1e-6 * law.stiffness)
         E_c = assumed.with_solid_laws(plain).solid_laws[0].E_c
@@ -42,7 +46,7 @@ def test_the_fabrics_own_law_comes_first_and_then_solid_fibre(fabric):
 
 def test_pressure_law_of_packs_is_eq_5_4(fabric):
     """d_f = (d_N - d_1) / (N - 1); the pressure counts from that of 10 N."""
-    law = PlyLaw.of_packs(fabric)
+    law = ply_laws.of_packs(fabric)
     four, one = (PlateCurve.pressure_law(fabric.areal_density_measured, plies) for plies in (4, 1))
     for P in np.array([0.1, 1.0, 10.0]) * 1e6:
         expected = (four.at(P) - one.at(P)) / 3
@@ -56,7 +60,7 @@ def test_pressure_law_of_packs_is_eq_5_4(fabric):
 
 def test_what_the_law_closes_is_not_in_the_gap_again(fabric):
     """Gap and law close together what the test of packs closes; a law that closes more leaves no gap."""
-    solid, packs = PlyLaw.solid(fabric), PlyLaw.of_packs(fabric)
+    solid, packs = ply_laws.solid_fibre(fabric), ply_laws.of_packs(fabric)
     assert ply_gap(fabric).value == pytest.approx(0.12e-3)
     assert ply_gap(fabric, solid).value + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(
         0.12e-3
@@ -69,18 +73,18 @@ def test_what_the_law_closes_is_not_in_the_gap_again(fabric):
 def test_csv_and_law_json(tmp_path, fabric):
     """A user's columns in either order; and law.json of a calibration, which holds both laws."""
     (tmp_path / "curve.csv").write_text(CSV)
-    law = PlyLaw.read(tmp_path / "curve.csv", fabric)
+    law = ply_laws.read(tmp_path / "curve.csv", fabric)
     assert (law.travel, law.pressure[-1], law.status) == (
         pytest.approx(9e-5),
         pytest.approx(2e6),
         "user",
     )
     CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "law.json", fabric.ply_contact)
-    assert PlyLaw.read(tmp_path / "law.json", fabric) == fabric.ply_contact
+    assert ply_laws.read(tmp_path / "law.json", fabric) == fabric.ply_contact
     assert CompressionLaw.from_json(tmp_path / "law.json").a == 4e-5
-    assert PlyLaw.held_by(tmp_path / "law.json")
+    assert ply_laws.stands_in(tmp_path / "law.json")
     CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "old.json")
-    assert not PlyLaw.held_by(tmp_path / "old.json")
+    assert not ply_laws.stands_in(tmp_path / "old.json")
 
 
 def test_table_of_a_fabric_file(tmp_path, fabric):

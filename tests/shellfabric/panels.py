@@ -6,7 +6,7 @@ from math import perm
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.ply_law import packing_stiffness
+from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END

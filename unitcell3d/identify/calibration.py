@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from fabrics import ply_laws
 from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
@@ -215,7 +216,7 @@ def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
     source = f"3D crossover of {fabric.name} between platens, {size} mesh"
     if left_out:
         source += f", {left_out} steps of falling force left out"
-    return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
+    return PlyLaw(at, curve(at) ** 3, ply_laws.solid_fibre(fabric).stiffness, source, "computed")
 
 
 def samples(history: Record, *columns: FloatArray) -> tuple[FloatArray, ...]:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import weavecell as wc
+from fabrics import ply_laws
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.ply_law import PlyLaw
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
 from shellfabric.output.wave_fronts import fronts
@@ -129,7 +129,7 @@ def setup(
         contact is not None
     ):  # other laws reach the stiffness that bounds the step only at high pressures
         own |= {"contact": UncheckedContact(**contact)}
-        keywords["ply_contact"] = PlyLaw.solid(wc.fabric(str(fabric)))
+        keywords["ply_contact"] = ply_laws.solid_fibre(wc.fabric(str(fabric)))
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
     with warnings.catch_warnings(action="ignore"):  # notes of sliding crossovers
         made = replace(wc.setup(cloth, velocity, **keywords), **own)

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 import weavecell as wc
-from fabrics import catalogue, variants
+from fabrics import catalogue, ply_laws, variants
 from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
-from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation
@@ -102,7 +101,7 @@ def setup(
     used = changed_fabric(fabric, **change)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
-        keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
+        keywords["ply_gap"] = ply_gap(used, ply_laws.default(used)).value + wider
     keywords["projectile"] = PROJECTILE
     if isinstance(projectile, dict):
         keywords["projectile"] = PROJECTILE | projectile

@@ -4,8 +4,6 @@ The folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`fabrics.record`)
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
-
-A yarn pulled out adds its slip threshold to the law.json of a calibration, where one is named.
 """
 
 from __future__ import annotations
@@ -28,7 +26,6 @@ from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure, saved
 from weavecell.report import crossover_cases, pictures_crossover
 from weavecell.results import json_file, out_folder, progress
-from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +56,6 @@ def crossover(
     shear_angle: float | str | None = None,
     path: FilePath | None = None,
     pull: float | str | None = None,
-    law: FilePath | None = None,
     out: FilePath | None = None,
 ) -> CrossoverResult:
     """Load the 3D crossover: one yarn pulled straight, platens, biaxial stretch, any path, shear, or yarn pull-out.
@@ -90,7 +86,6 @@ def crossover(
     shear_angle : shear: angle at the end [rad]; 0.6 rad if not given
     path : path: CSV file of corners, headed "d1 [um], d2 [um]"
     pull : pull-out: displacement of the yarn along its axis [m]
-    law : pull-out: law.json of a calibration, to which the slip threshold is added
     out : folder of the results; in Python None writes nothing
 
     Returns
@@ -113,8 +108,6 @@ def crossover(
         mesh if isinstance(mesh, str) else str(mesh).strip("()"),
     )
     fabric = meshes.of_3d(fabric)
-    if law is not None:  # refused before anything is computed
-        build.laws_of(fabric, law)
     run = kind.run(fabric, **options)
     part = _domain(case, domain)
     with out_folder.held(out) as folder:
@@ -127,12 +120,6 @@ def crossover(
         saved(result, folder)
     if record.failed:
         raise UnstableError(record.failed, result=result)
-    if law is not None:
-        from unitcell3d.cases import pull_out
-
-        pull_out.fit(record, text).add_to(
-            law
-        )  # the slip threshold, to the law.json of a calibration
     result.warn()
     return result
 
@@ -329,9 +316,7 @@ def _shear(fabric, shear_angle=0.6, end_displacement=0.0, failure=False, frictio
     return partial(periodic_cell.shear, fabric=fabric, **options)
 
 
-def _pull_out(
-    fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION, law=None
-):
+def _pull_out(fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION):
     from unitcell3d.cases import pull_out
 
     family = FAMILIES.index(yarn)
@@ -386,7 +371,7 @@ CASES = {
     "pull-out": Case(
         _pull_out,
         ("whole",),
-        ("friction", "yarn", "end_displacement", "pressure", "pull", "law"),
+        ("friction", "yarn", "end_displacement", "pressure", "pull"),
         *_PULL_OUT,
     ),
 }

@@ -18,14 +18,13 @@ from fabrics.errors import InputError, InputErrors, nearest, together
 from weavecell.scenes.target import STANDARD
 
 if TYPE_CHECKING:
-    from fabrics.compression import CompressionLaw
+    from fabrics.compression import CompressionLaw, HasLaw
     from fabrics.ply_law import PlyLaw
     from fabrics.surface import ResponseSurface
-    from weavecell.api.calibration import CalibrationResult
     from weavecell.scenes.impact import Scene
 
     Law: TypeAlias = (
-        CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+        CompressionLaw | tuple[CompressionLaw, CompressionLaw] | HasLaw | FilePath | None
     )
 
 __all__ = ["DEFAULTS", "Keywords", "scene"]

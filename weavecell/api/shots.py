@@ -384,7 +384,6 @@ class ShotResult(ImpactRecord, Result):
         InputError : as `case`
         """
         from weavecell.report import chapters_discretisation, checks, page
-        from weavecell.report.shot import shot_page
         from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
@@ -417,11 +416,63 @@ class ShotResult(ImpactRecord, Result):
         if not {"pictures", "report"} & set(outputs):
             return
         used = target.setup if self.pair is None else self.pair.setup
-        sections = shot_page.sections(self, used)
+        sections = self._sections(used)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(shot_page.page(self, used, sections, stamp), out / "report.html")
+            page.write(self._page(used, sections, stamp), out / "report.html")
+
+    def _sections(self, setup):
+        """The chapters that have pictures or follow from options; `setup` is what was run."""
+        from weavecell.report import chapters, chapters_discretisation
+        from weavecell.report.page import Figure
+        from weavecell.report.shot import chapters_shot, moving, view
+
+        case, scene, used = self.case, self.case.scene, setup.meshed
+        caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
+        film = Figure(view.cut_in_motion(self), "gif", caption, "cut")
+        sections = [
+            moving.section(self, moving.of_shapes(self, self.instants), [film]),
+            chapters_shot.chapter(self, view.still(self)),
+            chapters_shot.mesh(self, used),
+        ]
+        if self.pair is not None:
+            sections.append(chapters_discretisation.section(self.pair))
+        if self.assumed_range is not None:
+            sections.append(chapters_shot.assumed(self.assumed_range))
+        if self.measured:
+            places = scene.history.report_positions if scene.history else ()
+            for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
+                number = ply + 1 if self.pack else None
+                sections.append(chapters_shot.measures(self.measured[ply], places, number))
+        sections += chapters_shot.body(self)
+        if case.surface is None:
+            options = chapters.options(scene.fabric)
+            laws = {case.law_name: case.laws}
+            sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model, **options))
+        lines = list(self.assumed)
+        if self.pack:
+            lines += [self.gap_words, self.contact_words]
+        sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
+        return sections
+
+    def _page(self, setup, sections, stamp):
+        """The report with the chapters of `_sections`; `setup` is what was run."""
+        from weavecell.report import chapters, checks
+        from weavecell.report.shot import chapters_shot
+
+        return chapters.report(
+            self.title,
+            chapters.struck(setup, self.case.scene, velocity=True),
+            setup.fabrics,
+            (chapters_shot.card(self), *chapters.law_cards(self.case)),
+            (*sections, checks.section(self.checks)),
+            stamp,
+            {"time integration": self.wall_time},
+            chapters_shot.outcome(self),
+            self.outcome,
+            chapters_shot.cost(self, setup.meshed),
+        )
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation

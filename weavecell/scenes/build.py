@@ -9,13 +9,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, ply_laws
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
-from fabrics.ply_law import PlyLaw
 from fabrics.schema import Table, entries, tables
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
@@ -193,12 +192,15 @@ def _sheared(fabric, need, file):
 
 
 def _with_ply_contact(fabric, choice, law):
-    """The fabric with the contact law of plies of `choice` (`PlyLaw.chosen`), or that the file `law` holds."""
+    """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file `law` holds."""
     if choice is not None:
-        return replace(fabric, ply_contact=PlyLaw.chosen(choice, fabric))
-    if isinstance(law, (str, Path)) and law != "published" and PlyLaw.held_by(law):
-        return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
-    PlyLaw.of(fabric)  # refuses a fabric without data
+        contact = ply_laws.choose(choice, fabric)
+        if choice != law:  # whose change has been told
+            _warn_of_change(ply_laws.fitted_data(choice), fabric, str(choice))
+        return replace(fabric, ply_contact=contact)
+    if isinstance(law, (str, Path)) and law != "published" and ply_laws.stands_in(law):
+        return replace(fabric, ply_contact=ply_laws.read(law, fabric))
+    ply_laws.default(fabric)  # refuses a fabric without data
     return fabric
 
 
@@ -288,12 +290,15 @@ def laws_of(
             raise InputError(key="law", value=written, allowed=allowed)
         value = str(written) if isinstance(written, (str, Path)) else None
         law.require_fabric(fabric.name, file=file, key=key, value=value)
-        if law.fitted_data and law.fitted_data != data_digest(fabric):
-            LOG.warning(
-                f"{value or 'law'} {CHANGED.format(fabric.name)}: `weavecell calibrate` again"
-            )
+        _warn_of_change(law.fitted_data, fabric, value or "law")
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft
+
+
+def _warn_of_change(fitted_data, fabric, name):
+    """Warn if a law was fitted to other data of the fabric; `fitted_data` is their digest, empty if not known."""
+    if fitted_data and fitted_data != data_digest(fabric):
+        LOG.warning(f"{name} {CHANGED.format(fabric.name)}: `weavecell calibrate` again")
 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest_tools import advance, collide, far_from_nose, same
 
+from fabrics import ply_laws
 from fabrics.errors import InputError
 from fabrics.ply_law import PlyLaw
 from shellfabric.plies.frame_kernels import BEHIND
@@ -34,7 +35,7 @@ def test_far_behind_is_a_single_ply(ply, monkeypatch):
 def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
     """The wave that a nose drives into a pack leaves plies nearer to each other by v sqrt(A / K): more than their
     thickness, where the guard takes over."""
-    pack = Pack.stacked(ply, 4, gap=0.0, law=PlyLaw.solid(ply.fabric))
+    pack = Pack.stacked(ply, 4, gap=0.0, law=ply_laws.solid_fibre(ply.fabric))
     step = pack.time_step
     assert step == pytest.approx(0.45 * (ply.weave.areal_density / pack.laws[0].stiffness) ** 0.5)
     assert step < ply.time_step

@@ -225,9 +225,7 @@ def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
             assert meaning in told
 
 
-_TYPES = dict.fromkeys(
-    ("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "CalibrationResult"), object
-)
+_TYPES = dict.fromkeys(("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "HasLaw"), object)
 
 
 def _choices(kind):

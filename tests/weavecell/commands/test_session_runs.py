@@ -12,7 +12,6 @@ from PIL import Image
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
-from fabrics.friction.pull_out import PullOutLaw
 from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
@@ -230,12 +229,6 @@ def test_files_of_the_3d_crossover_are_read_back(results):
     assert (law.a, law.b) == pytest.approx(
         (told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12
     )
-    found = summary_of(results("crossover"), "crossover")["found"]
-    file = results("crossover").folder.parent / "law.json"
-    slip = PullOutLaw.from_json(file)
-    assert list(slip.F_c) == pytest.approx(found["contact forces in slip [N]"])
-    assert slip.mu_eff == pytest.approx(found["effective coefficient, mu_eff [-]"])
-    assert CompressionLaw.from_json(file).a == pytest.approx(4.5e-5)
     surface = ResponseSurface.read(results("surface").folder / "surface.h5")
     assert np.allclose([surface.d1, surface.d2], [np.linspace(0, 1e-5, 5), np.linspace(0, 8e-6, 5)])
     # the shell's cell is another model of the same crossover: near, and not the same

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import catalogue
+from fabrics import catalogue, ply_laws
 from fabrics.compression import CompressionLaw
 from fabrics.variants import data_digest, with_linear_density
 from tests.scene_text import merged, toml
@@ -41,6 +41,19 @@ def test_what_a_law_was_fitted_to_is_compared(tmp_path, caplog, change):
         build.laws_of(fabric_of({}), path)
         assert not caplog.records
         build.laws_of(fabric_of(CHANGES[change]), path)
+    assert f"{path} was fitted to other data of mine than it has now" in caplog.text
+
+
+def test_a_contact_law_of_plies_that_was_fitted_to_other_data_is_told(tmp_path, caplog):
+    first, changed = fabric_of({}), fabric_of(CHANGES["modulus"])
+    law = CompressionLaw(4e-5, 5e-5, fabric=first.name, fitted_data=data_digest(first))
+    path = tmp_path / "law.json"
+    law.to_json(path, ply_laws.solid_fibre(first))
+    with caplog.at_level(logging.WARNING, "weavecell"):
+        build._with_ply_contact(first, path, None)
+        build._with_ply_contact(changed, "solid", None)
+        assert not caplog.records
+        build._with_ply_contact(changed, path, None)
     assert f"{path} was fitted to other data of mine than it has now" in caplog.text
 
 

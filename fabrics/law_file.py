@@ -1,0 +1,44 @@
+"""The file law.json: a compression law, and the contact law of plies beside it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+
+FORMAT = "weavecell compression law 1"
+
+
+def read(path: FilePath) -> dict[str, Any]:
+    """The content of a law.json.
+
+    Raises
+    ------
+    InputError : no such file, not JSON, or another format
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as problem:
+        raise InputError(
+            "cannot be read", file=path, allowed=f"a compression law ({problem.strerror})"
+        ) from problem
+    except ValueError as problem:
+        raise InputError(
+            "is not JSON", file=path, allowed=f"a compression law ({problem})"
+        ) from problem
+    found = content.get("format") if isinstance(content, dict) else None
+    if found != FORMAT:
+        raise InputError(file=path, key="format", value=found, allowed=repr(FORMAT))
+    return content
+
+
+def write(path: FilePath, content: Mapping[str, Any]) -> None:
+    """Write a law.json, whole or not at all."""
+    with write_whole(path) as file:
+        json.dump({"format": FORMAT, **content}, file, indent=2)
+        file.write("\n")
