@@ -29,6 +29,7 @@ def biaxial(
     *,
     max_displacement: float | None = None,
     beyond: float = 1.0,
+    pressed: float | None = None,
     numerics: Numerics | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
@@ -42,6 +43,7 @@ def biaxial(
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
     max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
     beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres that fail go on
+    pressed : [-] contact force over the one at which a fibre first fails, with which the path ends too; None: no matter
     numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
 
     Returns
@@ -67,7 +69,10 @@ def biaxial(
         # no path goes on longer than to a straight yarn
         straight = displacements_at_failure(fabric, beyond)
         max_displacement = min(d / part for d, part in zip(straight, shares) if part > 0)
-        stop = _worst_yarn([beyond * yarn.failure_strain for yarn in fabric.weave.yarns])
+        limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
+        stop = _worst_yarn(beyond * limits)
+        if pressed is not None:
+            stop = _worst_yarn_or_force(limits, beyond, pressed)
     else:
         stop = None
     model = CrossoverModel(crossover, fabric, numerics)
@@ -86,6 +91,22 @@ def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float
 
 def _worst_yarn(limits):
     return lambda row: float(np.max(row["fibre_strain_mean"] / limits))
+
+
+def _worst_yarn_or_force(limits, beyond, pressed):
+    """As `_worst_yarn` with `beyond` times the limits, or 1 where the contact force is so many times that at them."""
+    strain, seen = _worst_yarn(limits), {}
+
+    def share(row):
+        reached = strain(row)
+        seen[reached] = row["F_c"]
+        if reached <= 1:
+            return reached / beyond
+        strains = sorted(seen)
+        at_limit = np.interp(1.0, strains, [seen[one] for one in strains])
+        return max(reached / beyond, row["F_c"] / (pressed * at_limit))
+
+    return share
 
 
 def plate_compression(

@@ -245,18 +245,18 @@ def glass_strip(law, length, width, elongation, **choices):
 
 @pytest.mark.parametrize("softer", [1, 4])
 def test_a_strip_of_dry_glass_carries_the_load_of_its_zones(softer):
-    """Yarns 3e5 and 1.2e6 times as stiff as the shear."""
+    """Yarns 3e5 and 1.2e6 times as stiff as the shear; a short strip of small elongations."""
     law = replace(GLASS, G1=GLASS.G1 / softer, G2=GLASS.G2 / softer)
-    run, ratio = glass_strip(law, 0.06, 0.025, 0.009, steps=6)
-    print(ratio)
+    run, ratio = glass_strip(law, 0.06, 0.025, 0.0045, steps=3, elements_per_crossover=2)
+    assert run.coupon.yarn_share == pytest.approx(0.0968 / softer, rel=1e-3)
     assert quasistatic.softened_work(run.coupon, run.states[-1]) < 0.01
-    assert np.all((ratio > 0.9) & (ratio < 1))
+    assert ratio == pytest.approx(1.0, abs=0.03)
 
 
 @pytest.mark.slow(60)
 def test_the_published_strip_of_dry_glass():
+    """The zones' load or up to 10 % less: 0.908 at 3.4 mm, where yarns first give up their crimp, 0.98 at 34 mm."""
     run, ratio = glass_strip(GLASS, 0.23, 0.115, 0.034, steps=10)
-    print(ratio)
     assert quasistatic.softened_work(run.coupon, run.states[-1]) < 0.01
     assert np.all((ratio > 0.9) & (ratio < 1))
 
@@ -276,8 +276,9 @@ def test_the_share_of_softer_yarns_takes_what_halving_it_takes(monkeypatch):
         states.append(glass_strip(GLASS, 0.06, 0.025, 0.009, steps=6)[0])
     soft, stiff = (sum(run.states[-1].energies) for run in states)
     taken = quasistatic.softened_work(states[1].coupon, states[1].states[-1])
-    print(1-soft/stiff, taken, states[0].force(1,1)/states[1].force(1,1))
     assert 1 - soft / stiff == pytest.approx(taken, rel=0.3)
+    loads = [run.force(1, 1) for run in states]
+    assert loads[0] == pytest.approx(loads[1], rel=0.01)
 
 
 def test_coupons_of_the_thesis_have_the_stiffness_of_their_yarns():
