@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 ZONES = ("A", "B", "C")
 # [-] yarns over shear: of 1e4, 3e4, 1e5 and 3e5 the greatest at which strips of dry glass weave find an equilibrium
 STIFFEST = 3e4
-MOST_SOFTENED = 0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
+MOST_SOFTENED = (
+    0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
+)
 BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shears as one stays below 1.5
 
 
