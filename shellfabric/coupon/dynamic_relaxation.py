@@ -200,7 +200,8 @@ def _start(body, x, held, states, load, target, force_floor):
 def _not_settled(body, state, held, tolerance):
     return UnstableError(
         f"no equilibrium was found: after {state.iterations} iterations the out-of-balance force is "
-        f"{state.residual:.2g} of the reaction, the tolerance is {tolerance:g}",
+        f"{state.residual:.2g} of the reaction, the tolerance is {tolerance:g}; "
+        "try more load steps, or more iterations (max_iterations)",
         where=f"node {_worst(body, state, held)}",
         when=f"at {state.load:.3g} of the load",
     )

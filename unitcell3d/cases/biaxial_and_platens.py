@@ -36,6 +36,7 @@ def biaxial(
     *,
     max_displacement: float | None = None,
     beyond: float = 1.0,
+    pressed: float | None = None,
     numerics: Numerics | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
@@ -52,6 +53,8 @@ def biaxial(
         fibre failure
     beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres
         that fail go on
+    pressed : [-] contact force over the one at which a fibre first fails, with which the path ends
+        too; None: the path does not look at it
     numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`,
         `path_following.follow`
 
@@ -71,7 +74,10 @@ def biaxial(
         # no path goes on longer than to a straight yarn
         straight = displacements_at_failure(fabric, beyond)
         max_displacement = min(d / part for d, part in zip(straight, shares) if part > 0)
-        stop = _worst_yarn([beyond * yarn.failure_strain for yarn in fabric.weave.yarns])
+        limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
+        stop = _worst_yarn(beyond * limits)
+        if pressed is not None:
+            stop = _worst_yarn_or_force(limits, beyond, pressed)
     model = CrossoverModel(crossover, fabric, numerics)
     end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
     facts = {"case": f"biaxial {shares[0]:g} : {shares[1]:g}"}
@@ -109,6 +115,22 @@ def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float
 
 def _worst_yarn(limits):
     return lambda row: float(np.max(row["fibre_strain_mean"] / limits))
+
+
+def _worst_yarn_or_force(limits, beyond, pressed):
+    """As `_worst_yarn` with `beyond` times the limits, or 1 where the contact force is so many times that at them."""
+    strain, seen = _worst_yarn(limits), {}
+
+    def share(row):
+        reached = strain(row)
+        seen[reached] = row["F_c"]
+        if reached <= 1:
+            return reached / beyond
+        strains = sorted(seen)
+        at_limit = np.interp(1.0, strains, [seen[one] for one in strains])
+        return max(reached / beyond, row["F_c"] / (pressed * at_limit))
+
+    return share
 
 
 def plate_compression(

@@ -32,6 +32,8 @@ PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 
 # both yarns at their failure strain together, where a shot presses them hardest on each other, and on by a tenth for
 # the contact force of the cell, up to a tenth above that in 3D (docs/reports/material-tests.md), and by another
 BOTH, BEYOND = "both beyond failure", 1.2
+# of a fabric without a published law, whose shots press harder: to a force over the one at failure, or to that strain
+PRESSED, FARTHEST = 1.5, 2.0
 CASES = len(PATHS) + 2  # of a fabric: the paths, that of both yarns, and the platens
 
 
@@ -39,7 +41,8 @@ CASES = len(PATHS) + 2  # of a fabric: the paths, that of both yarns, and the pl
 class Job:
     """One path of one fabric; `ratio` (d1, d2), or None between plates; `friction` Coulomb's coefficient.
 
-    `beyond` is the mean fibre strain at its end over the failure strain; fibres do not fail.
+    `beyond` is the mean fibre strain at its end over the failure strain; fibres do not fail. With `pressed` it ends too
+    where the contact force is so many times the one at failure.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Job:
     ratio: tuple | None
     friction: float = 0.0
     beyond: float = 1.0
+    pressed: float | None = None
 
     @property
     def numerics(self) -> Numerics:
@@ -58,7 +62,16 @@ class Job:
     def key(self) -> str:
         """Key of its result: of what it is solved with, and of the code."""
         return run_cache.key(
-            (self.fabric, self.size, self.ratio, self.beyond, self.numerics, Steps()), __name__
+            (
+                self.fabric,
+                self.size,
+                self.ratio,
+                self.beyond,
+                self.pressed,
+                self.numerics,
+                Steps(),
+            ),
+            __name__,
         )
 
     def file(self, folder: FilePath) -> Path:
@@ -78,16 +91,9 @@ def path_jobs(
         for name, ratio in (PATHS if paths is None else paths).items()
     ]
     if paths is None:
-        jobs.append(
-            Job(
-                BOTH,
-                fabric,
-                size,
-                biaxial_and_platens.displacements_at_failure(fabric),
-                friction,
-                BEYOND,
-            )
-        )
+        ratio = biaxial_and_platens.displacements_at_failure(fabric)
+        end = (FARTHEST, PRESSED) if fabric.laws is None else (BEYOND, None)
+        jobs.append(Job(BOTH, fabric, size, ratio, friction, *end))
     return jobs
 
 
@@ -297,6 +303,7 @@ def run_job(job: Job) -> tuple[Record, float]:
             job.fabric,
             job.ratio,
             beyond=job.beyond,
+            pressed=job.pressed,
             numerics=job.numerics,
             hooks=(on_progress,),
         )

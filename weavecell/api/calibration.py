@@ -527,12 +527,12 @@ def _row(name, a, b, rms=None):
 
 def _ended(name, path):
     """Why a path ended."""
-    from unitcell3d.identify.calibrate import BEYOND, BOTH
+    from unitcell3d.identify.calibrate import BOTH
 
     if path.failed:
         return path.failed
     if name != "plates":
-        return f"at {BEYOND:g} times the failure strain" if name == BOTH else "at fibre failure"
+        return "beyond the failure strain" if name == BOTH else "at fibre failure"
     return (
         "at the test's pressure"
         if path["path"][-1] < 1

@@ -320,13 +320,14 @@ class CouponResult(Result):
         """What the test came to, as printed."""
         facts = self.record.facts
         share = facts["yarn_stiffness_share"]
-        softer = [] if share == 1 else [f"yarns computed with {share:.2g} of their stiffness"]
+        work = 100 * facts["softened_work_share"]
+        softer = f"yarns computed with {share:.2g} of their stiffness, which takes {work:.2g} % of the work"
         return [
             *(
                 f"{name:<34}{display.text(values[-1], unit, name)}{self._flag(name)}"
                 for name, (unit, values) in self._measured().items()
             ),
-            *softer,
+            *([softer] if share < 1 else []),
             *self._assumed_laws(),
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s",

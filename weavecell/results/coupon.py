@@ -68,6 +68,8 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
     solved : `shellfabric.coupon.solver.Result`
     facts : further ones that come first, the name of the test among them
     """
+    from shellfabric.coupon.quasistatic import softened_work
+
     test = facts["test"]
     measure = {
         "bias_extension": _bias,
@@ -87,6 +89,7 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
             "outcome": solved.outcome,
             "elements": len(solved.coupon.quads),
             "yarn_stiffness_share": solved.coupon.yarn_share,
+            "softened_work_share": softened_work(solved.coupon, solved.states[-1]),
             "steps": len(solved.prescribed),
             "iterations": sum(state.iterations for state in solved.states),
             "residual_max": max(state.residual for state in solved.states),

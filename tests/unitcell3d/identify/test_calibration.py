@@ -17,7 +17,15 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from unitcell3d.cases.biaxial_and_platens import first_reached
 from unitcell3d.identify.assumed_range import _packed_later
-from unitcell3d.identify.calibrate import BEYOND, BOTH, PATHS, calibrate, calibrate_all
+from unitcell3d.identify.calibrate import (
+    BEYOND,
+    BOTH,
+    PATHS,
+    calibrate,
+    calibrate_all,
+    path_jobs,
+    run_job,
+)
 from unitcell3d.identify.calibration import ONE_LAW
 
 
@@ -54,6 +62,18 @@ def test_the_fitted_range_holds_the_forces_of_shots(found, s720):
         for one in quality.of_cell(table, [yarn.strength for yarn in s720.weave.yarns])
     }
     assert checks["contact force over fitted range"].value < 1
+
+
+@pytest.mark.parametrize("name", ["uhmwpe-1760", "e-glass-300", "aramid-3300"])
+def test_a_fabric_of_a_family_is_pressed_to_one_and_a_half_times_its_limit(name):
+    """Their shots press harder than 1.2 times the failure strain does, which is 1.16 to 1.19 times the force."""
+    file = Path(__file__).parents[2] / "weavecell" / "own_fabrics" / f"{name}.toml"
+    fabric = with_room(assumed.with_solid_laws(assumed.with_shear(catalogue.load(file))))
+    history, _ = run_job(path_jobs(fabric, (2, 2, 2))[-1])
+    limits = [yarn.failure_strain for yarn in fabric.weave.yarns]
+    strain = np.max(history.fibre_strain_mean / limits, axis=1)
+    assert not history.failed
+    assert history.F_c[-1] == pytest.approx(1.5 * np.interp(1.0, strain, history.F_c), rel=0.01)
 
 
 def test_each_path_has_its_own_law_near_the_joint_one(found):

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
+import weavecell
 from tests.scene_text import datasets, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, table_of
@@ -95,3 +96,28 @@ def test_examples_run(command, tmp_path, path):
     assert summary["at_end"]["shear concentration"]["value"] > 3
     assert summary["failure_message"] in (tmp_path / "r" / "report.html").read_text()
     assert len(datasets(tmp_path / "r" / "histories.h5")) > 20
+
+
+def test_a_number_of_an_assumed_law_says_so_in_every_place(tmp_path):
+    """A picture frame of a fabric from a data sheet returns the law that was assumed for it."""
+    file = Path(__file__).parents[1] / "own_fabrics" / "aramid-3300.toml"
+    options = {"shear_angle": 0.4, "crossovers": 2, "steps": 2, "outputs": ["report"]}
+    found = weavecell.coupon(file, "picture_frame", cell_model="incompressible", **options)
+    said = "[shear] of para-aramid yarns"
+    shown = [line for line in found.lines() if line.startswith(("shear stress", "trellis law"))]
+    assert [line[-14:] for line in shown] == [" (assumed law)"] * 2
+    for words in (*found.lines()[-2:-1], found.summary()["assumed"], repr(found)):
+        assert said in words
+    assert said in found.to_dataframe().attrs["assumed"]
+    found.save(tmp_path)
+    written = table_of(tmp_path)
+    for place in (written, written["provenance"], *written["at_end"].values()):
+        assert said in place["assumed"]
+    with h5py.File(tmp_path / "histories.h5") as content:
+        assert said in content.attrs["assumed"]
+    assert said in (tmp_path / "report.html").read_text()
+
+
+def test_no_number_of_a_given_law_is_called_assumed(results):
+    written = table_of(results("coupon").folder)
+    assert "assumed" not in written["at_end"]["shear stress"]
