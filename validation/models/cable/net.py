@@ -95,9 +95,10 @@ class CableNet:
         weave = panel.weave
         const = panel.constants()
         self.setup = setup
-        # sides of an element are those of a crossover but for what fits them into the opening; bars are made longer alike
+        # elements are longer than crossovers so that they fill the opening, and bars with them
         self.S0 = [S0 * d / (2 * w) for S0, d, w in zip(weave.S0, panel.spacing, weave.w)]
-        bars = zip(weave.yarns, panel.yarns_a_line, self.S0)
+        self.yarns_a_line = panel.yarns_a_line
+        bars = zip(weave.yarns, self.yarns_a_line, self.S0)
         stiffness = [yarn.EA * count / S0 for yarn, count, S0 in bars]
         mass = weave.areal_density * const.dx * const.dy
         self.dt, self.cv = time_step(2 * (sum(stiffness) / mass) ** 0.5, cfl, viscosity)
@@ -175,7 +176,8 @@ class CableNet:
         history = np.concatenate(rows)
         clock = self.dt * np.arange(1, len(history) + 1)
         force = 4 * history[:, kernels.NOSE_FORCE]
-        reactions = {"warp": history[:, kernels.MIDDLE], "weft": history[:, kernels.MIDDLE + 1]}
+        middle = history[:, kernels.MIDDLE :] / self.yarns_a_line
+        reactions = {"warp": middle[:, 0], "weft": middle[:, 1]}
         reactions["edges"] = 4 * history[:, kernels.CLAMP_FORCE]
         return NetResult(
             energies | {"error": total - total[0]},
