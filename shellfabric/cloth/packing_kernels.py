@@ -25,7 +25,7 @@ import numpy as np
 from shellfabric.cloth.bending_kernels import rest_length
 from shellfabric.cloth.membrane_kernels import DRAWN_OUT, ONE
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import WIDTH, broadcast, fma, load, minimum, reduce_max
+from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
 
 STIFFNESS, SHARE = 0, 1  # of const.packing
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
@@ -44,7 +44,9 @@ def has_packed(m0, n, s, A, B, share):
         a_y, b_y = load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s)
         a_z, b_z = load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s)
         n_x, n_y, n_z = a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
-        least = minimum(least, fma(n_x, n_x, fma(n_y, n_y, n_z * n_z)))
+        square = fma(n_x, n_x, fma(n_y, n_y, n_z * n_z))
+        # behind the last element lies what the scratch holds of another block
+        least = minimum(least, where(head_mask(m0 + n - j), square, 16.0))
     # the sums of two sides are twice their mean, and their product four times the area
     return -reduce_max(0.0 - least) < 16.0 * share * share
 

@@ -10,6 +10,7 @@ import pytest
 
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
+from shellfabric.driver import guards
 from shellfabric.impact import ballistic_limit, limit_scan
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.limit_scan import ScanRange, scan
@@ -154,6 +155,9 @@ def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
     for shot in again[:2]:
         assert replace(shot, wall_time=0.0) == known[shot.strike_velocity]
     solver = PackSolver(target, found.high, 5e-3, interval=10e-6).run()
+    if solver.step_loss > guards.MOST_STEP_LOSS:  # then a shot is made again, as this one
+        shorter = target.at_shorter_step(guards.SHORTER_STEP)
+        solver = PackSolver(shorter, found.high, 5e-3, interval=10e-6).run()
     assert again[1].residual_velocity == solver.residual_velocity
     assert again[1].peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
     assert again[1].cut_yarns == solver.sample("cut_yarns")[-1] > 0

@@ -222,7 +222,8 @@ def test_a_smaller_time_step_changes_a_shot_little(sliding):
 def test_the_time_step_is_that_of_the_free_yarn(sliding):
     panel = sliding(0.2, numerics=Numerics(threads=1, stretch_viscosity=0.0))
     assert panel.time_step / pinned(panel).time_step == pytest.approx(min(panel.own_masses) ** 0.5)
-    assert sliding(np.inf).time_step == pinned(sliding(np.inf)).time_step
+    # sides of the one are those of the weave, of the other the opening over their number
+    assert sliding(np.inf).time_step == pytest.approx(pinned(sliding(np.inf)).time_step, rel=1e-14)
 
 
 def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):

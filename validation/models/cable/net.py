@@ -2,7 +2,7 @@
 
 Source thesis section 4.4.2: masses at the crossovers, joined along warp and weft by bars that carry tension only. Warp
 and weft share their nodes and nothing else: no crimp exchange, no compression of the yarns, no shear stiffness. Bars of
-natural length S0 whose nodes are L apart have
+natural length S0 whose nodes are L apart (both as much longer than a crossover's as the panel's elements are) have
 
     e = max(L - S0, 0),   T = k e,   k = EA / S0     (crimp is slack, S0 > L at rest; erratum E-18: strain beyond crimp)
 
@@ -95,11 +95,14 @@ class CableNet:
         weave = panel.weave
         const = panel.constants()
         self.setup = setup
-        stiffness = [yarn.EA / S0 for yarn, S0 in zip(weave.yarns, weave.S0)]
-        self.dt, self.cv = time_step(2 * (sum(stiffness) / weave.cell_mass) ** 0.5, cfl, viscosity)
-        law = contact.constants(
-            const.points_per_side, weave.cell_mass, self.dt, penalty, CONTACT_DAMPING
-        )
+        # elements are longer than crossovers so that they fill the opening, and bars with them
+        self.S0 = [S0 * d / (2 * w) for S0, d, w in zip(weave.S0, panel.spacing, weave.w)]
+        self.yarns_a_line = panel.yarns_a_line
+        bars = zip(weave.yarns, self.yarns_a_line, self.S0)
+        stiffness = [yarn.EA * count / S0 for yarn, count, S0 in bars]
+        mass = weave.areal_density * const.dx * const.dy
+        self.dt, self.cv = time_step(2 * (sum(stiffness) / mass) ** 0.5, cfl, viscosity)
+        law = contact.constants(const.points_per_side, mass, self.dt, penalty, CONTACT_DAMPING)
         self.const, self.state = (
             const._replace(dt=self.dt, **law),
             panel.state(setup.strike_velocity),
@@ -107,7 +110,6 @@ class CableNet:
         shape = (const.ni + 1, const.row_stride)
         slots = self.state.mass.size
         n = shape[0] * shape[1]
-        self.S0 = weave.S0
         self.stiffness, self.kick = (
             np.zeros((2, slots)),
             np.tile(self.dt * self.state.inverse_mass, (3, 1)),
@@ -174,7 +176,8 @@ class CableNet:
         history = np.concatenate(rows)
         clock = self.dt * np.arange(1, len(history) + 1)
         force = 4 * history[:, kernels.NOSE_FORCE]
-        reactions = {"warp": history[:, kernels.MIDDLE], "weft": history[:, kernels.MIDDLE + 1]}
+        middle = history[:, kernels.MIDDLE :] / self.yarns_a_line
+        reactions = {"warp": middle[:, 0], "weft": middle[:, 1]}
         reactions["edges"] = 4 * history[:, kernels.CLAMP_FORCE]
         return NetResult(
             energies | {"error": total - total[0]},
