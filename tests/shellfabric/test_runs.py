@@ -361,7 +361,8 @@ def symmetry(kind):
 
 def window(kind):
     """Working only where motion has come gives the very numbers of working everywhere."""
-    wide = setup_of(kind, opening=0.06).target()
+    # wide enough for the window, which grows by two rows a step at most, to stay off the edge
+    wide = setup_of(kind, opening=0.09).target()
     near, _ = begun(kind, wide)
     everywhere, _ = begun(kind, wide)
     everywhere.stack.awake[:] = True
@@ -369,12 +370,14 @@ def window(kind):
         state.active_rows[:] = 0, const.ni
     for solver in (near, everywhere):
         solver.exchange = inf
-        # the window grows by two rows a step at most, and is not to come to the edge
-        solver.advance(np.empty((6, solver.history_columns)))
+        solver.advance(np.empty((9, solver.history_columns)))
     assert near.state.active_rows.tolist() != everywhere.state.active_rows.tolist()
     moved = [[(state.u, state.v) for state in solver.states] for solver in (near, everywhere)]
     assert any(array.any() for _, array in leaves(moved))
-    assert_same(*moved)
+    # the last element of a graded panel fills the opening: its stretch at rest is 1 but for round-off, which moves
+    # its nodes by 1e-35 m where it is computed
+    for (name, mine), (_, theirs) in zip(leaves(moved[0]), leaves(moved[1])):
+        assert_allclose(mine, theirs, rtol=0, atol=1e-25, err_msg=name)
 
 
 def constants(kind):
