@@ -15,7 +15,7 @@ os.environ["WEAVECELL_CACHE_DIR"] = ""  # no table is kept in the folders of who
 # `importorskip("dolfinx")` is not the way in which it is loaded beside VTK: see unitcell3d/assembly/__init__.py
 sys.setdlopenflags = lambda flags: None
 
-LIMIT = 1500  # [MiB] resident, of one process at its peak
+LIMIT = 1800  # [MiB] resident, of one process at its peak
 STATUS = Path("/proc/self/status")
 _growth = {}
 

@@ -26,6 +26,8 @@ FIBRES = {
     "polybenzoxazole": ((1.50, 1.60), (140.0, 270.0), (2.0, 3.6)),
     "carbon": ((1.70, 1.85), (200.0, 270.0), (1.5, 2.1)),
 }
+# [GPa] least and largest strength that a fabric file may give such yarns (fabrics/families)
+STRENGTHS = {"aramid": (1.5, 4.5), "polyethylene": (1.5, 5.0), "glass": (0.5, 4.0)}
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
 PLIES = (1, 1, 2, 3, 4)
 PACKS = (2, 3, 4, 5, 6, 8)
@@ -165,7 +167,8 @@ class Draw:
 
 def sample_fabric(draw, name) -> dict:
     """The table of a fabric file: yarns of one class of fibres; half of the fabrics have two like yarns."""
-    density, modulus, strain = FIBRES[draw.choice(tuple(FIBRES))]
+    fibre = draw.choice(tuple(FIBRES))
+    density, modulus, strain = FIBRES[fibre]
     alike = draw.choice((True, False))
     warp = None
     found = {"name": f"{name}-fabric"}
@@ -178,6 +181,9 @@ def sample_fabric(draw, name) -> dict:
                 "failure_strain": draw.uniform(*strain),
             }
         tex, rho, E, e = warp.values()
+        if fibre in STRENGTHS:
+            weakest, strongest = (100 * strength / E for strength in STRENGTHS[fibre])
+            e = min(max(e, 1.02 * weakest), 0.98 * strongest)
         found[family] = {
             "linear_density": _text(tex, "tex"),
             "fibre_density": _text(rho, "g/cm^3"),
@@ -187,6 +193,8 @@ def sample_fabric(draw, name) -> dict:
             "count": _text(draw.uniform(0.5, 1.0) * 150 / math.sqrt(tex), "/cm"),
         }
         found.setdefault("compression", {})[family] = _law(draw, thickness_of(tex, rho))
+    for family, law in found["compression"].items():
+        found["compression"][family] = _thinner(law, _heights(found))
     locking = (
         0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))
     )  # [MPa], E-07
@@ -212,6 +220,20 @@ def _law(draw, thickness):
     }
 
 
+def _thinner(law, heights):
+    """The law, or one of its form whose closures stay below the yarns' mean height, half of `heights` [mm]."""
+    a, unit = law["a"].split()
+    share = min(1.0, 0.45 * heights / float(a))
+    b, b_unit = law["b"].split(" ", 1)
+    return {"a": _text(share * float(a), unit), "b": _text(share * float(b), b_unit)}
+
+
+def _heights(fabric):
+    """[mm] height of the warp and the weft of a fabric together, at the least."""
+    pairs = (("warp", "weft"), ("weft", "warp"))
+    return sum(_height(fabric[family], fabric[other]) for family, other in pairs)
+
+
 def thickness_of(tex, density):
     """[mm] of a yarn of a linear density [tex] and fibre density [g/cm3] in a weave."""
     area = 1e-3 * tex / density / _PACKING
@@ -229,12 +251,9 @@ def sample_cell(draw, fabric, thickness) -> dict:
         found["cell_profile"] = "straight"
     if draw.chance(0.1):
         found["cell_formulation"] = "equilibrium"
-    heights = sum(
-        _height(fabric[family], fabric[other])
-        for family, other in (("warp", "weft"), ("weft", "warp"))
-    )
+    heights = _heights(fabric)
     if found["cell_model"] == "compressible" and draw.chance(0.4):
-        law = _law(draw, thickness)
+        law = _thinner(_law(draw, thickness), heights)
         found["law"] = {"a": law["a"], "b": law["b"].replace(" * ", " ")}
     if found["cell_model"] != "decoupled" and draw.chance(0.3):
         found["crossover_gap"] = _text(draw.uniform(0, 0.5) * heights, "mm")
