@@ -26,8 +26,9 @@ FIBRES = {
     "polybenzoxazole": ((1.50, 1.60), (140.0, 270.0), (2.0, 3.6)),
     "carbon": ((1.70, 1.85), (200.0, 270.0), (1.5, 2.1)),
 }
-# [GPa] least and largest strength that a fabric file may give such yarns (fabrics/families)
-STRENGTHS = {"aramid": (1.5, 4.5), "polyethylene": (1.5, 5.0), "glass": (0.5, 4.0)}
+# fibre density [g/cm3] of aramid, polyethylene and glass: least and largest strength [GPa] that a fabric file may
+# give such yarns (fabrics/families)
+STRENGTHS = {(1.38, 1.48): (1.5, 4.5), (0.95, 1.00): (1.5, 5.0), (2.45, 2.65): (0.5, 4.0)}
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
 PLIES = (1, 1, 2, 3, 4)
 PACKS = (2, 3, 4, 5, 6, 8)
@@ -167,8 +168,7 @@ class Draw:
 
 def sample_fabric(draw, name) -> dict:
     """The table of a fabric file: yarns of one class of fibres; half of the fabrics have two like yarns."""
-    fibre = draw.choice(tuple(FIBRES))
-    density, modulus, strain = FIBRES[fibre]
+    density, modulus, strain = FIBRES[draw.choice(tuple(FIBRES))]
     alike = draw.choice((True, False))
     warp = None
     found = {"name": f"{name}-fabric"}
@@ -181,9 +181,7 @@ def sample_fabric(draw, name) -> dict:
                 "failure_strain": draw.uniform(*strain),
             }
         tex, rho, E, e = warp.values()
-        if fibre in STRENGTHS:
-            weakest, strongest = (100 * strength / E for strength in STRENGTHS[fibre])
-            e = min(max(e, 1.02 * weakest), 0.98 * strongest)
+        e = _possible_strain(rho, E, e)
         found[family] = {
             "linear_density": _text(tex, "tex"),
             "fibre_density": _text(rho, "g/cm^3"),
@@ -209,6 +207,14 @@ def sample_fabric(draw, name) -> dict:
         family: dict(_SOLID) for family in ("warp", "weft")
     }  # yarns of no known fibre have none assumed
     return found
+
+
+def _possible_strain(density, modulus, strain):
+    """[%] failure strain, or the nearest with which yarns of this density and modulus have a strength of their kind."""
+    for (least, most), (weakest, strongest) in STRENGTHS.items():
+        if least <= density <= most:
+            return min(max(strain, 102 * weakest / modulus), 98 * strongest / modulus)
+    return strain
 
 
 def _law(draw, thickness):
@@ -390,7 +396,12 @@ def sample_other(draw, fabric, name) -> dict:
     modulus = draw.uniform(0.6, 1.5)
     for family in ("warp", "weft"):
         found[family]["count"] = _text(counts * _number(fabric[family]["count"]), "/cm")
-        found[family]["modulus"] = _text(modulus * _number(fabric[family]["modulus"]), "GPa")
+        stiffness = modulus * _number(fabric[family]["modulus"])
+        found[family]["modulus"] = _text(stiffness, "GPa")
+        density, strain = (
+            _number(found[family][key]) for key in ("fibre_density", "failure_strain")
+        )
+        found[family]["failure_strain"] = _text(_possible_strain(density, stiffness, strain), "%")
     return found | {"name": f"{name}-other"}
 
 
