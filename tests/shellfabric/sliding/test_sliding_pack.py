@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest_tools import same
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 from fabrics.errors import InputError
 from shellfabric.plies import near_kernels
@@ -16,17 +15,22 @@ from shellfabric.solver.pack_solver import PackSolver
 GAP = 0.1e-3
 
 
+def whole_crossovers(ply):
+    """[m] an opening of about 40 mm that pinned and sliding panels of the fabric fill with the same elements."""
+    return tuple(42 * 2 * w for w in ply.fabric.weave.w)
+
+
 def sliding(ply, mu=0.2, **others):
     chosen = {
         "numerics": ply.numerics,
         "elements_per_crossover": 1,
         "friction": CrossoverFriction(mu),
     } | others
-    return SlidingPanel(ply.table, (0.04, 0.04), **chosen)
+    return SlidingPanel(ply.table, whole_crossovers(ply), **chosen)
 
 
 def pinned(ply):
-    return replace(ply, opening=(0.04, 0.04))
+    return replace(ply, opening=whole_crossovers(ply))
 
 
 @pytest.mark.slow(300)
@@ -36,9 +40,12 @@ def test_an_infinite_threshold_is_the_pinned_pack_that_rubs(ply):
         for panel in (pinned(ply), sliding(ply, mu=np.inf))
     )
     held, stuck = (PackSolver(pack, 60.0, 40e-6).run() for pack in (held, stuck))
-    assert all(same(one, other) for one, other in zip(held.states, stuck.states))
+    # a pinned panel divides its opening into equal sides, a sliding one takes the spacing of the weave: round-off
+    for one, other in zip(held.states, stuck.states):
+        assert_allclose(one.u[2], other.u[2], rtol=0, atol=1e-9 * np.abs(one.u[2]).max())
     for name in held.sample_names:
-        assert_array_equal(held.sample(name), stuck.sample(name))
+        most = np.abs(held.sample(name)).max()
+        assert_allclose(held.sample(name), stuck.sample(name), atol=1e-7 * most, err_msg=name)
 
 
 def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
