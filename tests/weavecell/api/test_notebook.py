@@ -16,7 +16,7 @@ CELLS = (
     'wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2).plot()',
 )
 TUTORIALS = {  # what each prints
-    "first-shot": r"S-728: 137 m/s",
+    "first-shot": r"S-728: 139 m/s",
     "own-fabric-to-v50": r"two plies: V50 1\d\d m/s",
     "coupon-and-surface": r"surface: perforated, residual velocity 75\.\d m/s",
 }
