@@ -71,9 +71,11 @@ def test_a_fabric_of_a_family_is_pressed_to_one_and_a_half_times_its_limit(name)
     fabric = with_room(assumed.with_solid_laws(assumed.with_shear(catalogue.load(file))))
     history, _ = run_job(path_jobs(fabric, (2, 2, 2))[-1])
     limits = [yarn.failure_strain for yarn in fabric.weave.yarns]
-    strain = np.max(history.fibre_strain_mean / limits, axis=1)
+    strain = np.max(history["fibre_strain_mean"] / limits, axis=1)
     assert not history.failed
-    assert history.F_c[-1] == pytest.approx(1.5 * np.interp(1.0, strain, history.F_c), rel=0.01)
+    assert history["F_c"][-1] == pytest.approx(
+        1.5 * np.interp(1.0, strain, history["F_c"]), rel=0.01
+    )
 
 
 def test_each_path_has_its_own_law_near_the_joint_one(found):
