@@ -15,9 +15,10 @@ import numpy as np
 
 from shellfabric.cloth.bending_kernels import rest_length, segment_tangent
 from shellfabric.jit.compile import kernel
+from shellfabric.state import unit
 
 
-@kernel(_nrt=False)
+@unit("number")
 def family_jamming(state, const, number, first, last, acting):
     """Energy of one family's segments in the node rows first .. last; adds their forces to state.f_int if `acting`."""
     total, K, limit = 0.0, const.jamming[0], const.jamming[1]
@@ -54,10 +55,8 @@ def family_jamming(state, const, number, first, last, acting):
 def jamming_forces(law, state, const, first, last, acting):
     """Energy of all segments in the node rows first .. last; adds their forces to state.f_int if `acting`.
 
-    law : const.jamming; where it is None nothing of this is compiled
+    law : const.jamming
     """
-    if law is None:
-        return 0.0
     if law[0] == 0.0:
         return 0.0
     return family_jamming(state, const, 0, first, last, acting) + family_jamming(

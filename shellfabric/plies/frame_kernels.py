@@ -23,6 +23,7 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel.motion_kernels import FAILURES
+from shellfabric.state import unit
 
 STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
 TALL, WIDE = 4, 8  # elements of a tile of `plies.near_kernels`
@@ -42,7 +43,7 @@ def turned_back(turn, x, y):
     return turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
 
 
-@kernel(_nrt=False)
+@unit()
 def place(state, const, contact, p):
     """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of it is torn."""
     c, s = contact.turns[p, 0], contact.turns[p, 1]
@@ -134,7 +135,7 @@ def is_drawn_out(contact, g, stride):
     return False
 
 
-@kernel(_nrt=False)
+@unit()
 def hand_over(state, const, contact, p):
     """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a
     step's work of those of the last step, which are over, and half a step's of the new."""
@@ -257,7 +258,7 @@ def half_step_work(state, const, force, window, over):
     return 0.5 * const.dt * reduce_add(work)
 
 
-@kernel(_nrt=False)
+@unit("flag", force="3, n", window="4 int64")
 def apply_impulses(state, const, force, window):
     """v += dt f / m of a ply, with the contact forces of others; widens its window of active rows to them. Whether
     there are any."""
