@@ -51,6 +51,16 @@ def with_solid_laws(fabric: Fabric) -> Fabric:
     return _completed(fabric, "solid", lambda family: _solid_laws(fabric, family))
 
 
+def transverse_moduli(fabric: Fabric) -> tuple[float, float]:
+    """(warp, weft) [Pa] of packed yarn across its fibres; of yarns of no known family the lowest of all families."""
+    if fabric.solid_laws is None and family_of(fabric) is None:
+        known = [law.E_c for family in list_families() for law in family.solid_laws("nominal")]
+        return min(known), min(known)
+    laws = with_solid_laws(fabric).solid_laws
+    assert laws is not None
+    return laws[0].E_c, laws[1].E_c
+
+
 def with_strain_rate(fabric: Fabric) -> Fabric:
     """The fabric with ratios of strength and modulus against the strain rate, those of its fibre family where its file
     gives none.

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.assumed import family_of, with_solid_laws
+from fabrics.assumed import family_of, transverse_moduli, with_solid_laws
 from fabrics.checks import FilePath, FloatArray, positive
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -332,6 +332,18 @@ class PlyLaw:
         rest, start = d - self.closure[k], self.pressure[k]
         slope = np.append(np.diff(self.pressure) / np.diff(self.closure), self.stiffness)[k]
         return stored[k] + start * rest + 0.5 * slope * rest * rest
+
+
+def packing_stiffness(fabric: Fabric) -> float:
+    """[N/m] stiffness of a ply, in its plane, as solid fibre: the sum over both yarns of E_c A / rho_f
+
+    with A = areal density of one yarn family, rho_f the density of its fibre and E_c its transverse modulus.
+    """
+    weave = fabric.weave
+    return sum(
+        E_c * length * yarn.linear_density / (weave.cell_area * yarn.fibre_density)
+        for E_c, length, yarn in zip(transverse_moduli(fabric), weave.S0, weave.yarns)
+    )
 
 
 def _content(path):

@@ -60,7 +60,6 @@ _KEPT = (
     "_outer",
     "_drags",
     "_shot",
-    "_held",
     "_points",
     "_substeps",
 )
@@ -234,15 +233,15 @@ class Block:
         self._outer, self._own = np.zeros((n, 3)), np.zeros((m, 8, 3))
         self.metric = np.tile(np.eye(3), (m, 1, 1))
         self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
-        self.past, self._held = np.zeros((m, 2)), np.zeros(n)
+        self.past = np.zeros((m, 2))
         self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 4))
         self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
         self._substeps = np.array([1, 0])  # of a step, and steps since they were found
         self._columns: np.ndarray | None = None  # of the points of `press`
         self._memory = np.zeros((0, 2))
-        # what contact damping takes from projectile and points: known when their next velocities are
+        # what contacts take from projectile and points: known when their next velocities are
         self._before: dict[str, np.ndarray] = {}
-        self._damped = self._kick = 0.0
+        self._taken = self._kick = 0.0
 
     def _boundaries(self, nodes, bricks):
         """Masses, supports, dashpots and contact springs of the nodes."""
@@ -296,7 +295,7 @@ class Block:
                 np.inf if shot.length is None else shot.length,
             ]
         )
-        self._damped += touch.nose_forces(
+        touch.nose_forces(
             self.shape,
             self.x,
             self.v,
@@ -305,16 +304,11 @@ class Block:
             np.asarray(position, float),
             np.asarray(speed, float),
             (shot.form, numbers),
-            self._held,
             (self._outer, self._drags),
             self._shot,
         )
-        push, drag = (
-            self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE],
-            self._shot[touch.DAMPING_FORCE :],
-        )
-        self._damp("shot", drag, np.asarray(speed, float))
-        return push + drag
+        push = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE]
+        return self._take("shot", push + self._shot[touch.DAMPING_FORCE :], speed)
 
     def press(
         self,
@@ -366,15 +360,15 @@ class Block:
             (forces, drags),
             self._points,
         )
-        self._damped += float(self._points[touch.LOST])
-        self._damp("points", drags, np.asarray(velocities, float))
-        return forces + drags
+        return self._take("points", forces + drags, velocities)
 
-    def _damp(self, who, drag, speed):
-        """Add what damping takes from a partner that moves at `speed` in half a step before now, by its force of now,
-        and by that of a step ago."""
-        self._damped -= 0.5 * self.dt * float(np.sum((self._before.get(who, 0.0) + drag) * speed))
-        self._before[who] = drag.copy()
+    def _take(self, who, force, speed):
+        """Add what contact takes from a partner that moves at `speed` in half a step before now, by its force of now,
+        and by that of a step ago; the force."""
+        both = self._before.get(who, 0.0) + force
+        self._taken -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
+        self._before[who] = force
+        return force
 
     def advance(self) -> None:
         """One step, under the contacts of this step.
@@ -464,8 +458,10 @@ class Block:
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
-        """ENERGIES [J] of the modelled part, at the last forces."""
+        """ENERGIES [J] of the modelled part, at the last forces; "damped" is the work that contacts have taken and no
+        spring stores: what damping takes, and what springs held that their face has left."""
         bricks = self.energy.sum(axis=0)
+        held = self._shot[touch.CONTACT] + self._points[touch.CONTACT]
         values = (
             self._work[:, 0].sum(),
             bricks[kernels.ELASTIC],
@@ -474,8 +470,8 @@ class Block:
             bricks[kernels.VISCOUS],
             self._work[:, 1].sum(),
             bricks[kernels.ERODED],
-            self._shot[touch.CONTACT] + self._points[touch.CONTACT],
-            self._damped + (self._work[:, 2] - self._work[:, 3]).sum(),
+            held,
+            self._taken + (self._work[:, 2] - self._work[:, 3]).sum() - held,
         )
         return dict(zip(ENERGIES, map(float, values)))
 
@@ -513,22 +509,22 @@ class Block:
     def arrays(self) -> dict[str, np.ndarray]:
         """{name: array} of all that its motion goes on from; `restore` takes it back."""
         found = {name: getattr(self, name) for name in _KEPT}
-        found["clock"] = np.array([self.time, self._kick, self._damped])
+        found["clock"] = np.array([self.time, self._kick, self._taken])
         if self._columns is not None:
             found |= {"columns": self._columns, "memory": self._memory}
-        return found | {f"{who}_drag": drag for who, drag in self._before.items()}
+        return found | {f"{who}_force": force for who, force in self._before.items()}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Go on from `arrays` of a block of the same backing and step."""
         for name in _KEPT:
             getattr(self, name)[...] = arrays[name]
-        self.time, self._kick, self._damped = map(float, arrays["clock"])
+        self.time, self._kick, self._taken = map(float, arrays["clock"])
         if "columns" in arrays:
             self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
         self._before = {
-            who: np.array(arrays[f"{who}_drag"])
+            who: np.array(arrays[f"{who}_force"])
             for who in ("shot", "points")
-            if f"{who}_drag" in arrays
+            if f"{who}_force" in arrays
         }
 
 

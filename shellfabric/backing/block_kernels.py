@@ -281,7 +281,7 @@ def forces(counts, x, rest, law, dt, history, own, energy):
 def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
     (nx, ny, nz), (mass, dashpot, free) = counts, nodes
-    kinetic = lost = damped = ahead = 0.0
+    kinetic = lost = taken = ahead = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
             n = (i * (ny + 1) + j) * (nz + 1) + k
@@ -304,13 +304,14 @@ def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
                 mean = 0.5 * (before + after)
                 kinetic += 0.5 * mass[n] * mean * mean
                 lost += kick * dashpot[n, c] * mean * mean
-                damped += kick * drags[n, c] * mean
-                ahead += 0.5 * kick * drags[n, c] * after
+                pressed = kick * (outer[n, c] + drags[n, c])
+                taken += pressed * mean
+                ahead += 0.5 * pressed * after
                 v[n, c] = after
                 x[n, c] += dt * after
     work[i, 0] = kinetic
     work[i, 1] += lost
-    work[i, 2] += damped
+    work[i, 2] += taken
     work[i, 3] = ahead
 
 
@@ -322,8 +323,8 @@ def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     ----------
     own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts, and of their damping
     nodes : mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
-    work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what the damping
-        of contacts, took from the nodes, added to; and what of the last that is after this instant, overwritten
+    work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what contacts,
+        took from the nodes, added to; and what of the last that is after this instant, overwritten
     """
     (nx, ny, nz), (mass, dashpot, free) = counts, nodes
     for i in prange(nx + 1):

@@ -15,7 +15,8 @@ of the fabric has to be turned. With the forces straight below the point instead
 The face of a block that erodes has steps. A point that comes over a higher column is all at once inside the block by as
 much as a brick, and a spring would throw it out at thousands of m/s. So what a point has gone in by counts from where
 it came: it grows by motion alone, and what came by a step is put into an offset, which shrinks again as the point comes
-out. Where the face drops away under a point, what its spring held is lost with the brick.
+out. Where the face drops away under a point, or a facet turns away, what its spring held is lost: the audit books the
+work of the contacts, and what of it no spring stores is damped (`block.Block.energies`).
 """
 
 import math
@@ -27,7 +28,6 @@ from shellfabric.backing.block_kernels import CONTACT, DAMPING_FORCE, ELASTIC_FO
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 
-LOST = 1  # of the sums of `point_forces` [J]: springs whose face has dropped away
 SLICES = 16  # of the points, which threads share
 MAX_COLUMNS = 50  # columns that a point is followed across in one call
 MAX_FACET_COORDINATE = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
@@ -45,7 +45,7 @@ def node_active(i, j, k, nx, ny, nz, gone):
 
 
 @entry()
-def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, forces, sums):
+def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sums):
     """Forces of a rigid projectile on the nodes of the block.
 
     Parameters
@@ -54,13 +54,8 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, force
     springs : stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
     shape : form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius, length
-    held : (n,) [J] by the springs of the last call; overwritten
     forces : outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
     sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
-
-    Returns
-    -------
-    dropped : [J] of springs on nodes whose last brick has gone
     """
     (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = (
         counts,
@@ -69,19 +64,16 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, force
         forces,
     )
     sums[:] = 0.0
-    widest, dropped = numbers[1] * numbers[1], 0.0
+    widest = numbers[1] * numbers[1]
     for i in range(nx + 1):
         for j in range(ny + 1):
             for k in range(nz + 1):
                 n = (i * (ny + 1) + j) * (nz + 1) + k
                 p0, p1, p2 = x[n, 0] - position[0], x[n, 1] - position[1], x[n, 2] - position[2]
-                before = held[n]
-                held[n] = 0.0
                 # debris may fly ahead of what it came from: every node of the column is looked at
                 if p2 > 0.0 or p0 * p0 + p1 * p1 > widest:
                     continue
                 if not node_active(i, j, k, nx, ny, nz, gone):
-                    dropped += before
                     continue
                 gap, n0, n1, n2 = sdf_kernels.distance(
                     int(numbers[0]), p0, p1, p2, numbers[1], numbers[2], numbers[3], form
@@ -95,14 +87,12 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, force
                 )
                 push = -stiffness[n] * gap
                 drag = max(-damping[n] * opening, -push)
-                held[n] = 0.5 * stiffness[n] * gap * gap
-                sums[CONTACT] += held[n]
+                sums[CONTACT] += 0.5 * stiffness[n] * gap * gap
                 for c, part in enumerate((n0, n1, n2)):
                     outer[n, c] -= push * part
                     drags[n, c] -= drag * part
                     sums[ELASTIC_FORCE + c] -= push * part
                     sums[DAMPING_FORCE + c] -= drag * part
-    return dropped
 
 
 @kernel()
@@ -307,41 +297,34 @@ def to_nodes(forces, weights, nj, found):
 
 
 @kernel()
-def find_contacts(
-    ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts
-):
+def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts):
     """Contacts of the points from the first to before the last of `ends` with the face of the block.
 
     Parameters
     ----------
     counts, columns, memory, thickness, dt, points : as for `point_forces`
     block : x, v, gone
-    lost : (s,) [J] overwritten, of springs whose face has dropped away
     feet : (s, 4) int, nodes of the facet that each bears on; overwritten
     contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the nodes; overwritten
     """
     (nx, ny, nz), (x, v, gone), (px, pv, stiffness, damping) = counts, block, points
     place, normal, w, A, B = np.empty(2), np.empty(3), np.empty(4), np.empty(3), np.empty(3)
     for s in range(*ends):
-        contacts[s, 0] = contacts[s, 1] = lost[s] = 0.0
+        contacts[s, 0] = contacts[s, 1] = 0.0
         was, offset, nodes = memory[s, 0], memory[s, 1], feet[s]
-        held = max(was - offset, 0.0)
         below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
         if not (below and closest_point(px[s], x, nodes, place, A, B)):
             memory[s, 0], memory[s, 1] = -1.0, 0.0
-            lost[s] = 0.5 * stiffness[s] * held * held
             continue
         weights(place[0], place[1], w)
         outward_normal(A, B, normal)
         inside, opening = depth_and_opening(px[s], pv[s], x, v, nodes, w, normal, thickness)
         # beyond what motion explains, twice over for a facet that turns, it is a step of the face
-        step, explained = inside - was, 2.0 * abs(opening) * dt
-        if step > explained and inside > 0.0:
+        step = inside - was
+        if step > 2.0 * abs(opening) * dt and inside > 0.0:
             offset += step + opening * dt
         offset = min(max(offset, 0.0), max(inside, 0.0))
         depth = max(inside - offset, 0.0)
-        if -step > explained and depth < held:
-            lost[s] = 0.5 * stiffness[s] * (held * held - depth * depth)
         memory[s, 0], memory[s, 1] = inside, offset
         if depth > 0.0:
             contacts[s, 0], contacts[s, 1] = (
@@ -366,20 +349,17 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
     memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
     forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
     on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
-    sums : (7,) CONTACT and LOST [J], overwritten
+    sums : (7,) CONTACT [J], overwritten
     """
     (outer, drags), (force, drag_force), count = forces, on_points, columns.shape[0]
-    lost, feet, contacts = np.empty(count), np.empty((count, 4), np.int64), np.empty((count, 9))
+    feet, contacts = np.empty((count, 4), np.int64), np.empty((count, 9))
     size = (count + SLICES - 1) // SLICES
     for part in prange(SLICES):
         ends = part * size, min((part + 1) * size, count)
-        find_contacts(
-            ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts
-        )
+        find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts)
     sums[:] = 0.0
     for s in range(count):
         depth, drag = contacts[s, 0], contacts[s, 1]
-        sums[LOST] += lost[s]
         force[s] = drag_force[s] = 0.0
         if depth == 0.0:
             continue

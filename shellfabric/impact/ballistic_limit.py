@@ -23,6 +23,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
+from shellfabric.driver import guards
 from shellfabric.driver.solver import STOPPED
 from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
@@ -339,9 +340,14 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
             if lost[0] == lost[-1]:
                 solver.reason = STOPPED
 
-    solver = PackSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
-    solver.after_stop = 0.0
-    solver.run((hook,))
+    def shot_at(target):
+        solver = PackSolver(target, velocity, UNDECIDED, interval=_AUDIT)
+        solver.after_stop = 0.0
+        return solver.run((hook,))
+
+    solver = shot_at(panel)
+    if solver.step_loss > guards.MOST_STEP_LOSS:
+        solver = shot_at(Pack.of(panel).at_shorter_step(guards.SHORTER_STEP))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
         raise UndecidedError(

@@ -23,6 +23,7 @@ from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.driver import guards
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.outcome import Outcome
 from shellfabric.output import checkpoint, histories
@@ -94,7 +95,7 @@ class ImpactSetup:
         as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
-    jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
+    packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
@@ -136,7 +137,7 @@ class ImpactSetup:
     gap: float = 0.0
     profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
-    jam: tuple[float, float] = (0.0, 1.0)
+    packed_area: float = Panel.packed_area
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
@@ -466,6 +467,7 @@ class ImpactResult(Outcome):
     checks : tuple of quality.Indicator
     slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
     failures : (plies, 2) State.failure_sums of each ply
+    step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
     """
 
     setup: ImpactSetup
@@ -497,6 +499,7 @@ class ImpactResult(Outcome):
     checks: tuple
     slips: tuple[SlipSummary, ...] = ()
     failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
+    step_factor: float = 1.0
 
     @property
     def panels(self) -> tuple[Panel, ...]:
@@ -538,7 +541,7 @@ def run(
     table: CellTable | None = None,
     target: Pack | None = None,
 ) -> ImpactResult:
-    """Run an impact.
+    """Run an impact; once more with a shorter step if the first run loses too much to its length (`guards`).
 
     Parameters
     ----------
@@ -556,20 +559,48 @@ def run(
     """
     made = target or setup.target(table)
     memory.check(made.plies, setup.snapshots)
-    solver = PackSolver(made, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:
+        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+    solver, factor, kept = _solver(setup, made), 1.0, tuple(hooks)
+    if resume is not None:
+        solver, factor = _resumed(setup, solver, resume)
+    result = _followed(setup, solver, factor, kept)
+    if factor < 1.0 or solver.step_loss <= guards.MOST_STEP_LOSS:
+        return result
+    shorter = _solver(setup, made.at_shorter_step(guards.SHORTER_STEP))
+    return _followed(setup, shorter, guards.SHORTER_STEP, kept)
+
+
+def _solver(setup, target):
+    """The solver of a shot at `target`."""
+    velocity, interval = setup.strike_velocity, setup.sample_interval
+    solver = PackSolver(target, velocity, setup.end_time, interval=interval)
     solver.history_request = setup.history
+    return solver
+
+
+def _resumed(setup, solver, path):
+    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step that follows it."""
+    try:
+        checkpoint.read(solver, path)
+    except InputError as problem:
+        shorter = _solver(setup, solver.pack.at_shorter_step(guards.SHORTER_STEP))
+        try:
+            checkpoint.read(shorter, path)
+        except InputError:
+            raise problem from None
+        return shorter, guards.SHORTER_STEP
+    return solver, 1.0
+
+
+def _followed(setup, solver, factor, hooks):
+    """The result of a solver's run, with what the set-up records."""
     own: list[Hook] = []
     if setup.history:
         own.append(histories.Recorder([panel for panel, _, _ in solver.parts], setup.history))
     if setup.snapshot_interval is not None:
-        if not setup.snapshot_interval > 0:
-            raise InputError(
-                key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0"
-            )
         own.append(Snapshots(setup.snapshot_interval))
-    if resume is not None:
-        checkpoint.read(solver, resume)
-    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
 
 
 def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
@@ -587,7 +618,9 @@ def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
         return problem.result, str(problem)
 
 
-def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:
+def collect_result(
+    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
+) -> ImpactResult:
     """Gather what a run has recorded."""
     panels = [panel for panel, _, _ in solver.parts]
     elements = sum(panel.elements for panel in panels)
@@ -628,4 +661,5 @@ def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:
         checks=quality.of_solver(solver),
         slips=solver.slip_summaries(),
         failures=np.array([state.failure_sums for state in solver.states]),
+        step_factor=step_factor,
     )

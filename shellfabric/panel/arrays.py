@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.ply_law import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import boundary, failure, grading
@@ -146,7 +147,7 @@ def _constants(panel):
         slip_axis=rim_axis,
         slip_data=rim,
         bending=_bending(panel),
-        jamming=np.array(panel.jam, float),
+        packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
         yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None,
         **dynamics.constants(shot, panel.share, dt),

@@ -11,6 +11,7 @@ from shellfabric.cloth import (
     damage_kernels,
     failure_kernels,
     membrane_kernels,
+    packing_kernels,
     table_kernels,
     trellis_kernels,
 )
@@ -49,7 +50,8 @@ def element_forces(state, const, block, first, last, work):
 
 @kernel(_nrt=False, inline="always")
 def scatter_forces(state, const, block, first, last, work):
-    """Scatter the element forces of a block to its nodes, and to the first row of nodes of the next block.
+    """Scatter the element forces of a block to its nodes, and to the first row of nodes of the next block; find whether
+    it has packed elements.
 
     A row of nodes in whose middle of a block the window begins or ends is at rest: it keeps the forces that it has.
     """
@@ -59,6 +61,9 @@ def scatter_forces(state, const, block, first, last, work):
         2 * const.row_stride,
         (last - first) * const.row_stride,
         work,
+    )
+    state.packed_blocks[block] = packing_kernels.has_packed(
+        m0, n, s, w.A, w.B, const.packing[packing_kernels.SHARE]
     )
     f_int, kept, within = state.f_int, work.inv_stretch1, first > block * const.rows_per_block
     if within:

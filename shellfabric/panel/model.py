@@ -19,6 +19,7 @@ from operator import ge
 import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray, IntArray
+from fabrics.data_sheet import entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
@@ -59,8 +60,7 @@ class Panel:
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
     backing : Backing, the block behind the fabric, or None (see `backing.coupling`)
-    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the thesis
-        (see `jamming_kernels`)
+    packed_area : [-] share of its area at rest that packed fabric keeps (see `cloth.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); not with grips at the edges
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
@@ -88,7 +88,7 @@ class Panel:
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
     backing: Backing | None = None
-    jam: tuple[float, float] = (0.0, 1.0)
+    packed_area: float = entries()["packed_area"].value
     grading: tuple | None = None
     ply_angle: float = 0.0
 
@@ -118,12 +118,8 @@ class Panel:
             )
         if not all(0 <= EI < inf for EI in self.bending):
             raise InputError(key="bending", value=self.bending, allowed="at least 0")
-        if len(self.jam) != 2 or not (0 <= self.jam[0] < inf and 0 < self.jam[1] <= 1):
-            raise InputError(
-                key="jam",
-                value=self.jam,
-                allowed="a force of at least 0 and a stretch of at most 1",
-            )
+        if not 0 < self.packed_area < 1:
+            raise InputError(key="packed_area", value=self.packed_area, allowed="above 0, below 1")
         for family, given, count in zip(
             ("warp", "weft"), self.strength_factors or (), self.yarn_counts
         ):

@@ -108,6 +108,11 @@ def status(indicators: Iterable[Indicator]) -> str:
 LIMITS = {
     "time step": (1.0, "", "time step over the stability limit of the explicit integration"),
     "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
+    "yarn snap": (
+        0.005,
+        "",
+        "energy that steps lose where yarns stiffen in them, over the strike energy",
+    ),
     "energy gained in contact": (
         0.008,
         "",
@@ -176,10 +181,16 @@ LIMITS = {
         "",
         "largest loaded penetration of a ply into the next over the ply's thickness",
     ),
+    "ply collisions": (
+        0.1,
+        "",
+        "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
+    ),
 }
 NOTES = {
     "viscous energy": 0.1,
     "element over failure length": 0.5,
+    "ply collisions": 0.05,
 }  # name: value above which the indicator is noted
 
 
@@ -273,12 +284,13 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     bound = panel.time_step / panel.numerics.cfl
     given = max(
         float(np.max(-energies[name]))
-        for name in ("contact", "ply_contact", "ply_guard")
+        for name in ("contact", "ply_contact", "ply_collisions", "backing_damped")
         if name in energies
     )
     found = [
         indicator("time step", const.dt / bound),
         indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
+        indicator("yarn snap", float(np.max(np.abs(energies["yarn_snap"]))) / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
         indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
         indicator(
@@ -297,6 +309,8 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     ]
     if len(solver.parts) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
+        collided = float(energies["ply_collisions"][-1])
+        found.append(indicator("ply collisions", max(collided, 0.0) / strike))
     return tuple(found)
 
 

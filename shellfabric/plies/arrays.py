@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
 from shellfabric.plies.frame_kernels import TALL, WIDE
-from shellfabric.plies.near_kernels import NEAR
+from shellfabric.plies.near_kernels import NEAR, SLOTS
 from shellfabric.state import Constants, PackContact, State
 
 _PAIRS, _ENTRIES = (
@@ -34,7 +34,7 @@ def pack_contact(
     rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
-    of_points : `points` along each side of an element; `packing` (plies,); `first_point` (plies,), `closest_a` and `closest_b` of all
+    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and `closest_b` of all
         points, `first_element` (plies,) and `area` of all elements; `laws`, `law_step`
         (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
@@ -78,12 +78,12 @@ def pack_contact(
         count=np.array([0, 0, 0, 0, 1, 1, 0]),
         guard=np.array([0.0, 0.0, NEAR, 0.0]),
         **of_points,
-        **_zeros("closed given touched", 4, of_points["closest_a"].size),
+        **_zeros("closed given touched", SLOTS, of_points["closest_a"].size),
         **_zeros("v y impulse", 3, nodes),
         **_zeros("f", plies, 2, 3, slots),
         **_zeros("force", plies, 2, 3, own),
         **_zeros("guard_force", plies, 3, own),
-        **_zeros("energy", plies, 3),
+        **_zeros("energy", plies, 4),
         **_zeros("work", plies),
         **_zeros("cluster", nodes, 5),
         **_zeros("dropped torn", nodes, kind=np.uint8),

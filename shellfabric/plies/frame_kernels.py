@@ -10,7 +10,10 @@ it the surface of a ply (`plies.surface_kernels`) has no special case at its sid
 the nodes that they follow from. A turn is (c, s), cosine and sine of the angle from the first frame to that of a ply.
 """
 
+import numpy as np
+
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cloth.packing_kernels import is_fabric
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -28,7 +31,6 @@ from shellfabric.state import unit
 STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
 TALL, WIDE = 4, 8  # elements of a tile of `plies.near_kernels`
 BEFORE, BEHIND = 0, 1  # sides of a ply, of its forces
-_DRAWN_OUT = 4.0  # square of the length of a diagonal of a torn element over that at rest
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -103,10 +105,9 @@ def ghost(mirrored, normal, at, inside):
 def look_at_torn(state, const, contact, p):
     """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more: those without a yarn
     of either family, eroded ones, and those that join pieces which have parted."""
-    s, warp, weft = const.row_stride, state.intact_fraction[0], state.intact_fraction[1]
     for i in range(const.ni):
         for j in range(const.nj):
-            k = i * s + j
+            k = np.uint64(i * const.row_stride + j)
             flag = state.element_flag[k]
             if flag == 0:
                 continue
@@ -114,25 +115,11 @@ def look_at_torn(state, const, contact, p):
             contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[
                 g + stride + 1
             ] = 1
-            cut = warp[k] + warp[k + 1] == 0.0 or weft[k] + weft[k + s] == 0.0
-            if contact.dropped[g] or cut or flag & ERODED or is_drawn_out(contact, g, stride):
+            if contact.dropped[g] or flag & ERODED or not is_fabric(state, const, k):
                 contact.dropped[g] = 1
                 contact.holes[
                     contact.first_tile[p] + i // TALL * contact.tiles_across[p] + j // WIDE
                 ] = 1
-
-
-@kernel(_nrt=False, forceinline=True)
-def is_drawn_out(contact, g, stride):
-    """Whether a diagonal of a torn element is longer than it may be."""
-    for a, b in ((g, g + stride + 1), (g + 1, g + stride)):
-        now, rest = 0.0, 0.0
-        for c in range(3):
-            now += (contact.x[c, b] - contact.x[c, a]) ** 2
-            rest += (contact.rest[c, b] - contact.rest[c, a]) ** 2
-        if now > _DRAWN_OUT * rest:
-            return True
-    return False
 
 
 @unit()

@@ -6,10 +6,10 @@ to B. With x the places of their nodes and y those after the step by all forces,
     min n.y_b - max n.y_a >= need,      need = max(0.2 d, min(d, 0.05 t))
 
 A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as large as stops
-them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or SWEEPS times. The nodes of rows that
-do not hold then move as one, with the mean of their momentum, and so do those of rows that this violates. An impulse
-that left no more than `need` would leave every row of a stack at its limit, which the next impulse violates: sweeps
-would not end, and whole stacks would move as one, which takes energy that no two facets have had between them.
+them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or SWEEPS times. The nodes of rows
+that do not hold then move as one, with the mean of their momentum, and so do those of rows that this violates. An
+impulse that left no more than `need` would leave every row of a stack at its limit, which the next impulse violates:
+sweeps would not end, and whole stacks would move as one, which takes energy that no two facets have had between them.
 
 At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end on those of a slab
 of width `need`: in between too, as nodes move straight. No motion satisfies every row. So each impulse, and each

@@ -107,6 +107,14 @@ class Pack:
             )
         friction.check(self.friction, first.numerics.cfl)
 
+    def at_shorter_step(self, factor: float) -> Pack:
+        """The pack with a time step that is `factor` times as long."""
+
+        def of(ply):
+            return replace(ply, numerics=replace(ply.numerics, cfl=factor * ply.numerics.cfl))
+
+        return replace(self, plies=self._each(of))
+
     @classmethod
     def stacked(
         cls,
@@ -334,7 +342,6 @@ class Pack:
             [ply.weave.thickness for ply in self.plies],
             self.turns,
             points=points,
-            packing=np.array([_packing(ply.fabric) for ply in self.plies]),
             first_point=first([at[0].size for at in places]),
             closest_a=feet[0],
             closest_b=feet[1],
@@ -412,17 +419,6 @@ class Pack:
         return np.minimum(
             own, self.contact.points**2 * least[at[0], at[1]].min(axis=(1, 2))
         ) / np.prod(front.spacing)
-
-
-def _packing(fabric):
-    """[N/m] stiffness in its plane of the solid fibre of a ply, E_c times its thickness; see `packing_kernels`."""
-    weave = fabric.weave
-    masses = (
-        length * yarn.linear_density / weave.cell_area
-        for length, yarn in zip(weave.S0, weave.yarns)
-    )
-    sheet = sum(mass / yarn.fibre_density for mass, yarn in zip(masses, weave.yarns))
-    return PlyLaw.solid(fabric).stiffness * sheet**2
 
 
 def _slower(ply, step):

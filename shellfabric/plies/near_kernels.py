@@ -26,6 +26,7 @@ from shellfabric.state import unit
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 PAIRS, ENTRIES, ROWS, NODES, STEP, REMAKE, PRESSED = range(7)  # of contact.count
+SLOTS = 4  # rows of contact.closed, given and touched: of the next ply, and of three behind it
 WORK, IMPULSES, LEAST, FAILED = range(4)  # of contact.guard
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of contact.guard[FAILED]
 _TILE_REACH, _REACH = 2.0, 0.4  # thicknesses

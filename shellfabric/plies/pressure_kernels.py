@@ -9,7 +9,7 @@ with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's fri
 limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
 rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
 or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
-fabric does not contract much below it (`plies.packing_kernels`).
+fabric does not contract much below it (`cloth.packing_kernels`).
 
 Closure by motion. Of torn plies the closest point may jump, surfaces change and plies come to meet through a hole, each
 at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v beyond
@@ -60,8 +60,7 @@ from shellfabric.plies.frame_kernels import (
     extend_window,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
-from shellfabric.plies.near_kernels import PRESSED, STEP, tile_bounds
-from shellfabric.plies.packing_kernels import hold_area
+from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
 from shellfabric.plies.separation_kernels import cross, difference, dot
 from shellfabric.plies.surface_kernels import (
     interpolate8,
@@ -79,7 +78,8 @@ from shellfabric.plies.surface_kernels import (
 )
 from shellfabric.state import unit
 
-SPRING, DEEPEST, FRICTION = range(3)  # of contact.energy: of the points of a ply on plies behind it
+# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose element was dropped
+SPRING, DEEPEST, FRICTION, LOST = range(4)
 _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
 _LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
@@ -93,7 +93,6 @@ def press(contact, me, count):
     """Forces between neighbours, of the points of one thread's plies."""
     for p in range(me, contact.failures.size, count):
         contact.energy[p, SPRING] = 0.0
-        hold_area(contact, p)
     for n in range(contact.count[PRESSED]):
         tile, p = contact.pressed[n, 0], contact.tile_ply[contact.pressed[n, 0]]
         if contact.tile_ply[contact.pressed[n, 1]] == p + 1 and p % count == me:
@@ -254,8 +253,14 @@ def press_point(contact, p, q, row, j, a, b, tile):
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
     s, element = contact.shape[p, STRIDE], row // contact.points**2
+    number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
     if contact.dropped[contact.base[p] + element * s + j]:
+        for slot in range(SLOTS):
+            contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
+    held = 0.0
+    if has_dropped(contact, q, a, b):
+        held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
     torn = is_torn(contact, p, at_a, at_b)
     i, wa, _, _ = weights_at(torn, at_a, contact.shape[p, NI])
@@ -269,14 +274,36 @@ def press_point(contact, p, q, row, j, a, b, tile):
     distance = math.sqrt(dot(w, w))
     if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
         n = -w[0] / distance, -w[1] / distance, -w[2] / distance
-        number = (
-            (1 + (q - p - 2) % 3 if q > p + 1 else 0),
-            contact.first_point[p] + row * contact.shape[p, NJ] + j,
-        )
-        push(
-            contact, p, q, (element, j, i, j0), k, wa, wb, closest, n, thickness - distance, number
-        )
+        at = element, j, i, j0
+        push(contact, p, q, at, k, wa, wb, closest, n, thickness - distance, number)
+        if held > 0.0:
+            held -= point_energy(contact, p, element, j, number)
+    contact.energy[p, LOST] += max(held, 0.0)
     return a, b, distance - _BERTH * thickness if ended else 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def slot_of(p, q):
+    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for the next ply."""
+    if q == p + 1:
+        return 0
+    return 1 + (q - p - 2) % (SLOTS - 1)
+
+
+@kernel(_nrt=False)
+def point_energy(contact, p, i, j, number):
+    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last touched."""
+    area = contact.area[contact.first_element[p] + i * contact.shape[p, NJ] + j]
+    closure = contact.closed[number] - contact.given[number]
+    return area * law_at(contact.laws[p], contact.law_step[p], closure)[2]
+
+
+@kernel(_nrt=False)
+def held_energy(contact, p, i, j, number):
+    """`point_energy` of a point that touched a step ago, else 0."""
+    if contact.touched[number] != contact.count[STEP] - 1.0:
+        return 0.0
+    return point_energy(contact, p, i, j, number)
 
 
 @kernel(_nrt=False, forceinline=True)

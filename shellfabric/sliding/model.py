@@ -90,7 +90,7 @@ class SlidingPanel(Panel):
     Raises
     ------
     InputError : as Panel; and several elements a crossover, grading, an oblique weave, a prescribed pull-in, bending,
-        jamming, a block, or a cell without contact force or energy
+        a block, or a cell without contact force or energy
     """
 
     friction: CrossoverFriction = field(default_factory=CrossoverFriction)
@@ -113,7 +113,6 @@ class SlidingPanel(Panel):
             ("opening_shape", "round", not self.round, "rectangular"),
             ("edge", self.edge, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
-            ("jam", self.jam, self.jam[0] == 0, "left out"),
             ("backing", "a block", self.backing is None, "left out"),
             ("form", self.table.model.form, self.table.model.form == "variational", "variational"),
             ("surface", "a response surface", "F" in self.table.values, "left out"),

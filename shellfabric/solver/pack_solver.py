@@ -39,7 +39,12 @@ ENERGIES = (
     *ply_audit.ENERGIES[1:],
     *coupling.NAMES,
 )  # of any panel
-BETWEEN_PLIES = ("ply_contact", "ply_friction", "ply_guard")  # of several plies
+BETWEEN_PLIES = (
+    "ply_contact",
+    "ply_contact_lost",
+    "ply_friction",
+    "ply_collisions",
+)  # of several plies
 SLIP_WORK = (
     "crossover_friction",
     "crossover_stops",
@@ -139,7 +144,11 @@ class PackSolver(ExplicitSolver):
         self._begin_run()
 
     def _name_energies(self, several):
-        more = (*BETWEEN_PLIES[: 3 * several], *(SLIP_WORK if self.slips else ()), "error")
+        more = (
+            *BETWEEN_PLIES[: len(BETWEEN_PLIES) * several],
+            *(SLIP_WORK if self.slips else ()),
+            "error",
+        )
         self.energy_names = (*ENERGIES, *more)
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
@@ -147,7 +156,7 @@ class PackSolver(ExplicitSolver):
                 ("contact", "the contact with the nose"),
                 ("ply_contact", "the contact between plies"),
                 ("ply_friction", "the friction between plies"),
-                ("ply_guard", "the guard between plies"),
+                ("ply_collisions", "the guard between plies"),
             )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
@@ -183,6 +192,7 @@ class PackSolver(ExplicitSolver):
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
+            self.contacts += (("backing_damped", "the contact with the block"),)
         self._works += [self._scratch() for _ in range(1, self.threads)]
         self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
         self._rest = [ply_audit.stored_energy(*self._of_ply(ply)) for ply in range(plies)]
@@ -222,6 +232,12 @@ class PackSolver(ExplicitSolver):
             return np.zeros(0)
         means = np.convolve(self.contact.thickness, (0.5, 0.5), "valid")
         return self.contact.energy[:-1, pressure_kernels.DEEPEST] / means
+
+    @property
+    def step_loss(self) -> float:
+        """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the strike energy."""
+        both = self.sample("error") - self.sample("yarn_snap")
+        return float(np.abs(both).max() / self.strike_energy)
 
     @property
     def held_apart(self) -> int:
@@ -304,12 +320,15 @@ class PackSolver(ExplicitSolver):
         return state._replace(f_contact=tuple(total))
 
     def contact_energies(self) -> tuple[float, ...]:
-        """[J] taken in by the contact between plies, the friction there and the guard; () of a single ply."""
+        """[J] taken in by the contact between plies, of which it holds or damps the first and has lost the second with
+        dropped elements; by the friction there and by collisions of plies, in the guard; () of a single ply."""
         if self.contact is None:
             return ()
         rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
+        lost = float(self.contact.energy[:, pressure_kernels.LOST].sum())
         return (
-            float(self.contact.work.sum()) - rubbed,
+            float(self.contact.work.sum()) - rubbed - lost,
+            lost,
             rubbed,
             float(self.contact.guard[near_kernels.WORK]),
         )

@@ -25,7 +25,7 @@ from shellfabric.cloth import (
     boundary_kernels,
     energy_kernels,
     failure_kernels,
-    jamming_kernels,
+    packing_kernels,
 )
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import entry, kernel
@@ -44,7 +44,7 @@ from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernel
 from shellfabric.sliding.flow_kernels import EMPTIED
 from shellfabric.state import unit
 
-KINETIC, STORED, SHEAR, BENDING, JAMMING = 0, 1, 2, 3, 4  # of `energies`
+KINETIC, STORED, SHEAR, BENDING, PACKING = 0, 1, 2, 3, 4  # of `energies`
 
 
 @kernel(_nrt=False, inline="always")
@@ -91,10 +91,11 @@ def grow_with_slip(state, const, slip):
 
 
 @kernel(_nrt=False, inline="always")
-def out_of_plane_forces(state, const, first, last, acting):
-    """Bending and jamming energy [J] of the node rows first .. last; adds their forces to state.f_int if `acting`."""
+def other_forces(state, const, first, last, acting):
+    """Energy [J] of bending at the node rows first .. last, and of the packed elements between them; adds their forces
+    to state.f_int if `acting`."""
     turns = bending_kernels.bending_forces(const.bending, state, const, first, last, acting)
-    return turns + jamming_kernels.jamming_forces(const.jamming, state, const, first, last, acting)
+    return turns + packing_kernels.packing_forces(state, const, first, last, acting)
 
 
 @kernel(_nrt=False)
@@ -102,11 +103,12 @@ def stored_energy(state, const, slide, low, high):
     """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
     if slide is None:
         yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
-        return yarns, sheared + out_of_plane_forces(state, const, low, high, False)
+        return yarns, sheared + other_forces(state, const, low, high, False)
     slip, state_x, _ = slide
     yarns = failure_kernels.stored_energy(const, state_x, low, high)[0]
     yarns += forces_kernels.gained_energy(state, const, slip, low, high)
     sheared = failure_kernels.stored_energy(const, state, low, high)[1]
+    sheared += packing_kernels.packing_forces(state, const, low, high, False)
     return yarns, sheared + forces_kernels.lateral_energy(state, const, slip)
 
 
@@ -248,7 +250,9 @@ def after_forces(state, const, slide, work):
         slip, _, _ = slide
         if slip.active:
             flow_kernels.open_windows(state, const, slip)
-    out_of_plane_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+    if state.counter[FAILURES] > 0:
+        state.energy_sums[0, LOST_TRELLIS] += packing_kernels.let_go(state, const)
+    other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
@@ -285,26 +289,24 @@ def initial_forces(state, const, slide, work):
         element_forces(
             state, const, slide, block, block * per, min(const.ni, (block + 1) * per), work
         )
-    out_of_plane_forces(state, const, 0, const.ni, True)
+    other_forces(state, const, 0, const.ni, True)
 
 
 @entry(nogil=True)
 def energies(state, const, slide, out):
-    """Energy audit [J] at the present whole step, into out (5,): kinetic, yarns, trellis, bending, jamming; of sliding
-    crossovers, which have no bending, the last is that of lateral contact, and kinetic has that of the slip.
+    """Energy audit [J] at the present whole step, into out (5,): kinetic, yarns, trellis, bending, packing; of sliding
+    crossovers, which have no bending, the last has that of lateral contact too, and kinetic that of the slip.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
     out[:] = 0.0
+    out[PACKING] = packing_kernels.packing_forces(state, const, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
     if slide is None:
         out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
         out[BENDING] = bending_kernels.bending_forces(
             const.bending, state, const, 0, const.ni, False
-        )
-        out[JAMMING] = jamming_kernels.jamming_forces(
-            const.jamming, state, const, 0, const.ni, False
         )
     else:
         slip, state_x = slide
@@ -313,4 +315,4 @@ def energies(state, const, slide, out):
         out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)[1]
         if slip.active:
             out[KINETIC] += slip_energy_kernels.kinetic_energy(state, const, slip)
-            out[JAMMING] = forces_kernels.lateral_energy(state, const, slip)
+            out[PACKING] += forces_kernels.lateral_energy(state, const, slip)

@@ -3,8 +3,8 @@
 import numpy as np
 from panels import rest, set_nodal
 
-from shellfabric.jit.table import Rows, row_of
 from shellfabric.jit.compile import entry
+from shellfabric.jit.table import Rows, row_of
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver

@@ -6,6 +6,7 @@ from math import perm
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.ply_law import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
@@ -81,19 +82,16 @@ def beside(values):
 
 
 def plain_energies(panel, x):
-    """[J] of yarns, trellis, bending and jamming with the nodes at x (ni+1, nj+1, 3), from the definitions alone."""
+    """[J] of yarns, trellis, bending and packing with the nodes at x (ni+1, nj+1, 3), from the definitions alone."""
     sides = panel.sides or tuple(map(np.full, panel.counts, panel.spacing))
     stretches, crossing, lengths, sums = [], [], [], []
-    bending = jamming = 0.0
+    bending = 0.0
     for axis, count in enumerate(
         (panel.weave.warp_count, panel.weave.weft_count)
     ):  # arrays of edges: along, across
         own, yarns = sides[axis][:, None], count * tributary(sides[1 - axis])
         edge = np.diff(np.moveaxis(x, axis, 0), axis=0) / own[..., None]
         stretch, length = np.linalg.norm(edge, axis=-1), own * yarns
-        jamming += (
-            0.5 * panel.jam[0] * np.sum(length * np.log(np.minimum(stretch / panel.jam[1], 1)) ** 2)
-        )
         t = edge / stretch[..., None]
         turns = np.sum((t[1:] - t[:-1]) ** 2, axis=-1) / (own[1:] + own[:-1])
         for end, kind in zip((0, -1), boundary.yarn_ends(panel)[axis]):
@@ -115,7 +113,21 @@ def plain_energies(panel, x):
     yarns = sum(
         0.25 * np.sum(length * each) / w for length, each, w in zip(lengths, W, panel.weave.w)
     )
-    return yarns, plain_trellis(panel, sides, stretches, sums), bending, jamming
+    return yarns, plain_trellis(panel, sides, stretches, sums), bending, plain_packing(panel, x)
+
+
+def plain_packing(panel, x):
+    """[J] of packed elements, from the diagonals of each at x and at rest."""
+    now, full = areas(x), areas(rest(panel))
+    share, stiffness = panel.packed_area, packing_stiffness(panel.fabric)
+    missing = np.maximum(share - now / full, 0.0)
+    return float(np.sum(full * stiffness * missing**2 / (2 * share)))
+
+
+def areas(x):
+    """(ni, nj) [m2] half the cross product of the diagonals of each element."""
+    one, other = x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]
+    return 0.5 * np.linalg.norm(np.cross(one, other), axis=-1)
 
 
 def plain_trellis(panel, sides, stretches, sums):

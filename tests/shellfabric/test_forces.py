@@ -112,7 +112,7 @@ def state_at(panel, *places, damage=INTACT, torn=()):
 
 
 def audited(state, panel):
-    """[J] energies of yarns, trellis, bending and jamming that the audit finds."""
+    """[J] energies of yarns, trellis, bending and packing that the audit finds."""
     energies = np.empty(5)
     ply_kernels.energies(state, panel.constants(), None, energies)
     return energies[1:]
@@ -306,7 +306,8 @@ def block(kind):
 
 
 SLACK = {"stretch": (0.9, 0.88), "shear": 0.0, "noise": 0.005, "trellis": False}
-BENDING, JAMMING = SLACK | {"bending": (2e-6, 4e-6)}, SLACK | {"jam": (100.0, 0.9)}
+BENDING = SLACK | {"bending": (2e-6, 4e-6)}
+PACKED = SLACK | {"stretch": (0.7, 0.68)}
 SHEARED = {"stretch": (0.7, 0.7), "shear": 0.25, "noise": 0.01}
 TORN = ((0, 2, 3), (1, 2, 3), (1, 3, 3), (0, 5, 1))
 GRADED = {"side": 0.06, "grading": FINER}
@@ -322,12 +323,14 @@ FORCES = {
     "trellis, one by one": elements(**SHEARED, damage=DAMAGED),
     "torn": elements(torn=TORN),
     "torn, finer": elements(torn=TORN, **GRADED),
-    "torn, out of plane": elements(torn=TORN, **BENDING | JAMMING, **GRADED),
+    "torn, out of plane": elements(torn=TORN, **BENDING | PACKED, **GRADED),
     "bending": elements(**BENDING),
     "bending, clamped": elements(**BENDING, edge="clamped"),
     "bending, finer": elements(**BENDING, **GRADED),
-    "jamming": elements(**JAMMING),
-    "jamming, finer": elements(**JAMMING, **GRADED),
+    "packing": elements(**PACKED),
+    "packing, folded": elements(**PACKED | {"stretch": (0.1, 0.08), "noise": 0.05}),
+    "packing, finer": elements(**PACKED, **GRADED),
+    "packing, torn": elements(**PACKED, torn=TORN),
     "nose": nose(),
     "nose, odd points": nose(elements=3),
     "nose, askew": nose(shape="cone", half_angle=0.6, tip_radius=5e-4, obliquity=0.3, azimuth=0.7),
@@ -350,7 +353,7 @@ EXCEPT = {  # of a test: the forces it is not made with, and why
     "turn": {"grips": "pull along x and y"},
     "parts": {"nose, askew": "has no plane of symmetry"},
     "damping": NO_GRADIENT
-    | dict.fromkeys(("trellis", "bending", "jamming", "bricks"), "are found without viscosity"),
+    | dict.fromkeys(("trellis", "bending", "packing", "bricks"), "are found without viscosity"),
     "audit": NO_GRADIENT
     | dict.fromkeys(("torn", "nose", "plies", "bricks"), "have no definition in panels.py"),
 }

@@ -159,8 +159,8 @@ RUNS = {
     ),
     "backing": (
         PANEL
-        | {"backing": BLOCK, "failure": False, "jam": (1000.0, 0.99), "strike_velocity": 150.0},
-        lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("jamming").max() > 0.0,
+        | {"backing": BLOCK, "failure": False, "packed_area": 0.995, "strike_velocity": 150.0},
+        lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("packing").max() > 0.0,
     ),
     "sliding": (
         PANEL

@@ -4,9 +4,9 @@ S-728 of one or four plies, changed in modulus and mass, before the block of Tab
 at 300 m/s; yarns do not fail. Not given in the thesis, and chosen here: the edges of the 203 mm opening, clamped as in
 all of its other shots, or free, as the plies that bunch up around the projectile in section 6.5 must be (the claims
 ledger has both, and its main runs are free); the ply resting on the block; two elements a crossover, since at the angle
-at which fabric hangs from the nose the chord of a whole one cuts through its rim. Yarns that bunch up bear on each
-other (`jamming_kernels`). Mass is 1155 g/m2 in the table (5 x 231), four times 231 in the text (erratum E-19): both can
-be run.
+at which fabric hangs from the nose the chord of a whole one cuts through its rim. Fabric that bunches up keeps the
+area of its packed yarns (`packing_kernels`). Mass is 1155 g/m2 in the table (5 x 231), four times 231 in the text
+(erratum E-19): both can be run.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ from shellfabric.solver.pack_solver import PackSolver
 from validation.models import bare_impact
 
 VELOCITY, PROJECTILE = 300.0, Projectile(mass=8.1e-3)
-JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of its length on
 # half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
@@ -61,7 +60,6 @@ def march(
         edge=edge,
         failure=False,
         elements_per_crossover=elements,
-        jam=JAM,
         backing=block,
         opening=opening,
         numerics=Numerics(cfl=SAFETY),

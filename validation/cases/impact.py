@@ -35,7 +35,7 @@ STRAIGHT = (
 )
 SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
 VISCOUS = "viscous energy"  # the indicator of `quality`
-NOT_IN_A_FILE = ("table_size", "jam", "audit_interval")  # fields of ImpactSetup
+NOT_IN_A_FILE = ("table_size", "packed_area", "audit_interval")  # fields of ImpactSetup
 
 
 @dataclass(frozen=True)

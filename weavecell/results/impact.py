@@ -55,6 +55,7 @@ class ImpactRecord:
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
     gaps, max_penetration_ratio : (plies - 1,) [m, -]
     guard_impulses : that kept plies from passing through each other
+    step_factor : [-] 0.7 of a run made again with a shorter step, else 1
     half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
     cuts : tuple of Cut
@@ -101,6 +102,7 @@ class ImpactRecord:
     gaps: np.ndarray
     max_penetration_ratio: np.ndarray
     guard_impulses: int
+    step_factor: float
     half_energy: tuple[Shape, ...]
     final: tuple[Shape, ...]
     quads: tuple[np.ndarray, ...]

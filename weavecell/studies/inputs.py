@@ -12,7 +12,7 @@ from importlib import resources
 from math import inf
 from typing import Any
 
-from fabrics import families, variants
+from fabrics import data_sheet, families, variants
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
@@ -78,15 +78,13 @@ def table(section: str) -> dict[str, Entry]:
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed], and of the friction of sliding crossovers, by name."""
+    """Entries of [assumed], of the friction of sliding crossovers and of the area of packed fabric, by name."""
     from shellfabric.sliding.model import DATA
 
     text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
-    of_crossovers = {"friction of crossovers": DATA["crossover_friction"]}
-    return {
-        name: families.entry(row, "")
-        for name, row in (tomllib.loads(text)["assumed"] | of_crossovers).items()
-    }
+    rows = tomllib.loads(text)["assumed"] | {"friction of crossovers": DATA["crossover_friction"]}
+    found = {name: families.entry(row, "") for name, row in rows.items()}
+    return found | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 
 
 def published() -> Scatter:

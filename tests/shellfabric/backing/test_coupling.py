@@ -141,10 +141,10 @@ def test_measures_of_a_crater():
     assert wall_angle(cone) == pytest.approx(np.arctan(2))
 
 
-@pytest.mark.parametrize("changes", [{"jam": (-1.0, 0.5)}, {"jam": (1.0, 1.5)}])
-def test_bad_input_is_refused(fabric, changes):
-    with pytest.raises(InputError):
-        ImpactSetup(fabric, 100.0, **QUICK | changes).panel()
+@pytest.mark.parametrize("share", [0.0, 1.0, float("nan")])
+def test_a_share_of_packed_fabric_that_is_none_is_refused(fabric, share):
+    with pytest.raises(InputError, match="packed_area"):
+        ImpactSetup(fabric, 100.0, **QUICK | {"packed_area": share}).panel()
 
 
 def test_a_whole_block_is_four_quarters(fabric):

@@ -31,12 +31,12 @@ GRADINGS += [((8, 1 / 3), (INF, 2))]
 
 @pytest.mark.parametrize("grading", GRADINGS)
 @pytest.mark.parametrize(
-    "strain", [[[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]], [[0.95, 0.0], [0.0, 0.97], [0.0, 0.0]]]
+    "strain", [[[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]], [[0.6, 0.1], [0.05, 0.7], [0.1, -0.1]]]
 )
 def test_patch(grading, strain):
-    """Under any uniform strain all stretches are the same and no inner node feels a force, with jamming too where the
-    fabric is pressed together, in all zones and where they meet."""
-    changes = {"symmetry": "whole", "failure": False, "grading": grading, "jam": (100.0, 1.0)}
+    """Under any uniform strain all stretches are the same and no inner node feels a force, in packed fabric too, in all
+    zones and where they meet."""
+    changes = {"symmetry": "whole", "failure": False, "grading": grading}
     panel = make_panel(0.06, edge="free", numerics=UNDAMPED, **changes)
     state = bring(
         panel, panel.state(1.0), np.stack(panel.coordinates(), axis=-1) @ np.transpose(strain)

@@ -302,7 +302,7 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
         march._sample()
         assert not plies_cross(march)
     np.testing.assert_allclose(momentum(), before, atol=1e-12 * before[2])
-    taken = march.sample("ply_contact") + march.sample("ply_guard")
+    taken = march.sample("ply_contact") + march.sample("ply_collisions")
     assert 0.1 < taken[-1] / march.sample("kinetic_fabric")[0] < 1
     assert abs(march.sample("error")).max() < 1e-3 * taken[-1]
 
@@ -373,7 +373,7 @@ def test_torn_plies_do_not_pass_through_each_other():
     assert march.sample("cut_yarns")[-1] > 50
     assert march.held_apart > 0
     assert not any(seen)
-    assert 0.0 < march.sample("ply_guard")[-1] < 0.005 * march.strike_energy
+    assert 0.0 < march.sample("ply_collisions")[-1] < 0.005 * march.strike_energy
     assert march.contact.guard[near_kernels.LEAST] > 0.04
 
 

@@ -10,8 +10,8 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels, window_kernels
-from shellfabric.state import PointLaw
 from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.state import PointLaw
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_law")

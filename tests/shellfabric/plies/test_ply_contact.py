@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
 from shellfabric.panel.motion_kernels import FAILURES
-from shellfabric.plies import frame_kernels, packing_kernels, pressure_kernels
+from shellfabric.plies import frame_kernels, pressure_kernels
 from shellfabric.plies import surface_kernels as surface
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 
@@ -343,45 +343,6 @@ def test_torn_plies_that_are_at_a_depth_without_motion_do_not_press(ply, alone):
         two.press()
         pressed = two.force(0, frame_kernels.BEHIND)[..., 2].sum()
         assert (pressed == 0.0) == torn
-
-
-def packing_energy(pressed):
-    """[J] of the first ply, element by element."""
-    const, state, (X, Y) = pressed.consts[0], pressed.states[0], pressed.pack.plies[0].coordinates()
-    rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
-    now = rest + np.stack([grid(const, u) for u in state.u], axis=-1)
-    area, full = (
-        0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)
-        for x in (now, rest)
-    )
-    share = packing_kernels.PACKED
-    missing = np.maximum(share - area / full, 0.0)
-    return float((full * pressed.contact.packing[0] * missing**2 / (2 * share)).sum())
-
-
-def test_packed_fabric_pushes_by_the_gradient_of_its_energy(ply):
-    """Fabric drawn together and crumpled; nothing of fabric that is not, and nothing in the sum."""
-    two, rng = Flat(replace(ply, symmetry="whole")), np.random.default_rng(3)
-    const, state = two.consts[0], two.states[0]
-    two.contact.way[:] = 1.0
-    contract(two, 0.75)
-    grid(const, state.u[2])[:] = -50 * two.thickness
-    assert np.abs(two.press()[0]).max() == 0.0
-    contract(two, 0.6)
-    for u in state.u:
-        grid(const, u)[:] += 0.1 * const.dx * rng.normal(size=grid(const, u).shape)
-    forces = two.press()[0]
-    assert np.abs(forces.sum(axis=(0, 1))).max() < 1e-12 * np.abs(forces).sum()
-    for node in ((3, 4), (5, 2), (0, 0)):
-        for c in range(3):
-            slot, step, energies = grid(const, state.u[c]), 1e-6 * const.dx, []
-            for sign in (1, -2):
-                slot[node] += sign * step
-                energies.append(packing_energy(two))
-            slot[node] += step
-            assert -forces[node][c] == pytest.approx(
-                np.diff(energies)[0] / (-2 * step), rel=1e-5, abs=1e-6
-            )
 
 
 @pytest.mark.parametrize("hole", [True, False])

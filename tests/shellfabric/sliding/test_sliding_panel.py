@@ -234,7 +234,6 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
         ("elements_per_crossover", 2),
         ("grading", ((8, 1), (np.inf, 2))),
         ("bending", (1e-8, 1e-8)),
-        ("jam", (1.0, 0.9)),
         ("edge", PullIn(1e-3, 0.0, 1e-4)),
         ("impact_point", (15e-3, 0.0)),
         ("form", None),

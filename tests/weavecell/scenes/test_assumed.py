@@ -28,6 +28,7 @@ CRIMP = "assumed: crimp 1.57 / 0.55 % of warp / weft (1.00 / 0.16 .. 2.52 / 1.00
 CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .. 0.8)"
 LENGTH = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm), because mine gives none"
 LENGTH_ENDS = ["failure length 0.375 mm", "failure length 1.5 mm"]
+PACKED = "area of packed fabric"
 SET_UP_ENDS = ["strength after weaving 0.88", "friction of the projectile 0.2"]
 CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
 
@@ -130,7 +131,8 @@ def test_what_a_set_up_assumes_follows_from_it():
     setup = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary={"clamp_force": "20 N"})
     found = assumed_range.changes(setup)
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
-    assert list(found) == [*usual, "friction between plies", "clamp force"]
+    assert list(found) == [*usual, "friction between plies", "clamp force", PACKED]
+    assert [end(setup).packed_area for end in found[PACKED].values()] == [0.3, 0.7]
     assert (
         found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
     )
