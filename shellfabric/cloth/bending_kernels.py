@@ -21,6 +21,7 @@ from numba import types
 from numba.extending import overload
 
 from shellfabric.jit.compile import kernel
+from shellfabric.state import unit
 
 FREE_END, SYMMETRY_END, CLAMPED_END = 0, 1, 2
 
@@ -101,7 +102,7 @@ def end_bending(state, const, family, own, kind, B, acting):
     return 2.0 * B * (1.0 - along) if kind == CLAMPED_END else B * (1.0 - along * along)
 
 
-@kernel(_nrt=False)
+@unit("number")
 def family_bending(state, const, family, first, last, acting):
     """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if `acting`.
 
@@ -142,10 +143,8 @@ def family_bending(state, const, family, first, last, acting):
 def bending_forces(stiffness, state, const, first, last, acting):
     """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`.
 
-    stiffness : const.bending; where it is None nothing of this is compiled
+    stiffness : const.bending
     """
-    if stiffness is None:
-        return 0.0
     total = 0.0
     for family in range(2):
         if bends(stiffness, family):

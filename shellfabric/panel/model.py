@@ -452,9 +452,9 @@ class Panel:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
-    def constants(self, bends: bool = False) -> arrays.Constants:
+    def constants(self) -> arrays.Constants:
         """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
-        return arrays.constants(self, bends)
+        return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

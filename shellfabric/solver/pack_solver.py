@@ -18,20 +18,19 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.jit.borrowed_list import Items
+from shellfabric.jit.table import Rows
 from shellfabric.panel import boundary, grading, quality
-from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import memory, near_kernels, pressure_kernels
-from shellfabric.plies.arrays import KEPT
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
-from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
-from shellfabric.solver import compile_ahead, ply_audit
+from shellfabric.sliding.model import SlipSummary
+from shellfabric.solver import ply_audit
 from shellfabric.solver import step_kernels as kernels
+from shellfabric.state import Constants, Slip, State
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (
@@ -69,14 +68,6 @@ PLY_SAMPLES = (
     "pull_in",
     "slip",
 )
-
-
-def begin_compiling(panel: Panel) -> None:
-    """Begin to compile what a run of one ply needs; returns at once."""
-    pack = Pack((panel,))
-    memory.check(pack.plies)
-    states, stack = pack.states(1.0)
-    compile_ahead.begin(Items(states), Items(pack.constants()), None, stack, Items(pack.works()))
 
 
 class PackSolver(ExplicitSolver):
@@ -176,7 +167,7 @@ class PackSolver(ExplicitSolver):
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
-        self._plies = Items(self.states), Items(self.consts)
+        self._plies = Rows(self.states), Rows(self.consts)
         if self.slips:
             room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
             loaded = (
@@ -184,10 +175,8 @@ class PackSolver(ExplicitSolver):
                 if self.contact
                 else self.states
             )
-            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
+            self._slips = Rows(self.slips), Rows(self.effective), Rows(loaded)
         self._works = [self._scratch()]
-        if not self.slips:
-            compile_ahead.begin(*self._plies, self.contact, self.stack, self._works[0][1])
         self.share = self.panel.share
         most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
@@ -214,13 +203,13 @@ class PackSolver(ExplicitSolver):
         """(slips, works) of a thread, as `step_kernels.run_thread` has them."""
         works = self.pack.works()
         if not self.slips:
-            return None, Items(works)
+            return None, Rows(works)
         own = {id(work): work for work in works}
         for key, work in own.items():
             own[key] = work._replace(
                 stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2)
             )
-        return (*self._slips, Items([own[id(work)] for work in works])), Items(works)
+        return (*self._slips, Rows([own[id(work)] for work in works])), Rows(works)
 
     def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
         """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
@@ -510,10 +499,9 @@ class PackSolver(ExplicitSolver):
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        for p, slip in enumerate(self.slips):
-            found |= slip_arrays(slip, f"slip/{p:02d}")
+        found |= {f"slip/{p:02d}": slip for p, slip in enumerate(self.slips)}
         if self.contact:
-            found |= {f"contact/{name}": getattr(self.contact, name) for name in KEPT}
+            found["contact"] = self.contact
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

@@ -21,8 +21,8 @@ from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels
 
 if TYPE_CHECKING:
-    from shellfabric.panel.arrays import Constants, State
     from shellfabric.panel.model import Panel
+    from shellfabric.state import Constants, State
 
 ENERGIES = (
     "kinetic_fabric",

@@ -42,6 +42,7 @@ from shellfabric.panel.motion_kernels import (
 from shellfabric.projectile import contact_kernels
 from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels
 from shellfabric.sliding.flow_kernels import EMPTIED
+from shellfabric.state import unit
 
 KINETIC, STORED, SHEAR, BENDING, PACKING = 0, 1, 2, 3, 4  # of `energies`
 
@@ -217,7 +218,7 @@ def update_blocks(state, const, slide, work, shared, me, count):
         element_forces(state, const, slide, block, begin, stop, work)
 
 
-@kernel(_nrt=False)
+@unit()
 def apply_backing_impulse(state, const):
     """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
     for c in range(3):
@@ -256,7 +257,8 @@ def after_forces(state, const, slide, work):
     if not waits:
         nose_contact(state, const, work)
     state.counter[STEP] += 1
-    boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
+    if const.slip_node.size > 0:
+        boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
     return waits
 
 
@@ -274,7 +276,8 @@ def begin(state, const, slide, work):
     """Forces and slipping edges of the state at rest, before its first step."""
     if state.counter[STEP] == AT_REST:
         initial_forces(state, const, slide, work)
-        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        if const.slip_node.size > 0:
+            boundary_kernels.update_slip_nodes(state, const, 0.0)
         state.counter[STEP] = 0
 
 

@@ -8,7 +8,7 @@ impulses of all plies. Its place is kept for each ply, counted from the ply's ow
 other angles each has place and velocity in its own frame, and the velocity is kept in the first
 one's. A ply is skipped until something pushes on it.
 
-States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on
+States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend on
 the number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for
 them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots
 must stay at rest.
@@ -23,9 +23,9 @@ import math
 import numpy as np
 
 from shellfabric.jit.barrier import STOP, barrier_wait
-from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
+from shellfabric.jit.table import row_of
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
 from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over, place, turned, turned_back
@@ -35,6 +35,7 @@ from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
+from shellfabric.state import unit
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = (
     0,
@@ -52,7 +53,7 @@ def slide_of(slips, p):
         found = None
     else:
         slip, effective, _, works_x = slips
-        found = borrowed_item(slip, p), borrowed_item(effective, p), borrowed_item(works_x, p)
+        found = row_of(slip, p), row_of(effective, p), row_of(works_x, p)
     return found
 
 
@@ -65,26 +66,26 @@ def push_projectile(stack, const, p, force):
     stack.projectile_velocity[2] += const.dt * const.free_dofs[2] * force[2] / const.projectile_mass
 
 
-@kernel(_nrt=False)
+@unit()
 def apply_nose_impulses(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
     motion."""
     last, force = len(states) - 1, 0.0
     for p in range(len(states)):
         if stack.awake[p]:
-            state, const = borrowed_item(states, p), borrowed_item(consts, p)
+            state, const = row_of(states, p), row_of(consts, p)
             contact_kernels.apply_contact_impulse(state, const)
             push_projectile(stack, const, p, state.f_contact_nose)
             force += bar_kernels.axial_force(state, const)
-    state, const = borrowed_item(states, last), borrowed_item(consts, last)
+    state, const = row_of(states, last), row_of(consts, last)
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
         push_projectile(stack, const, last, state.f_block_nose)
-    state, const = borrowed_item(states, 0), borrowed_item(consts, 0)
+    state, const = row_of(states, 0), row_of(consts, 0)
     if const.bar_mass.size > 0:
         bar_kernels.advance_bar(state, const, force)
     for p in range(len(states)):
-        velocity, of_first = borrowed_item(states, p).projectile_velocity, stack.projectile_velocity
+        velocity, of_first = row_of(states, p).projectile_velocity, stack.projectile_velocity
         if p > 0:
             velocity[0], velocity[1] = turned(stack.turns[p], of_first[0], of_first[1])
             velocity[2] = of_first[2]
@@ -99,15 +100,13 @@ def begin_step(states, consts, contact, slips, stack):
         hold_apart(states, consts, contact)
     apply_nose_impulses(states, consts, stack)
     if contact is None:
-        ply_kernels.grow_rows(
-            borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0)
-        )
+        ply_kernels.grow_rows(row_of(states, 0), row_of(consts, 0), slide_of(slips, 0))
 
 
 @kernel(_nrt=False, inline="always")
 def step_ply(states, consts, slips, works, shared, me, count):
     """The step of a single ply, whose blocks the threads share."""
-    state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
+    state, const, work = row_of(states, 0), row_of(consts, 0), row_of(works, 0)
     slide = slide_of(slips, 0)
     ply_kernels.update_blocks(state, const, slide, work, shared, me, count)
     barrier_wait(shared, count)
@@ -120,9 +119,9 @@ def step_plies(states, consts, contact, slips, stack, works, me, count):
     """One thread's plies of a pack: the impulses of the others and of the guard, their own step."""
     for p in range(me, len(states), count):
         state, const, work = (
-            borrowed_item(states, p),
-            borrowed_item(consts, p),
-            borrowed_item(works, p),
+            row_of(states, p),
+            row_of(consts, p),
+            row_of(works, p),
         )
         pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
         for side in range(2):
@@ -149,7 +148,7 @@ def press_plies(states, consts, contact, shared, me, count):
         press_others(contact)
     barrier_wait(shared, count)
     for p in range(me, len(states), count):
-        hand_over(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        hand_over(row_of(states, p), row_of(consts, p), contact, p)
 
 
 @kernel(_nrt=False)
@@ -157,14 +156,14 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
     """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.after_forces`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
-            state, const = borrowed_item(states, p), borrowed_item(consts, p)
+            state, const = row_of(states, p), row_of(consts, p)
             predict_increments(state, const, contact, p)
-            ply_kernels.nose_contact(state, const, borrowed_item(works, p))
+            ply_kernels.nose_contact(state, const, row_of(works, p))
             if state.f_contact_nose[2] == 0.0:
                 clear_increments(state, const)
 
 
-@kernel(_nrt=False)
+@unit()
 def predict_increments(state, const, contact, p):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
@@ -235,10 +234,10 @@ def add_rows(total, state, const, forces):
                 masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
 
 
-@kernel(_nrt=False)
+@unit(total="3 x n")
 def gather_contact(states, consts, contact, p, total):
     """Sum of the contact forces on the active rows of ply p, into total."""
-    state, const = borrowed_item(states, p), borrowed_item(consts, p)
+    state, const = row_of(states, p), row_of(consts, p)
     s = const.row_stride
     for c in range(3):
         for i in range(state.active_rows[0], state.active_rows[1] + 1):
@@ -254,11 +253,11 @@ def slip_plies(states, consts, contact, slips, stack, me, count):
     guard's."""
     own, _, loads, _ = slips
     for p in range(me, len(states), count):
-        slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
+        slip, loaded = row_of(own, p), row_of(loads, p)
         if stack.awake[p] and slip.active:
             if contact is not None:
                 gather_contact(states, consts, contact, p, loaded.f_contact)
-            slip_kernels.slip_nodes(loaded, borrowed_item(consts, p), slip)
+            slip_kernels.slip_nodes(loaded, row_of(consts, p), slip)
 
 
 @kernel(inline="always")
@@ -284,14 +283,14 @@ def record_step(state, const, force, row):
         )
 
 
-@kernel(_nrt=False)
+@unit("integer", row="9")
 def post_step(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
     stack.counter[STEP] += 1
     first, const, last = (
-        borrowed_item(states, 0),
-        borrowed_item(consts, 0),
-        borrowed_item(states, len(states) - 1),
+        row_of(states, 0),
+        row_of(consts, 0),
+        row_of(states, len(states) - 1),
     )
     force = 0.0
     for p in range(len(states)):
@@ -308,15 +307,11 @@ def post_step(states, consts, stack, row):
     failed, pushed = False, False
     for p in range(len(states)):
         failed |= stack.ply_counters[p, FAILURES] > 0
-        pushed |= (
-            stack.f_contact_nose[p, 2] != 0.0 or borrowed_item(states, p).f_block_nose[2] != 0.0
-        )
+        pushed |= stack.f_contact_nose[p, 2] != 0.0 or row_of(states, p).f_block_nose[2] != 0.0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if window_kernels.cloth_ahead_of_nose(
-                borrowed_item(states, p), borrowed_item(consts, p)
-            ):
+            if window_kernels.cloth_ahead_of_nose(row_of(states, p), row_of(consts, p)):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
@@ -328,7 +323,7 @@ def internal_work(states, contact):
     """[J] work done so far on yarns, their viscosity and the contacts."""
     total = 0.0
     for p in range(len(states)):
-        total += ply_kernels.internal_work(borrowed_item(states, p))
+        total += ply_kernels.internal_work(row_of(states, p))
     if contact is not None:
         for p in range(len(states)):
             total += contact.work[p]
@@ -341,9 +336,9 @@ def begin(states, consts, slips, works):
     """As `ply_kernels.begin`, of all plies."""
     for p in range(len(states)):
         state, const, work = (
-            borrowed_item(states, p),
-            borrowed_item(consts, p),
-            borrowed_item(works, p),
+            row_of(states, p),
+            row_of(consts, p),
+            row_of(works, p),
         )
         ply_kernels.begin(state, const, slide_of(slips, p), work)
 
@@ -409,9 +404,9 @@ def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
     """The tensions of one thread's blocks of a single ply, or plies of a pack."""
     if contact is None:
         state, const, work = (
-            borrowed_item(states, 0),
-            borrowed_item(consts, 0),
-            borrowed_item(works, 0),
+            row_of(states, 0),
+            row_of(consts, 0),
+            row_of(works, 0),
         )
         first, last = thread_range(state, const, me, count)
         ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)
@@ -419,9 +414,9 @@ def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
         for p in range(me, len(states), count):
             if stack.awake[p]:
                 state, const, work = (
-                    borrowed_item(states, p),
-                    borrowed_item(consts, p),
-                    borrowed_item(works, p),
+                    row_of(states, p),
+                    row_of(consts, p),
+                    row_of(works, p),
                 )
                 first, last = thread_range(state, const, 0, 1)
                 ply_kernels.refresh_tensions(state, const, slide_of(slips, p), first, last, work)

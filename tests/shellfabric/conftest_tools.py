@@ -3,8 +3,8 @@
 import numpy as np
 from panels import rest, set_nodal
 
-from shellfabric.jit.borrowed_list import Items, borrowed_item
 from shellfabric.jit.compile import entry
+from shellfabric.jit.table import Rows, row_of
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
@@ -83,7 +83,7 @@ def press_once(states, consts, contact):
     """Forces between plies where they are, of all their points, into contact.force."""
     contact.count[near_kernels.STEP] += 1
     for p in range(len(states)):
-        frame_kernels.place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        frame_kernels.place(row_of(states, p), row_of(consts, p), contact, p)
     for t in range(contact.travel.size):
         near_kernels.refresh_box(contact, t)
     near_kernels.list_tiles(contact)
@@ -91,7 +91,7 @@ def press_once(states, consts, contact):
     pressure_kernels.press(contact, 0, 1)
     pressure_kernels.press_others(contact)
     for p in range(len(states)):
-        frame_kernels.hand_over(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        frame_kernels.hand_over(row_of(states, p), row_of(consts, p), contact, p)
 
 
 class Pressed:
@@ -118,7 +118,7 @@ class Pressed:
     def press(self, times=1):
         """Forces on the nodes of the first two plies, each (ni+1, nj+1, 3), with their closest points found."""
         for _ in range(times):
-            press_once(Items(self.states), Items(self.consts), self.contact)
+            press_once(Rows(self.states), Rows(self.consts), self.contact)
         return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
 
     def press_as_moved(self):
