@@ -13,10 +13,8 @@ from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import NEAR, SLOTS
 from shellfabric.state import Constants, PackContact, State
 
-_PAIRS, _ENTRIES = (
-    60,
-    20,
-)  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
+_PAIRS = 60  # room for pairs of tiles, of a tile in the mean
+_ENTRIES = 20  # room for pairs of facets, of a node in the mean
 
 
 def pack_contact(
@@ -45,7 +43,8 @@ def pack_contact(
     base = np.arange(plies) * slots + shape[:, 0] + 1
     nodes = plies * slots
     x, kick, mirror = _grids(consts, states, rest, shape, slots, base)
-    down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
+    down = np.array([-(-c.ni // TALL) for c in consts])
+    across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
     none, none_of_grid = np.zeros((plies, 4), np.int64), np.zeros((plies, 2, 4), np.int64)
