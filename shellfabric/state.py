@@ -178,7 +178,7 @@ class Constants(Row):
     )
     half_strength2 = number("N", "half of the lowest strength of a weft line")
     rate_law = array(
-        "2, 3, points",
+        "2, 3, loads",
         "-, 1/s, -",
         "of warp and weft: loads of the strength by strain rate, rate of damage at "
         "them and its growth from there (`cloth.strength_kernels`); no points without "

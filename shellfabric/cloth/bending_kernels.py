@@ -102,7 +102,7 @@ def end_bending(state, const, family, own, kind, B, acting):
     return 2.0 * B * (1.0 - along) if kind == CLAMPED_END else B * (1.0 - along * along)
 
 
-@unit("number")
+@unit("number", later=True)
 def family_bending(state, const, family, first, last, acting):
     """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if `acting`.
 

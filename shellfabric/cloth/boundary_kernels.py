@@ -23,7 +23,7 @@ def slip_fraction(time, start, end):
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
-@unit(time="number")
+@unit(later=True, time="number")
 def update_slip_nodes(state, const, time):
     """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
     kinetic = 0.0

@@ -122,7 +122,7 @@ def find_failures(const, state, family, first, last):
     return count
 
 
-@unit()
+@unit(later=True)
 def break_edges(const, state, family, first, last):
     """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
     columns = const.nj + 1 if family == WARP else const.nj
@@ -217,7 +217,7 @@ def edge_energy(const, state, family, i, j):
     return found
 
 
-@unit("2 numbers")
+@unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
     """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
     work, viscous = 0.0, 0.0

@@ -118,7 +118,7 @@ def is_fabric(state, const, k):
     return flag & DRAWN_OUT == 0
 
 
-@unit("number")
+@unit("number", later=True)
 def let_go(state, const):
     """Flag the torn elements that are drawn out; energy [J] that they stored."""
     lost = 0.0

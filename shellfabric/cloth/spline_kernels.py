@@ -132,7 +132,7 @@ def quadrant(a, p):
     return 0 if 2 * a < p else 1
 
 
-@unit(found="8, points")
+@unit(later=True, found="8, points")
 def torn_shape_functions(state, const, i, j, found):
     """Shape functions of an element (i, j) in which yarns may end, into found (8, room).
 

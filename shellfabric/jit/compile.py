@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import ctypes
 import inspect
-import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import FunctionType
 from typing import Any
 
@@ -35,18 +35,38 @@ from fabrics.kernel_cache import compiling, kernel_cache
 from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+UNITS: list[Unit] = []  # in the order in which their files are imported
 FAILED = -1  # status by which numba's calling convention tells of an exception
+_raised: list[BaseException] = []  # where machine code had Python compile a unit
 C_TYPES = {8: ctypes.c_int8, 32: ctypes.c_int32, 64: ctypes.c_int64}
 
 
+@contextmanager
+def compiling_units() -> Iterator[None]:
+    """Call machine code in this block: what is raised while it has a unit compiled comes out of it.
+
+    No exception passes through machine code, which ends with numba's SystemError.
+    """
+    try:
+        yield
+    except SystemError:
+        if not _raised:
+            raise
+        raise _raised.pop() from None
+
+
 class _Announcer(event.Listener):
-    """Tells the user what is being compiled."""
+    """Tells the user what is being compiled; a helper belongs to the kernel that calls it."""
 
     def on_start(self, what):
-        compiling(what.data["dispatcher"].py_func.__module__)
+        self._tell(what.data["dispatcher"], False)
 
     def on_end(self, what):
-        compiling(what.data["dispatcher"].py_func.__module__, done=True)
+        self._tell(what.data["dispatcher"], True)
+
+    def _tell(self, dispatcher, done):
+        if not isinstance(dispatcher, _Inner):
+            compiling(dispatcher.py_func.__module__, done)
 
 
 event.register("numba:compile", _Announcer())
@@ -108,9 +128,10 @@ def units(tables: Mapping[str, type[Row]]) -> Callable[..., Any]:
     A parameter that is named after the plural of a table is a list of its rows.
     """
 
-    def unit(returns="nothing", **kinds):
-        """returns : type of the result;  kinds : of parameters that are neither rows nor integers, as texts of
-        `table.type_of`, or the table that a row is of."""
+    def unit(returns="nothing", *, later=False, **kinds):
+        """returns : type of the result;  later : whether few runs call it, so that it is compiled when one does;
+        kinds : of parameters that are neither rows nor integers, as texts of `table.type_of`, or the table that a row
+        is of."""
 
         def decorated(function):
             names = inspect.signature(function).parameters
@@ -118,7 +139,9 @@ def units(tables: Mapping[str, type[Row]]) -> Callable[..., Any]:
             grids = [
                 tuple(_type_on(grid, name, known) for name in names) for grid in (UNIFORM, GRADED)
             ]
-            return Unit(function, type_of(returns, UNIFORM), dict.fromkeys(grids))
+            found = Unit(function, type_of(returns, UNIFORM), dict.fromkeys(grids), later)
+            UNITS.append(found)
+            return found
 
         return decorated
 
@@ -137,15 +160,21 @@ class Unit:
     """A kernel that is compiled by itself for the types of its parameters.
 
     function, returns : the plain function, numba type of its result;  grids : types of its parameters on each grid
+    later : see `units`
     """
 
-    def __init__(self, function, returns, grids):
-        self.py_func, self.returns = function, returns
+    def __init__(self, function, returns, grids, later):
+        self.py_func, self.returns, self.later = function, returns, later
         with kernel_cache(function.__code__.co_filename):
             self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
         self.cells = {kinds: Cell(self, kinds, number) for number, kinds in enumerate(grids)}
         self._numba_type_ = types.Function(_template_of(self))
         lower_builtin(self, types.VarArg(types.Any))(self.lower)
+
+    def cell(self, grid):
+        """The cell of a uniform or a graded panel, which may be one."""
+        cells = list(self.cells.values())
+        return cells[min(grid, len(cells) - 1)]
 
     def kinds_for(self, given):
         """The types of the parameters on the grid that arguments are of."""
@@ -173,7 +202,8 @@ class Unit:
         if not hasattr(self, "_caller"):
             unit = self
             self._caller = njit(lambda *given: unit(*given))
-        return self._caller(*arguments)
+        with compiling_units():
+            return self._caller(*arguments)
 
 
 def _template_of(unit):
@@ -200,7 +230,7 @@ class Cell:
     """Where the address of the machine code of a unit stands: at first that of a way to Python, which compiles it."""
 
     def __init__(self, unit, kinds, number):
-        self.unit, self.kinds = unit, kinds
+        self.unit, self.kinds, self.full = unit, kinds, False
         name = f"{unit.py_func.__module__}.{unit.py_func.__qualname__}"
         self.symbol = f"unit_{name}_{number}".replace(".", "_")
         self.way_to_python = self._way_to_python()  # kept: its machine code lives as long
@@ -208,7 +238,9 @@ class Cell:
         llvm.add_symbol(self.symbol, ctypes.addressof(self.address))
 
     def fill(self):
-        """Load or compile the machine code, and put its address into the cell."""
+        """Load or compile the machine code, and put its address into the cell; whether it was compiled just now."""
+        if self.full:
+            return False
         dispatcher, returns = self.unit.dispatcher, self.unit.returns
         dispatcher.compile(self.kinds)
         found = dispatcher.overloads[self.kinds]
@@ -217,7 +249,8 @@ class Cell:
             raise TypeError(f"{self.unit.py_func.__qualname__} returns {given}")
         name = found.fndesc.llvm_func_name
         self.address.value = found.library.get_pointer_to_function(name)
-        return self.address.value
+        self.full = True
+        return self.kinds in dispatcher.stats.cache_misses
 
     def _way_to_python(self):
         """A function of C's that fills the cell, and goes on to what is there then."""
@@ -227,11 +260,11 @@ class Cell:
 
         def compile_and_call(*arguments):
             try:
-                address = self.fill()
-            except BaseException:
-                traceback.print_exc()  # no exception passes through machine code: it ends with a SystemError
+                self.fill()
+            except BaseException as problem:
+                _raised.append(problem)
                 return FAILED
-            return prototype(address)(*arguments)
+            return prototype(self.address.value)(*arguments)
 
         return prototype(compile_and_call)
 

@@ -207,6 +207,7 @@ class Row:
         words: list[int] = []
         for name, (member, _) in kind.members.items():
             words += words_of(member, values[name], f"{table.__name__}.{name}")
+        _check_lengths(table, values)
         memory = np.array(words, np.int64)
         own = self.__dict__
         own.update(values)
@@ -247,6 +248,30 @@ class Row:
     def kept(cls) -> list[str]:
         """Names of what a checkpoint has."""
         return [name for name, field in cls.fields.items() if field.kept]
+
+
+def _check_lengths(table, values):
+    """Hold the arrays of a row to the lengths that their shapes name: one of each name but `n`, or none at all.
+
+    Raises
+    ------
+    TypeError : one has another length
+    """
+    known: dict[str, int] = {}
+    for name, field in table.fields.items():
+        value = values[name]
+        arrays = value if isinstance(value, tuple) else (value,)
+        if not isinstance(arrays[0], np.ndarray) or len(set(field.kinds)) > 1:
+            continue
+        _, dimensions, _ = parts_of(field.shape)
+        for found in arrays:
+            for word, length in zip(dimensions, found.shape):
+                if word[0] == "n" or not found.size:
+                    continue
+                needed = int(word) if word.isdigit() else known.setdefault(word, length)
+                if length != needed:
+                    place = f"{table.__name__}.{name}"
+                    raise TypeError(f"{place}: {length} instead of {needed} of {word}")
 
 
 def _made(table, values):
@@ -348,7 +373,7 @@ class Rows:
         self.values = tuple(values)
         kinds = {value._numba_type_ for value in self.values}
         if len(kinds) != 1:
-            raise TypeError(f"{len(kinds)} types in one list: {', '.join(map(str, kinds))}")
+            raise TypeError(f"{len(kinds)} types in one list: {', '.join(sorted(map(str, kinds)))}")
         self._numba_type_ = RowsType(kinds.pop())
         self._addresses = np.array([value._address for value in self.values], np.int64)
         self._address = self._addresses.ctypes.data

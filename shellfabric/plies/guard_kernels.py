@@ -79,7 +79,7 @@ def push(contact, k, n, impulse):
             contact.y[c, k] += contact.kick[k] * impulse * n[c]
 
 
-@unit("number; flag")
+@unit("integer; flag")
 def project(contact, rows, nodes):
     """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them, in contact.y.
 

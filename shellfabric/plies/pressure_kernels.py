@@ -130,7 +130,7 @@ def press_tile(contact, tile, p):
     contact.clearance[tile] = max(clearance, 0.0)
 
 
-@unit()
+@unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
     """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)

@@ -116,7 +116,7 @@ def axial_force(state, const):
     return force
 
 
-@unit(force="number")
+@unit(later=True, force="number")
 def advance_bar(state, const, force):
     """One step of the bar along its axis; replaces the axial part of the rigid body's velocity,
     state.projectile_velocity.

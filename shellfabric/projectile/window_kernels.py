@@ -120,7 +120,7 @@ def cover_at_point(state, const, k, s, t):
     return 1.0 - (1.0 - weft) * (1.0 - warp)
 
 
-@unit("flag")
+@unit("flag", later=True)
 def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window_bounds(state)

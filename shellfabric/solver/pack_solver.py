@@ -18,7 +18,8 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.jit.table import Rows
+from shellfabric.jit.compile import compiling_units
+from shellfabric.jit.table import UNIFORM, Rows
 from shellfabric.panel import boundary, grading, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
@@ -28,7 +29,7 @@ from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.sliding.model import SlipSummary
-from shellfabric.solver import ply_audit
+from shellfabric.solver import compile_ahead, ply_audit
 from shellfabric.solver import step_kernels as kernels
 from shellfabric.state import Constants, Slip, State
 
@@ -177,6 +178,8 @@ class PackSolver(ExplicitSolver):
             )
             self._slips = Rows(self.slips), Rows(self.effective), Rows(loaded)
         self._works = [self._scratch()]
+        if not self.slips:
+            compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
         self.share = self.panel.share
         most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
@@ -268,18 +271,9 @@ class PackSolver(ExplicitSolver):
 
     def _run_thread(self, history, shared, me, count, allowed):
         slips, works = self._works[me]
-        return kernels.run_thread(
-            *self._plies,
-            self.contact,
-            slips,
-            self.stack,
-            works,
-            history,
-            shared,
-            me,
-            count,
-            allowed,
-        )
+        ply_arrays = (*self._plies, self.contact, slips, self.stack, works)
+        with compiling_units():
+            return kernels.run_thread(*ply_arrays, history, shared, me, count, allowed)
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""

@@ -218,7 +218,7 @@ def update_blocks(state, const, slide, work, shared, me, count):
         element_forces(state, const, slide, block, begin, stop, work)
 
 
-@unit()
+@unit(later=True)
 def apply_backing_impulse(state, const):
     """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
     for c in range(3):

@@ -163,7 +163,7 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
                 clear_increments(state, const)
 
 
-@unit()
+@unit(later=True)
 def predict_increments(state, const, contact, p):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
@@ -234,7 +234,7 @@ def add_rows(total, state, const, forces):
                 masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
 
 
-@unit(total="3 x n")
+@unit(later=True, total="3 x n")
 def gather_contact(states, consts, contact, p, total):
     """Sum of the contact forces on the active rows of ply p, into total."""
     state, const = row_of(states, p), row_of(consts, p)

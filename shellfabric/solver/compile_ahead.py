@@ -1,0 +1,63 @@
+"""The kernels of a run, compiled by two processes where the cache is cold.
+
+Units do not depend on each other. This process compiles those that every run calls from the front of
+one list, a child from its end. Both look into the cache before each, so that they meet in the middle.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from fabrics.kernel_cache import one_compiler_a_node
+from shellfabric.jit.compile import UNITS, Cell
+from shellfabric.panel import quality_kernels
+from shellfabric.solver import step_kernels
+
+OF_A_PLY = "shellfabric.panel", "shellfabric.cloth", "shellfabric.projectile", "shellfabric.solver"
+OF_A_PACK = "shellfabric.plies"
+ENTRIES = step_kernels.run_thread, quality_kernels.sample  # their files know all units
+_CHILD = "from shellfabric.solver.compile_ahead import cells; [cell.fill() for cell in cells({}, {})[::-1]]"
+
+
+def cells(grid: int, several: bool) -> list[Cell]:
+    """The cells of the units that each run calls of a ply, or of several, on a uniform or a graded grid."""
+    folders = (*OF_A_PLY, OF_A_PACK) if several else OF_A_PLY
+    usual = [unit for unit in UNITS if not unit.later]
+    return [unit.cell(grid) for unit in usual if unit.py_func.__module__.startswith(folders)]
+
+
+def fill(grid: int, several: bool) -> None:
+    """Compile what `cells` has, beside a child process; nothing where the first of them is in the cache."""
+    first, *others = cells(grid, several)
+    if one_compiler_a_node.cache_info().currsize or not first.fill():
+        return
+    with _child(_CHILD.format(grid, several)):
+        for cell in others:
+            cell.fill()
+
+
+@contextmanager
+def _child(code: str) -> Iterator[None]:
+    """A process that runs code beside what is done in this block, where there can be one."""
+    paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+    # -P: the folder that the user is in is not among the paths, if it is not here
+    command = [sys.executable, "-P", "-c", code]
+    child = None
+    with suppress(OSError):
+        child = subprocess.Popen(
+            command,
+            env=os.environ | {"PYTHONPATH": paths},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+    try:
+        yield
+    finally:
+        if child is not None:
+            child.terminate()
+            child.wait()
