@@ -11,9 +11,10 @@ rear ply by their weights in y: the sum vanishes to the last digits. The distanc
 or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
 fabric does not contract much below it (`cloth.packing_kernels`).
 
-Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies come to meet through a
-hole, each at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v beyond
-_JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is remembered.
+Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies come to meet through
+a hole, each at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v
+beyond _JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is
+remembered.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
 the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,

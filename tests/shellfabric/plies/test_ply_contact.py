@@ -226,8 +226,8 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
 
 @pytest.mark.parametrize("angle", [0.0, 0.4])
 def test_the_contact_remembers_nothing(ply, angle):
-    """The same plies at the same places, come there by motion, press on each other alike, whatever has been before; also
-    from a search that begins an element aside."""
+    """The same plies, come to the same places by motion, press on each other alike, whatever has been before; also from
+    a search that begins an element aside."""
     panel = replace(ply, symmetry="whole", opening=(0.03, 0.03), round=True, trellis=True)
     pack = Pack((panel, at_angle(panel, angle)), (0.05e-3,), friction=0.2)
     pressed = Pressed(pack).bulge(np.random.default_rng(5), 0.2e-3)
@@ -336,7 +336,7 @@ def test_a_torn_ply_that_contracts_presses_with_its_area_at_rest(ply, alone):
 @pytest.mark.parametrize("torn", [True, False])
 @pytest.mark.parametrize("alone", [True, False])
 def test_plies_that_are_at_a_depth_without_motion_do_not_press(ply, alone, torn):
-    """What a search finds at once gives no energy: beside tears, and in folds of whole plies, whose closest points hop."""
+    """What a search finds at once gives no energy: beside tears, and in folds of whole plies."""
     two = Flat(ply).alone() if alone else Flat(ply)
     two.states[0].counter[FAILURES] += torn
     grid(two.consts[0], two.states[0].u[2])[:] = 0.2 * two.thickness
