@@ -31,7 +31,7 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.typing.templates import AbstractTemplate, signature
 from numba.extending import lower_builtin
 
-from fabrics.kernel_cache import compiling, kernel_cache
+from fabrics.base.kernel_cache import compiling, kernel_cache
 from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}

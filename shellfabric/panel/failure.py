@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.state import FailureLines
 
 if TYPE_CHECKING:

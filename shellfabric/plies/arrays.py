@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
 from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import NEAR, SLOTS

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from fabrics.kernel_cache import one_compiler_a_node
+from fabrics.base.kernel_cache import one_compiler_a_node
 from shellfabric.jit.compile import UNITS, Cell
 from shellfabric.panel import quality_kernels
 from shellfabric.solver import step_kernels

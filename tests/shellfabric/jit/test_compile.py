@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from fabrics import kernel_cache
+from fabrics.base import kernel_cache
 from shellfabric.jit.compile import UNITS, entry, units
 from shellfabric.jit.table import GRADED, UNIFORM, Row, array, per_slot
 
