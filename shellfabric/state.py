@@ -262,6 +262,16 @@ class Constants(Row):
     has_backing = flag("whether a backing block is coupled to the ply")
 
 
+class ModuleTable(Row):
+    """The force modules of a ply (`panel.forces`)."""
+
+    cell = array("n int64", "-", "address of the cell of a unit; 0 of a module that does not act")
+    own = array("n int64", "-", "address of the module's row; 0 without one")
+    behind = array(
+        "1 int64", "-", "cell of what is behind the ply, called after each step; 0 if none"
+    )
+
+
 class State(Row, kept=True):
     """What changes of a ply, and of the projectile as it stands before it."""
 
@@ -271,6 +281,7 @@ class State(Row, kept=True):
     f_int_above = array(
         "3 x slots", "N", "part of it from the block above, on the first row of nodes of a block"
     )
+    modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
     mass = array("slots", "kg", "lumped mass of the nodes")
     inverse_mass = array("slots", "1/kg", "inverse mass; 0 where a node is held or prescribed")
     dt_over_mass = array("slots", "s/kg", "dt times inverse_mass")
@@ -508,6 +519,7 @@ class Stack(Row, kept=True):
     turns = array(
         "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
     )
+    after_stop = array("1", "s", "for which the run goes on after the projectile has turned back")
 
 
 class PackContact(Row):

@@ -73,7 +73,7 @@ TERMS = {
     ),
     "history row": (
         "Position of the nose, velocity and force after one step; see "
-        "shellfabric.solver.step_kernels.record_step."
+        "shellfabric.solver.stack_kernels.record_step."
     ),
     "barrier": "Point of a step that all threads reach before any goes on.",
     "Float64x8, mask": (

@@ -21,7 +21,7 @@ from numba import types
 from numba.extending import overload
 
 from shellfabric.jit.compile import kernel
-from shellfabric.state import unit
+from shellfabric.state import ModuleTable, unit
 
 FREE_END, SYMMETRY_END, CLAMPED_END = 0, 1, 2
 
@@ -102,7 +102,7 @@ def end_bending(state, const, family, own, kind, B, acting):
     return 2.0 * B * (1.0 - along) if kind == CLAMPED_END else B * (1.0 - along * along)
 
 
-@unit("number", later=True)
+@kernel(_nrt=False)
 def family_bending(state, const, family, first, last, acting):
     """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if `acting`.
 
@@ -139,14 +139,12 @@ def family_bending(state, const, family, first, last, acting):
     return total
 
 
-@kernel(_nrt=False)
-def bending_forces(stiffness, state, const, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`.
-
-    stiffness : const.bending
-    """
+@unit("number", later=True, own=ModuleTable)
+def bending_forces(state, const, own, first, last, acting):
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting` (a unit of
+    `panel.forces`, without a row)."""
     total = 0.0
     for family in range(2):
-        if bends(stiffness, family):
+        if bends(const.bending, family):
             total += family_bending(state, const, family, first, last, acting)
     return total

@@ -29,7 +29,7 @@ from numba import njit, types
 from numba.core import event
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.typing.templates import AbstractTemplate, signature
-from numba.extending import lower_builtin
+from numba.extending import intrinsic, lower_builtin
 
 from fabrics.base.kernel_cache import compiling, kernel_cache
 from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
@@ -165,6 +165,7 @@ class Unit:
 
     def __init__(self, function, returns, grids, later):
         self.py_func, self.returns, self.later = function, returns, later
+        self.__module__ = function.__module__
         with kernel_cache(function.__code__.co_filename):
             self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
         self.cells = {kinds: Cell(self, kinds, number) for number, kinds in enumerate(grids)}
@@ -175,6 +176,10 @@ class Unit:
         """The cell of a uniform or a graded panel, which may be one."""
         cells = list(self.cells.values())
         return cells[min(grid, len(cells) - 1)]
+
+    def __reduce__(self):
+        """A unit of another process is the one of its own file there."""
+        return self.py_func.__qualname__
 
     def kinds_for(self, given):
         """The types of the parameters on the grid that arguments are of."""
@@ -235,7 +240,8 @@ class Cell:
         self.symbol = f"unit_{name}_{number}".replace(".", "_")
         self.way_to_python = self._way_to_python()  # kept: its machine code lives as long
         self.address = ctypes.cast(self.way_to_python, ctypes.c_void_p)
-        llvm.add_symbol(self.symbol, ctypes.addressof(self.address))
+        self.place = ctypes.addressof(self.address)
+        llvm.add_symbol(self.symbol, self.place)
 
     def fill(self):
         """Load or compile the machine code, and put its address into the cell; whether it was compiled just now."""
@@ -267,6 +273,49 @@ class Cell:
             return prototype(self.address.value)(*arguments)
 
         return prototype(compile_and_call)
+
+
+@intrinsic
+def call_module(typing, cell, own, state, const, first, last, acting):
+    """Call the unit that a cell leads to, given by its address, as `panel.forces` has it: (state, const, own, first,
+    last, acting) -> number."""
+    kinds = state, const, types.voidptr, *(types.int64,) * 3
+
+    def codegen(context, builder, sig, arguments):
+        convention = context.call_conv
+        kind = convention.get_function_type(types.float64, kinds).as_pointer()
+        unit = builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
+        own = builder.inttoptr(arguments[1], context.get_value_type(types.voidptr))
+        given = [*arguments[2:4], own, *arguments[4:]]
+        status, found = convention.call_function(builder, unit, types.float64, kinds, given)
+        with builder.if_then(status.is_error, likely=False):
+            convention.return_status_propagate(builder, status)
+        return found
+
+    return types.float64(types.int64, types.int64, state, const, *kinds[3:]), codegen
+
+
+class PythonCell:
+    """A cell that leads to a Python function without parameters: a module (`call_module`) that stores nothing.
+
+    state, const : rows of the types that it is called with
+    """
+
+    def __init__(self, function: Callable[[], object], state: Row, const: Row) -> None:
+        kinds = state._numba_type_, const._numba_type_, types.voidptr, *(types.int64,) * 3
+        kind = cpu_target.target_context.call_conv.get_function_type(types.float64, kinds)
+
+        def call(*arguments):
+            try:
+                function()
+            except BaseException as problem:
+                _raised.append(problem)
+                return FAILED
+            return 0
+
+        self._code = ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))(call)
+        self.address = ctypes.cast(self._code, ctypes.c_void_p)
+        self.place = ctypes.addressof(self.address)
 
 
 def _c_type(kind):

@@ -187,7 +187,10 @@ class Row:
     def __init_subclass__(cls, *, kept: bool = False) -> None:
         cls.fields = {name: part for name, part in vars(cls).items() if isinstance(part, Field)}
         if kept:
-            cls.fields = {name: replace(part, kept=True) for name, part in cls.fields.items()}
+            rows = [name for name, part in cls.fields.items() if isinstance(part.kinds[0], RowType)]
+            cls.fields = {
+                name: replace(part, kept=name not in rows) for name, part in cls.fields.items()
+            }
         cls._fields = tuple(cls.fields)
         for name in cls.fields:
             delattr(cls, name)
@@ -228,7 +231,7 @@ class Row:
 
     def __reduce__(self):
         """A copy, also in another process, has memory of its own."""
-        return _made, (type(self), self._asdict())
+        return self.__dict__.get("_made_by", (_made, (type(self), self._asdict())))
 
     def _asdict(self) -> dict[str, Any]:
         return {name: self.__dict__[name] for name in self._fields}
@@ -245,6 +248,11 @@ class Row:
         return {name: value for name, value in found.items() if value is not None}
 
     @classmethod
+    def empty(cls) -> Any:
+        """A row of zeros and of arrays without anything in them."""
+        return cls(**{name: _nothing(field.kinds[UNIFORM]) for name, field in cls.fields.items()})
+
+    @classmethod
     def kept(cls) -> list[str]:
         """Names of what a checkpoint has."""
         return [name for name, field in cls.fields.items() if field.kept]
@@ -257,7 +265,7 @@ def _check_lengths(table, values):
     ------
     TypeError : one has another length
     """
-    known: dict[str, int] = {}
+    known = {}
     for name, field in table.fields.items():
         value = values[name]
         arrays = value if isinstance(value, tuple) else (value,)
@@ -276,6 +284,14 @@ def _check_lengths(table, values):
 
 def _made(table, values):
     return table(**values)
+
+
+def _nothing(kind):
+    """The least value of a numba type."""
+    if isinstance(kind, types.UniTuple):
+        return (_nothing(kind.dtype),) * kind.count
+    dtype = numpy_support.as_dtype(kind.dtype if isinstance(kind, types.Array) else kind)
+    return np.zeros((0,) * kind.ndim, dtype) if isinstance(kind, types.Array) else dtype.type(0)
 
 
 def _as_tuples(value):
@@ -494,7 +510,7 @@ def _loaded_array(context, builder, kind, pointer, first):
     item = context.get_abi_sizeof(context.get_data_type(kind.dtype))
     shape = [_load_word(builder, pointer, first + 1 + k) for k in range(kind.ndim)]
     step = ir.Constant(WORD, item)
-    strides: list[Any] = []
+    strides = []
     for length in reversed(shape):
         strides.insert(0, step)
         step = builder.mul(step, length)

@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.jit.aligned import aligned_zeros
-from shellfabric.panel import boundary, failure, grading
+from shellfabric.panel import boundary, failure, forces, grading
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.projectile import contact, dynamics, window_kernels
 from shellfabric.state import Constants, State, Work
@@ -207,6 +207,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
     found |= dynamics.state(panel.shot, strike_velocity)
+    found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
     return State(**found)
 
 

@@ -278,6 +278,7 @@ class Pack:
             ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
             projectile_velocity=strike_velocity * shot.flight,
             turns=self.turns,
+            after_stop=np.zeros(1),
         )
         states = []
         for p, ply in enumerate(self.plies):

@@ -15,11 +15,11 @@ from contextlib import contextmanager, suppress
 from fabrics.base.kernel_cache import one_compiler_a_node
 from shellfabric.jit.compile import UNITS, Cell
 from shellfabric.panel import quality_kernels
-from shellfabric.solver import step_kernels
+from shellfabric.solver import loop
 
 OF_A_PLY = "shellfabric.panel", "shellfabric.cloth", "shellfabric.projectile", "shellfabric.solver"
 OF_A_PACK = "shellfabric.plies"
-ENTRIES = step_kernels.run_thread, quality_kernels.sample  # their files know all units
+ENTRIES = loop.advance, quality_kernels.sample  # their files know all units
 _CHILD = "from shellfabric.solver.compile_ahead import cells; [cell.fill() for cell in cells({}, {})[::-1]]"
 
 

@@ -1,48 +1,31 @@
-"""Explicit time steps of plies and their projectile: of a single ply, or of a pack.
+"""What the plies of a run share in a step: the projectile, impulses on each other, reasons to end.
 
-In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`),
-the contact between plies is computed (`plies.pressure_kernels`), and with sliding crossovers the fluxes of yarn follow.
-All forces of a step are known before it begins: from them the guard of a pack (`plies.pack_guard_kernels`) finds what
-keeps the plies from passing through each other in it. The projectile is one: its speed is shared, and takes the
-impulses of all plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at
-other angles each has place and velocity in its own frame, and the velocity is kept in the first
-one's. A ply is skipped until something pushes on it.
-
-States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend on
-the number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for
-them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots
-must stay at rest.
-
-Several threads can share the work: a single ply by its blocks of rows; a pack by its plies. They wait for each other in
-between. No two write to the same place, so that results do not depend on their number. What involves all plies at once
-(lists of what is near, the guard) is one thread's.
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
+each ply, counted from the ply's own plane at rest; where plies lie at other angles each has place and
+velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
+pushes on it. The order of a step is that of `loop.advance`.
 """
 
 import math
 
 import numpy as np
 
-from shellfabric.jit.barrier import STOP, barrier_wait
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.barrier import barrier_wait
+from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 from shellfabric.jit.table import row_of
-from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
+from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
 from shellfabric.plies import near_kernels
-from shellfabric.plies.frame_kernels import apply_impulses, hand_over, place, turned, turned_back
+from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, turned_back
 from shellfabric.plies.near_kernels import list_pressed
-from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.state import unit
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = (
-    0,
-    1,
-    2,
-    3,
-    4,
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
+    5
 )  # CHECK: energy is to be audited before the next step
 
 
@@ -67,7 +50,7 @@ def push_projectile(stack, const, p, force):
 
 
 @unit()
-def apply_nose_impulses(states, consts, stack):
+def fly(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
     motion."""
     last, force = len(states) - 1, 0.0
@@ -93,52 +76,20 @@ def apply_nose_impulses(states, consts, stack):
             stack.projectile_position[p, c] += const.dt * velocity[c]
 
 
-@kernel(_nrt=False, inline="always")
-def begin_step(states, consts, contact, slips, stack):
-    """What one thread does before the others join: the guard, contact impulses, motion of the projectile."""
-    if contact is not None:
-        hold_apart(states, consts, contact)
-    apply_nose_impulses(states, consts, stack)
-    if contact is None:
-        ply_kernels.grow_rows(row_of(states, 0), row_of(consts, 0), slide_of(slips, 0))
-
-
-@kernel(_nrt=False, inline="always")
-def step_ply(states, consts, slips, works, shared, me, count):
-    """The step of a single ply, whose blocks the threads share."""
-    state, const, work = row_of(states, 0), row_of(consts, 0), row_of(works, 0)
-    slide = slide_of(slips, 0)
-    ply_kernels.update_blocks(state, const, slide, work, shared, me, count)
-    barrier_wait(shared, count)
-    if me == 0:
-        ply_kernels.after_forces(state, const, slide, work)
-
-
 @kernel(_nrt=False)
-def step_plies(states, consts, contact, slips, stack, works, me, count):
-    """One thread's plies of a pack: the impulses of the others and of the guard, their own step."""
-    for p in range(me, len(states), count):
-        state, const, work = (
-            row_of(states, p),
-            row_of(consts, p),
-            row_of(works, p),
-        )
-        pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
-        for side in range(2):
-            pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
-        stack.awake[p] |= pushed
-        if stack.awake[p]:
-            slide = slide_of(slips, p)
-            ply_kernels.grow_rows(state, const, slide)
-            ply_kernels.update_blocks(state, const, slide, work, work.barrier, 0, 1)
-            stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, slide, work)
-            place(state, const, contact, p)
-            follow(state, const, contact, p)
+def wakes(state, const, contact, stack, p):
+    """Give ply p the impulses of the others and of the guard; whether anything has acted on it yet."""
+    pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
+    for side in range(2):
+        pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
+    stack.awake[p] |= pushed
+    return stack.awake[p]
 
 
 @kernel(_nrt=False, inline="always")
 def press_plies(states, consts, contact, shared, me, count):
-    """The forces between plies at their new places."""
+    """The forces between plies, once all are at their new places."""
+    barrier_wait(shared, count)
     if me == 0:
         list_pressed(contact)
     barrier_wait(shared, count)
@@ -153,7 +104,7 @@ def press_plies(states, consts, contact, shared, me, count):
 
 @kernel(_nrt=False)
 def implicit_nose_contact(states, consts, contact, stack, works, me, count):
-    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.after_forces`)."""
+    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.touch`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
             state, const = row_of(states, p), row_of(consts, p)
@@ -255,7 +206,7 @@ def slip_plies(states, consts, contact, slips, stack, me, count):
     for p in range(me, len(states), count):
         slip, loaded = row_of(own, p), row_of(loads, p)
         if stack.awake[p] and slip.active:
-            if contact is not None:
+            if len(states) > 1:
                 gather_contact(states, consts, contact, p, loaded.f_contact)
             slip_kernels.slip_nodes(loaded, row_of(consts, p), slip)
 
@@ -284,7 +235,7 @@ def record_step(state, const, force, row):
 
 
 @unit("integer", row="9")
-def post_step(states, consts, stack, row):
+def note(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
     stack.counter[STEP] += 1
     first, const, last = (
@@ -300,6 +251,9 @@ def post_step(states, consts, stack, row):
     if not abs(speed) < 1e9:
         return NOT_FINITE
     if stack.counter[TURNED] > 0:
+        return RUNNING
+    if speed <= 0.0 and stack.after_stop[0] > 0.0:
+        stack.counter[TURNED] = stack.counter[STEP]
         return RUNNING
     if speed <= 0.0:
         return STOPPED
@@ -319,104 +273,22 @@ def post_step(states, consts, stack, row):
 
 
 @kernel(_nrt=False)
+def step_behind(states, consts, stack):
+    """The step of what is behind the last ply, which is at rest while that is."""
+    last = len(states) - 1
+    state = row_of(states, last)
+    if stack.awake[last] and state.modules.behind[0] != 0:
+        call_module(state.modules.behind[0], 0, state, row_of(consts, last), 0, 0, 1)
+
+
+@kernel(_nrt=False)
 def internal_work(states, contact):
     """[J] work done so far on yarns, their viscosity and the contacts."""
     total = 0.0
     for p in range(len(states)):
         total += ply_kernels.internal_work(row_of(states, p))
-    if contact is not None:
+    if len(states) > 1:
         for p in range(len(states)):
             total += contact.work[p]
         total += contact.guard[near_kernels.WORK]
     return total
-
-
-@kernel(_nrt=False)
-def begin(states, consts, slips, works):
-    """As `ply_kernels.begin`, of all plies."""
-    for p in range(len(states)):
-        state, const, work = (
-            row_of(states, p),
-            row_of(consts, p),
-            row_of(works, p),
-        )
-        ply_kernels.begin(state, const, slide_of(slips, p), work)
-
-
-@entry(nogil=True, _nrt=False)
-def run_thread(states, consts, contact, slips, stack, works, history, shared, me, count, allowed):
-    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows, as
-    thread 0 has them.
-
-    The initial forces are computed before the first step, also where there is to be none.
-
-    states, consts, works : of the plies, each a list
-    contact : PackContact; None of a single ply
-    slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in the place of
-        the stretches, of those with the sum of all contact forces in the place of the nose's, and of the scratch with
-        room for the effective stretches
-    stack : what the plies share
-    history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
-    (steps, 9), see `record_step`. shared : see `barrier.barrier_wait`. allowed [J] : energy exchange, the sum over
-    steps of the change of `internal_work`, after which CHECK ends the call: no energy error can exceed the energy
-    exchanged. Returns (steps made, RUNNING or the reason to end) of thread 0.
-    """
-    if me == 0:
-        begin(states, consts, slips, works)
-    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, contact)
-    while True:
-        if me == 0:
-            shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
-            if shared[STOP] == 0:
-                begin_step(states, consts, contact, slips, stack)
-        barrier_wait(shared, count)
-        if shared[STOP] != 0:
-            break
-        if contact is None:
-            step_ply(states, consts, slips, works, shared, me, count)
-        else:
-            step_plies(states, consts, contact, slips, stack, works, me, count)
-            barrier_wait(shared, count)
-            press_plies(states, consts, contact, shared, me, count)
-            barrier_wait(shared, count)
-            implicit_nose_contact(states, consts, contact, stack, works, me, count)
-            barrier_wait(shared, count)
-        if slips is not None:
-            barrier_wait(shared, count)
-            slip_plies(states, consts, contact, slips, stack, me, count)
-            barrier_wait(shared, count)
-        if me == 0:
-            if contact is not None:
-                count_work(states, consts, contact, True)
-            reason = post_step(states, consts, stack, history[made])
-            made += 1
-            now = internal_work(states, contact)
-            exchanged, before = exchanged + abs(now - before), now
-            if reason == RUNNING and not exchanged <= allowed:
-                reason = CHECK
-    refresh_tensions(states, consts, contact, slips, stack, works, me, count)
-    barrier_wait(shared, count)
-    return made, reason
-
-
-@kernel(_nrt=False, inline="always")
-def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
-    """The tensions of one thread's blocks of a single ply, or plies of a pack."""
-    if contact is None:
-        state, const, work = (
-            row_of(states, 0),
-            row_of(consts, 0),
-            row_of(works, 0),
-        )
-        first, last = thread_range(state, const, me, count)
-        ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)
-    else:
-        for p in range(me, len(states), count):
-            if stack.awake[p]:
-                state, const, work = (
-                    row_of(states, p),
-                    row_of(consts, p),
-                    row_of(works, p),
-                )
-                first, last = thread_range(state, const, 0, 1)
-                ply_kernels.refresh_tensions(state, const, slide_of(slips, p), first, last, work)
