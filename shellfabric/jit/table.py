@@ -236,6 +236,11 @@ class Row:
     def _asdict(self) -> dict[str, Any]:
         return {name: self.__dict__[name] for name in self._fields}
 
+    def nested(self) -> dict[str, Any]:
+        """{name: value}, of rows in it too."""
+        values = self._asdict()
+        return {name: v.nested() if isinstance(v, Row) else v for name, v in values.items()}
+
     def _replace(self, **changes: Any) -> Any:
         """A row with other values; the arrays that are not named are shared."""
         return type(self)(**{**self._asdict(), **changes})

@@ -498,7 +498,7 @@ class PackSolver(ExplicitSolver):
             pack.angles,
         )
         for modules, (_, const, state) in zip(self.modules, self.parts):
-            known += const._asdict(), state.mass, state.inverse_mass
+            known += const.nested(), state.mass, state.inverse_mass
             known += tuple((module.energy, module.stiffness) for module in modules)
         return known, self.module
 
