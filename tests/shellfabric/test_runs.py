@@ -245,7 +245,7 @@ def leaves(value, name=""):
 def contents(solver):
     """{name: array} of the whole state and of all records of a run."""
     kept = {
-        "arrays": solver.checkpoint_arrays(),
+        "arrays": dict(checkpoint._arrays(solver)),
         "block": solver.checkpoint_extra(),
         "reason": solver.reason,
         "records": solver.checkpoint_records(),
