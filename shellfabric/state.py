@@ -210,7 +210,7 @@ class Constants(Row):
         "-", "steps without contact and with no fabric ahead, after which the panel is perforated"
     )
     nose_shape = integer("-", "shape of the nose, see shellfabric.projectile.sdf_kernels")
-    nose_parameters = array("4", "m, -", "further numbers of that shape")
+    nose_parameters = array("n", "m, -", "further numbers of that shape, or of a solid its nodes")
     projectile_length = number("m", "length of the projectile; infinite without a rear end")
     frame = array("3, 3", "-", "axes of the projectile's frame as rows; the last is its axis")
     tilted = flag("whether that frame differs from the panel's")
