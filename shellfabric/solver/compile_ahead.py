@@ -56,7 +56,7 @@ def begin(states: Any, consts: Any, contact: Any, stack: Any, works: Any) -> Non
             (pack_guard_kernels.hold_apart, lists),
         ]
         first = [forces + of_nose, between]
-    steps = (step_kernels.run_thread, (*lists, *map(type_of, (None, stack, works)), *THREAD))
+    steps = (step_kernels.run_thread, (*lists, type_of(stack), type_of(works), *THREAD))
     compile_in_child.start(first, [[steps], audit(state, const)])
 
 
@@ -111,6 +111,6 @@ def audit(state: Any, const: Any) -> list:
     """Kernels of the samples, as `parts`."""
     monitor = state, const, INDEX, INDEX, NUMBER, NUMBER, VECTOR
     return [
-        (ply_kernels.energies, (state, const, type_of(None), VECTOR)),
+        (ply_kernels.energies, (state, const, VECTOR)),
         (quality_kernels.sample, monitor),
     ]

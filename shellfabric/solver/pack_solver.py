@@ -1,9 +1,9 @@
 """The explicit solver of a panel: of one ply, or of a pack of several.
 
 The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one behind the last ply,
-have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there;
-sliding crossovers that of friction, stops and residual at the crossovers. The results are the same to the last bit with
-any number of threads: each has the nodes and elements of some blocks, in each step the same for all.
+have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there.
+The results are the same to the last bit with any number of threads: each has the nodes and elements of some blocks, in
+each step the same for all.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolv
 from shellfabric.jit import barrier
 from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel import boundary, grading, quality
-from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
@@ -29,7 +28,6 @@ from shellfabric.plies.arrays import KEPT
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
-from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
 from shellfabric.solver import compile_ahead, ply_audit
 from shellfabric.solver import step_kernels as kernels
 
@@ -46,11 +44,6 @@ BETWEEN_PLIES = (
     "ply_friction",
     "ply_collisions",
 )  # of several plies
-SLIP_WORK = (
-    "crossover_friction",
-    "crossover_stops",
-    "slip_residual",
-)  # of sliding crossovers: Slip.work
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
     near_kernels.NO_ROOM: "has no room for more facets that are near each other",
@@ -67,7 +60,6 @@ PLY_SAMPLES = (
     "peak_warp",
     "peak_weft",
     "pull_in",
-    "slip",
 )
 
 
@@ -92,13 +84,12 @@ class PackSolver(ExplicitSolver):
     pack : Pack, of one ply too
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
-    states, consts, stack, contact, slips : what the kernels work on; contact is a PackContact, or None of a single ply;
-        no slips of pinned crossovers
+    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` the largest way of a
-        yarn's end out of its clamp and `slip` the longest piece of yarn that has passed through a crossover [m]
+        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest
+        way of a yarn's end out of its clamp
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
         of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     samples : of the whole panel, forces summed over plies
@@ -143,22 +134,14 @@ class PackSolver(ExplicitSolver):
             )
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
-        self.slips = self.set_up()
-        self.effective = tuple(
-            state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips)
-        )
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
         self._begin_run()
 
     def _name_energies(self, several):
-        more = (
-            *BETWEEN_PLIES[: len(BETWEEN_PLIES) * several],
-            *(SLIP_WORK if self.slips else ()),
-            "error",
-        )
-        self.energy_names = (*ENERGIES, *more)
+        between = BETWEEN_PLIES if several else ()
+        self.energy_names = (*ENERGIES, *between, "error")
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
@@ -169,27 +152,14 @@ class PackSolver(ExplicitSolver):
             )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
-    def set_up(self) -> tuple[Slip, ...]:
-        """(plies,) slip of sliding crossovers; a coupon changes here what is at rest before the first sample."""
-        return self.pack.slips(self.states)
-
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
         self._plies = Items(self.states), Items(self.consts)
-        if self.slips:
-            room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
-            loaded = (
-                [state._replace(f_contact=room(state)) for state in self.states]
-                if self.contact
-                else self.states
-            )
-            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
-        self._works = [self._scratch()]
-        if not self.slips:
-            compile_ahead.begin(*self._plies, self.contact, self.stack, self._works[0][1])
+        self._works = [Items(pack.works())]
+        compile_ahead.begin(*self._plies, self.contact, self.stack, self._works[0])
         self.share = self.panel.share
-        most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
+        most = plies if plies > 1 else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
@@ -204,32 +174,11 @@ class PackSolver(ExplicitSolver):
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
             self.contacts += (("backing_damped", "the contact with the block"),)
-        self._works += [self._scratch() for _ in range(1, self.threads)]
+        self._works += [Items(pack.works()) for _ in range(1, self.threads)]
         self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
-        self._rest = [ply_audit.stored_energy(*self._of_ply(ply)) for ply in range(plies)]
+        self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
-
-    def _scratch(self):
-        """(slips, works) of a thread, as `step_kernels.run_thread` has them."""
-        works = self.pack.works()
-        if not self.slips:
-            return None, Items(works)
-        own = {id(work): work for work in works}
-        for key, work in own.items():
-            own[key] = work._replace(
-                stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2)
-            )
-        return (*self._slips, Items([own[id(work)] for work in works])), Items(works)
-
-    def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
-        """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
-        const, state = self.parts[ply][1], self._loaded_state(ply)
-        return (
-            const,
-            state,
-            (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None,
-        )
 
     @property
     def places(self) -> FloatArray:
@@ -255,13 +204,6 @@ class PackSolver(ExplicitSolver):
         """[-] impulses that kept plies from passing through each other."""
         return int(self.contact.guard[near_kernels.IMPULSES]) if self.contact else 0
 
-    def slip_summaries(self) -> tuple[SlipSummary, ...]:
-        """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
-        return tuple(
-            SlipSummary.of(panel, state, slip, self.share)
-            for (panel, _, state), slip in zip(self.parts, self.slips)
-        )
-
     @property
     def steps(self) -> int:
         """Steps made."""
@@ -278,13 +220,11 @@ class PackSolver(ExplicitSolver):
         self._run_thread(self._rows(0), shared, me, self.threads, np.inf)
 
     def _run_thread(self, history, shared, me, count, allowed):
-        slips, works = self._works[me]
         return kernels.run_thread(
             *self._plies,
             self.contact,
-            slips,
             self.stack,
-            works,
+            self._works[me],
             history,
             shared,
             me,
@@ -314,10 +254,6 @@ class PackSolver(ExplicitSolver):
         if not forces:
             return [nose] if self.backing is None else [nose, nothing, rear]
         return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
-
-    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
-        """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
-        return tuple(self.slips[ply].passed) if self.slips else ()
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
@@ -366,7 +302,10 @@ class PackSolver(ExplicitSolver):
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
         plies = np.array(
-            [ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)]
+            [
+                ply_audit.energies(self.consts[ply], self._loaded_state(ply), rest)
+                for ply, rest in enumerate(self._rest)
+            ]
         )
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
@@ -377,8 +316,7 @@ class PackSolver(ExplicitSolver):
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
-        slipped = np.sum([slip.work for slip in self.slips], axis=0) if self.slips else ()
-        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies()]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def _of_first(self, ply, vector):
@@ -387,23 +325,20 @@ class PackSolver(ExplicitSolver):
         return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
         self._held = [
             held(state, const) if state.counter[FAILURES] else None
             for _, const, state in self.parts
         ]
-        for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
-            zip(self.parts, self._ends, energies, pushes, self._held)
+        for (panel, const, state), ends, energy, push, cloth in zip(
+            self.parts, self._ends, energies, pushes, self._held
         ):
             cut = ply_audit.cut_yarns(panel, const, state)
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
             own = cut, *reactions, -push / self.share, deflection, energy / self.share
-            slip = max(
-                (float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0
-            )
-            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
+            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state)])
         return np.array(rows)
 
     def _drop_sample(self):
@@ -500,7 +435,6 @@ class PackSolver(ExplicitSolver):
             pack.contact,
             pack.friction,
             pack.laws,
-            pack.crossovers,
             pack.angles,
         )
         for _, const, state in self.parts:
@@ -510,8 +444,6 @@ class PackSolver(ExplicitSolver):
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        for p, slip in enumerate(self.slips):
-            found |= slip_arrays(slip, f"slip/{p:02d}")
         if self.contact:
             found |= {f"contact/{name}": getattr(self.contact, name) for name in KEPT}
         return found | {"stack": self.stack, "monitor": self.monitor.found}

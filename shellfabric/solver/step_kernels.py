@@ -1,17 +1,15 @@
 """Explicit time steps of plies and their projectile: of a single ply, or of a pack.
 
-In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`),
-the contact between plies is computed (`plies.pressure_kernels`), and with sliding crossovers the fluxes of yarn follow.
-All forces of a step are known before it begins: from them the guard of a pack (`plies.pack_guard_kernels`) finds what
-keeps the plies from passing through each other in it. The projectile is one: its speed is shared, and takes the
-impulses of all plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at
-other angles each has place and velocity in its own frame, and the velocity is kept in the first
-one's. A ply is skipped until something pushes on it.
+In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), and
+the contact between plies is computed (`plies.pressure_kernels`). All forces of a step are known before it begins: from
+them the guard of a pack (`plies.pack_guard_kernels`) finds what keeps the plies from passing through each other in it.
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for each ply, counted
+from the ply's own plane at rest; where plies lie at other angles each has place and velocity in its own frame, and the
+velocity is kept in the first one's. A ply is skipped until something pushes on it.
 
-States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on
-the number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for
-them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots
-must stay at rest.
+States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on the
+number of plies; `contact` is None of a single ply, and numba removes what is done for it before it compiles. Plies of
+one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
 
 Several threads can share the work: a single ply by its blocks of rows; a pack by its plies. They wait for each other in
 between. No two write to the same place, so that results do not depend on their number. What involves all plies at once
@@ -25,15 +23,21 @@ import numpy as np
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.jit.simd import WIDTH, load, masked_store
-from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
+from shellfabric.panel import element_kernels
+from shellfabric.panel.motion_kernels import (
+    FAILURES,
+    IDLE,
+    STEP,
+    TURNED,
+    grow_active_rows,
+    thread_range,
+)
 from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over, place, turned, turned_back
 from shellfabric.plies.near_kernels import list_pressed
 from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
-from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = (
@@ -43,17 +47,6 @@ RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = (
     3,
     4,
 )  # CHECK: energy is to be audited before the next step
-
-
-@kernel(_nrt=False, inline="always")
-def slide_of(slips, p):
-    """What `ply_kernels` need of the slip of ply p: None of pinned crossovers."""
-    if slips is None:
-        found = None
-    else:
-        slip, effective, _, works_x = slips
-        found = borrowed_item(slip, p), borrowed_item(effective, p), borrowed_item(works_x, p)
-    return found
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -93,30 +86,27 @@ def apply_nose_impulses(states, consts, stack):
 
 
 @kernel(_nrt=False, inline="always")
-def begin_step(states, consts, contact, slips, stack):
+def begin_step(states, consts, contact, stack):
     """What one thread does before the others join: the guard, contact impulses, motion of the projectile."""
     if contact is not None:
         hold_apart(states, consts, contact)
     apply_nose_impulses(states, consts, stack)
     if contact is None:
-        ply_kernels.grow_rows(
-            borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0)
-        )
+        grow_active_rows(borrowed_item(states, 0), borrowed_item(consts, 0))
 
 
 @kernel(_nrt=False, inline="always")
-def step_ply(states, consts, slips, works, shared, me, count):
+def step_ply(states, consts, works, shared, me, count):
     """The step of a single ply, whose blocks the threads share."""
     state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
-    slide = slide_of(slips, 0)
-    ply_kernels.update_blocks(state, const, slide, work, shared, me, count)
+    ply_kernels.update_blocks(state, const, work, shared, me, count)
     barrier_wait(shared, count)
     if me == 0:
-        ply_kernels.after_forces(state, const, slide, work)
+        ply_kernels.after_forces(state, const, work)
 
 
 @kernel(_nrt=False)
-def step_plies(states, consts, contact, slips, stack, works, me, count):
+def step_plies(states, consts, contact, stack, works, me, count):
     """One thread's plies of a pack: the impulses of the others and of the guard, their own step."""
     for p in range(me, len(states), count):
         state, const, work = (
@@ -129,10 +119,9 @@ def step_plies(states, consts, contact, slips, stack, works, me, count):
             pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
         stack.awake[p] |= pushed
         if stack.awake[p]:
-            slide = slide_of(slips, p)
-            ply_kernels.grow_rows(state, const, slide)
-            ply_kernels.update_blocks(state, const, slide, work, work.barrier, 0, 1)
-            stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, slide, work)
+            ply_kernels.grow_active_rows(state, const)
+            ply_kernels.update_blocks(state, const, work, work.barrier, 0, 1)
+            stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, work)
             place(state, const, contact, p)
             follow(state, const, contact, p)
 
@@ -224,43 +213,6 @@ def clear_increments(state, const):
     state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
 
 
-@kernel(_nrt=False)
-def add_rows(total, state, const, forces):
-    """Add forces on the nodes of the active rows to `total`."""
-    s = const.row_stride
-    for c in range(3):
-        for i in range(state.active_rows[0], state.active_rows[1] + 1):
-            for j in range(0, s, WIDTH):
-                k = i * s + j
-                masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
-
-
-@kernel(_nrt=False)
-def gather_contact(states, consts, contact, p, total):
-    """Sum of the contact forces on the active rows of ply p, into total."""
-    state, const = borrowed_item(states, p), borrowed_item(consts, p)
-    s = const.row_stride
-    for c in range(3):
-        for i in range(state.active_rows[0], state.active_rows[1] + 1):
-            for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
-                total[c][k] = state.f_contact[c][k]
-    for side in range(2):
-        add_rows(total, state, const, contact.force[p, side])
-
-
-@kernel(_nrt=False)
-def slip_plies(states, consts, contact, slips, stack, me, count):
-    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other, but for the
-    guard's."""
-    own, _, loads, _ = slips
-    for p in range(me, len(states), count):
-        slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
-        if stack.awake[p] and slip.active:
-            if contact is not None:
-                gather_contact(states, consts, contact, p, loaded.f_contact)
-            slip_kernels.slip_nodes(loaded, borrowed_item(consts, p), slip)
-
-
 @kernel(inline="always")
 def record_step(state, const, force, row):
     """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
@@ -337,7 +289,7 @@ def internal_work(states, contact):
 
 
 @kernel(_nrt=False)
-def begin(states, consts, slips, works):
+def begin(states, consts, works):
     """As `ply_kernels.begin`, of all plies."""
     for p in range(len(states)):
         state, const, work = (
@@ -345,11 +297,11 @@ def begin(states, consts, slips, works):
             borrowed_item(consts, p),
             borrowed_item(works, p),
         )
-        ply_kernels.begin(state, const, slide_of(slips, p), work)
+        ply_kernels.begin(state, const, work)
 
 
 @entry(nogil=True, _nrt=False)
-def run_thread(states, consts, contact, slips, stack, works, history, shared, me, count, allowed):
+def run_thread(states, consts, contact, stack, works, history, shared, me, count, allowed):
     """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows, as
     thread 0 has them.
 
@@ -357,9 +309,6 @@ def run_thread(states, consts, contact, slips, stack, works, history, shared, me
 
     states, consts, works : of the plies, each a list
     contact : PackContact; None of a single ply
-    slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in the place of
-        the stretches, of those with the sum of all contact forces in the place of the nose's, and of the scratch with
-        room for the effective stretches
     stack : what the plies share
     history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
     (steps, 9), see `record_step`. shared : see `barrier.barrier_wait`. allowed [J] : energy exchange, the sum over
@@ -367,28 +316,24 @@ def run_thread(states, consts, contact, slips, stack, works, history, shared, me
     exchanged. Returns (steps made, RUNNING or the reason to end) of thread 0.
     """
     if me == 0:
-        begin(states, consts, slips, works)
+        begin(states, consts, works)
     made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, contact)
     while True:
         if me == 0:
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
-                begin_step(states, consts, contact, slips, stack)
+                begin_step(states, consts, contact, stack)
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
         if contact is None:
-            step_ply(states, consts, slips, works, shared, me, count)
+            step_ply(states, consts, works, shared, me, count)
         else:
-            step_plies(states, consts, contact, slips, stack, works, me, count)
+            step_plies(states, consts, contact, stack, works, me, count)
             barrier_wait(shared, count)
             press_plies(states, consts, contact, shared, me, count)
             barrier_wait(shared, count)
             implicit_nose_contact(states, consts, contact, stack, works, me, count)
-            barrier_wait(shared, count)
-        if slips is not None:
-            barrier_wait(shared, count)
-            slip_plies(states, consts, contact, slips, stack, me, count)
             barrier_wait(shared, count)
         if me == 0:
             if contact is not None:
@@ -399,13 +344,13 @@ def run_thread(states, consts, contact, slips, stack, works, history, shared, me
             exchanged, before = exchanged + abs(now - before), now
             if reason == RUNNING and not exchanged <= allowed:
                 reason = CHECK
-    refresh_tensions(states, consts, contact, slips, stack, works, me, count)
+    refresh_tensions(states, consts, contact, stack, works, me, count)
     barrier_wait(shared, count)
     return made, reason
 
 
 @kernel(_nrt=False, inline="always")
-def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
+def refresh_tensions(states, consts, contact, stack, works, me, count):
     """The tensions of one thread's blocks of a single ply, or plies of a pack."""
     if contact is None:
         state, const, work = (
@@ -414,7 +359,7 @@ def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
             borrowed_item(works, 0),
         )
         first, last = thread_range(state, const, me, count)
-        ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)
+        element_kernels.refresh_tensions(state, const, first, last, work)
     else:
         for p in range(me, len(states), count):
             if stack.awake[p]:
@@ -424,4 +369,4 @@ def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
                     borrowed_item(works, p),
                 )
                 first, last = thread_range(state, const, 0, 1)
-                ply_kernels.refresh_tensions(state, const, slide_of(slips, p), first, last, work)
+                element_kernels.refresh_tensions(state, const, first, last, work)

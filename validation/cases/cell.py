@@ -1,4 +1,4 @@
-"""The crossover's cell and its yarn: where iterations and laws fail, the scaling of sliding yarns, a struck yarn."""
+"""The crossover's cell and its yarn: where iterations and laws fail, a struck yarn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
 from validation.claims.checks.cell import printed
-from validation.models import cell_scaling
 from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
@@ -101,17 +100,6 @@ def printed_law(*, d1: float, d2: float) -> Values:
         "F_printed": float(theirs["F"]),
         "flags": flags(checks),
     }
-
-
-def scaling(*, fabric: str, share: float) -> dict[str, float]:
-    """Error of the effective stretch of sliding yarns over the strength: {quantity: [-]} of `cell_scaling`.
-
-    share : yarn in a cell over that at rest
-    """
-    [row] = cell_scaling.errors(
-        CellModel(catalogue.load(fabric)), [share], np.linspace(-0.02, 0.03, 26)
-    )
-    return dict(zip(cell_scaling.QUANTITIES, map(float, row)))
 
 
 def struck_yarn(

@@ -348,7 +348,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "round": panel.opening_shape == "round",
             "history": history,
         }
-        given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
+        given["backing"] = _backing(scene.backing)
         given |= {"strength": panel.strength and YarnStrength(**panel.strength.model_dump())}
         made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
@@ -365,16 +365,6 @@ def _given(table, name, but=()):
         for key, value in table
         if value is not None and key not in but
     }
-
-
-def _crossovers(table):
-    """The friction of sliding crossovers; None of pinned ones."""
-    if table.crossovers == "pinned":
-        return None
-    from shellfabric.sliding.model import CrossoverFriction
-
-    given = {"mu": table.crossover_friction, "cohesion": table.crossover_cohesion}
-    return CrossoverFriction(**{key: value for key, value in given.items() if value is not None})
 
 
 def _projectile(table):

@@ -171,16 +171,11 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot. Edges that are not clamped or no lines of the grid (oblique weaves, round openings,
-    impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
-    `elements_per_crossover = 1`.
+    impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
-    named = (
-        setup.grading is not None
-        or setup.elements_per_crossover is not None
-        or setup.crossovers is not None
-    )
+    named = setup.grading is not None or setup.elements_per_crossover is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
-    stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
+    stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
         return setup
     if not clamped or setup.projectile.roaming or stepped:
