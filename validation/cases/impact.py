@@ -302,8 +302,8 @@ def limit(
     Returns
     -------
     dict with low, high, critical, half_width [m/s]; shots; error [-], the largest of the energy balance over the strike
-    energy; cut_yarns of the slowest perforation; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of the
-    fit; flags of the bracket's shots
+    energy; cut_yarns of the slowest perforation; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of
+    the fit; flags of the bracket's shots
     """
     this = setup(**keywords)
     target = this.target(this.table(kept=True))
