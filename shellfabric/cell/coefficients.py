@@ -1,4 +1,4 @@
-"""Coefficients of the tables of a cell: bilinear, bicubic and biquadratic interpolation."""
+"""Coefficients of the tables of a cell: bilinear and biquadratic interpolation."""
 
 from __future__ import annotations
 
@@ -39,22 +39,6 @@ def nonnegative(
     lowest = 3 * np.abs(fx + fy) - 9 * f
     highest = 9 * f - 3 * np.abs(fx - fy)
     return f, fx, fy, np.clip(fxy, lowest, highest)
-
-
-def bicubic(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray) -> FloatArray:
-    """(n1-1, n2-1, 16): c with f = sum c[4 p + q] s^p t^q, from nodal values and slopes per cell of the grid.
-
-    Neighbouring cells share values and slopes, so that f is continuous with its first derivatives.
-    """
-    M = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
-    n1, n2 = f.shape[0] - 1, f.shape[1] - 1
-    G = np.empty((n1, n2, 4, 4))
-    for p in range(2):
-        for q in range(2):
-            part = slice(p, n1 + p), slice(q, n2 + q)
-            G[:, :, p, q], G[:, :, p + 2, q] = f[part], fx[part]
-            G[:, :, p, q + 2], G[:, :, p + 2, q + 2] = fy[part], fxy[part]
-    return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
 
 
 def spline(

@@ -23,7 +23,7 @@ from shellfabric.cell.crossover_kernels import (
     forces_of_cell,
     work_share,
 )
-from shellfabric.cell.yarn_kernels import COSINE, elliptic, free_height, tension, yarn_alone
+from shellfabric.cell.yarn_kernels import elliptic, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
@@ -33,15 +33,15 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 @kernel()
 def force_at_height(w, h, yarn, form):
     """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one elliptic integral."""
-    if form != VARIATIONAL or yarn[8] != COSINE or h <= 0.0:
-        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form, yarn[7], yarn[8])
+    if form != VARIATIONAL or h <= 0.0:
+        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form)
         return F, slope
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
-    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2], yarn[7])
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2])
     slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
-    q = work_share(form, yarn[8])
+    q = work_share(form)
     return T * dS / q, slope / q
 
 
@@ -74,13 +74,13 @@ def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
     n2 = stretches2.size
     free, alone, stored = np.empty(n2), np.empty(n2), np.empty(n2)
     for j in range(n2):
-        free[j] = free_height(stretches2[j] * weft[0], weft[1], weft[8])
-        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2], weft[7])
+        free[j] = free_height(stretches2[j] * weft[0], weft[1])
+        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2])
     printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
     for i in range(stretches1.size):
         w1 = stretches1[i] * warp[0]
-        free1 = free_height(w1, warp[1], warp[8])
-        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2], warp[7])
+        free1 = free_height(w1, warp[1])
+        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2])
         last, guess = (-1.0, 0.0, 0.0), 1.0
         for j in range(n2):
             w2 = stretches2[j] * weft[0]

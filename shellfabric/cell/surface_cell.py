@@ -60,7 +60,6 @@ class SurfaceCell:
     fabric: Fabric
     surface: ResponseSurface
     form: str = "variational"
-    toes = (0.0, 0.0)  # yarns that cross nothing are linear
 
     def __post_init__(self):
         if self.form not in FORMS:

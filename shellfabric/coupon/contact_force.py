@@ -27,7 +27,7 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.checks import FloatArray
 from fabrics.yarn import Yarn
-from shellfabric.cell.crossover_kernels import COSINE, VARIATIONAL, work_share
+from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
@@ -71,7 +71,7 @@ def heights(
         S, slope = cosine(w, h)
         above = (
             EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0)
-            > work_share(VARIATIONAL, COSINE) * force
+            > work_share(VARIATIONAL) * force
         )
         low, high = np.where(above, low, h), np.where(above, h, high)
     return 0.5 * (low + high)

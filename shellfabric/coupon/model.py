@@ -90,15 +90,15 @@ class Coupon:
             ry,
             table.stretch2.size - 2,
         )
-        rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
-        yarns = tuple((w, S0, self.yarn_share * yarn.EA, toe) for w, S0, yarn, toe in rows)
+        rows = zip(weave.w, weave.S0, weave.yarns)
+        yarns = tuple((w, S0, self.yarn_share * yarn.EA) for w, S0, yarn in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
             if self.trellis and shear
             else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
-        potential = self.yarn_share * table.potential.reshape(-1, 16)
+        potential = self.yarn_share * table.spline.reshape(-1, 9)
         return (
             self.edges,
             self.cells,

@@ -89,7 +89,7 @@ class ImpactSetup:
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
         as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
-    cell_model, form, gap, profile : see CellModel
+    cell_model, form, gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
@@ -132,7 +132,6 @@ class ImpactSetup:
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
-    profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
     packed_area: float = Panel.packed_area
     surface: ResponseSurface | None = None
@@ -360,9 +359,7 @@ class ImpactSetup:
         reach, fabric = 1.0 if self.failure else UNFAILING, self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
             reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
-        return CellModel(
-            fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach
-        )
+        return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, reach=reach)
 
     def table(self, kept: bool = False) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.

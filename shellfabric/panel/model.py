@@ -102,12 +102,6 @@ class Panel:
             )
         boundary.check(self)
         coupling.check(self)
-        if self.failure and any(
-            self.table.model.toes
-        ):  # a yarn whose crossings have failed is linear in an impact
-            raise InputError(
-                key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail"
-            )
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)

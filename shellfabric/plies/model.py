@@ -428,7 +428,6 @@ def turned(panel: Panel) -> Panel:
         model,
         fabric=rotated_90(model.fabric),
         laws=model.laws and model.laws[::-1],
-        toe=model.toes[::-1],
     )
     factors = panel.strength_factors
     return replace(

@@ -136,7 +136,7 @@ def _case(target, test, options):
     fabric, rest = targets.as_fabric(target), dict(options)
     law = rest.pop("law", None)
     tables = {name: tuple(keywords.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
-    tables["fabric"] = "bending", "cell_model", "cell_formulation", "cell_profile", "crossover_gap"
+    tables["fabric"] = "bending", "cell_model", "cell_formulation", "crossover_gap"
     table: dict[str, Any] = {"fabric": {"name": fabric.name}, test: {}, "run": {"outputs": []}}
     for key, value in rest.items():
         name = next((name for name, keys in tables.items() if key in keys), None)
@@ -187,8 +187,7 @@ def _relaxed(case, text, key, checkpoint, resume):
             options,
             fabric.weave,
             fabric.shear,
-            table.model.toes,
-            table.potential,
+            table.spline,
         ),
         "shellfabric.coupon.quasistatic",
     )
@@ -457,7 +456,6 @@ class CouponResult(Result):
                 case.fabric,
                 {case.law_name: case.laws},
                 model,
-                **chapters.options(case.scene.fabric),
             ),
             checks.section(self.checks),
         )

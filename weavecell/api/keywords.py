@@ -31,12 +31,11 @@ __all__ = ["DEFAULTS", "Keywords", "scene"]
 
 FLAT = ("fabric", "panel", "run")
 GROUPS = ("projectile", "history", "numerics", "backing")
-# keys of the file that Python has not: the fabric is an argument, a call writes all outputs, shots have no slack
+# keys of the file that Python has not: the fabric is an argument, a call writes all outputs
 NOT_HERE = (
     "fabric.name",
     "fabric.file",
     "fabric.linear_density",
-    "fabric.fibre_slack",
     "run.checkpoint_interval",
     "run.outputs",
 )
@@ -70,7 +69,6 @@ class Keywords(TypedDict, total=False):
     cell_formulation : how forces follow from the state of the cell: gradient of the stored energy
         (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
-    cell_profile : centre line of a crimped yarn in the cell; one of "cosine", "straight"
     crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
         least 0, such as "0 mm"
     surface : response surface of the 3D crossover, which replaces the analytical cell and
@@ -126,7 +124,6 @@ class Keywords(TypedDict, total=False):
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]
     cell_formulation: Literal["variational", "equilibrium", "direct"]
-    cell_profile: Literal["cosine", "straight"]
     crossover_gap: Quantity
     surface: ResponseSurface | FilePath | None
     bending: Quantity

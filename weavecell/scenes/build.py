@@ -34,7 +34,6 @@ CHANGED = "was fitted to other data of {} than it has now"
 FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
-    "fabric.cell_profile": "profile",
     "panel.boundary": "edge",
     "panel.yarn_failure": "failure",
     "picture_frame.crossovers": "cells",
@@ -302,14 +301,8 @@ def _warn_of_change(fitted_data, fabric, name):
 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:
-    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
-    return (
-        table.crossover_gap,
-        table.cell_model,
-        table.cell_formulation,
-        table.cell_profile,
-        table.fibre_slack,
-    )
+    """Gap, model and form of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:

@@ -182,9 +182,9 @@ class CouponScene(Table):
                 )
                 raise InputError(key="fabric.bending", allowed=allowed)
             return self
-        for table, key in (("fabric", "fibre_slack"), *(("run", key) for key in _OF_STEPS)):
-            if getattr(self, table).sets(key):
-                raise InputError(key=f"{table}.{key}", allowed="left out in a pull-out")
+        for key in _OF_STEPS:
+            if self.run.sets(key):
+                raise InputError(key=f"run.{key}", allowed="left out in a pull-out")
         return self
 
     @property

@@ -44,20 +44,6 @@ def test_a_path_ends_at_the_strength_of_the_runs(results):
     assert f"tensions {told['1:1']['tension'][0]:.1f}" in run.out
 
 
-def test_options_of_the_cell(command, tmp_path):
-    options = "--ratio 1:1 --profile straight --fibre-slack '0.1 %,0.05 %'"
-    code, _, err = command(f"biaxial glass-unbalanced {options} --out b")
-    assert code == 0, err
-    told = table_of(tmp_path / "b", "biaxial.json")
-    assert told["profile"] == "straight"
-    assert told["toe"] == [1e-3, 5e-4]
-    model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
-    expected = to_strength(model, (1, 1))
-    assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
-    linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))
-    assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
-
-
 def test_the_law_of_a_calibration(command, tmp_path):
     mine = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
     law = CompressionLaw(4e-5, 5e-5)

@@ -117,7 +117,6 @@ ROWS = {
         {"cell_model": "decoupled"},
     ),
     "fabric.cell_formulation": ({}, "equilibrium", {"form": "equilibrium"}),
-    "fabric.cell_profile": ({}, "straight", {"profile": "straight"}),
     "fabric.crossover_gap": ({}, "0.01 mm", {"gap": 1e-5}),
     "fabric.surface": ({}, SURFACE, {"surface.fabric": "S-720", "surface.": ...}),
     "projectile.name": (
@@ -239,7 +238,6 @@ OF_BACKING |= {"reference_rate"}  # which its material holds
 # what the set-up of the solver does not hold: the checked scene does
 OF_THE_RUN = {
     "title",
-    "fabric.fibre_slack",
     "history.report_positions",
     "run.checkpoint_interval",
     "run.outputs",
@@ -360,15 +358,13 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     table = FabricTable.model_validate(
         {
             "cell_model": "incompressible",
-            "cell_profile": "straight",
-            "fibre_slack": "0.1 %",
             "crossover_gap": "0.01 mm",
         }
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.form, cell.profile) == ("incompressible", "variational", "straight")
-    assert (cell.gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
+    assert (cell.model, cell.form) == ("incompressible", "variational")
+    assert cell.gap == pytest.approx(1e-5)
 
 
 def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
