@@ -17,15 +17,15 @@ from fabrics import ply_laws
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
-from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
-from shellfabric.output.wave_fronts import fronts
+from shellfabric.impact import simulation
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
-from weavecell.studies import mesh_uncertainty, sweep
+from weavecell.results.wave_fronts import fronts
+from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:

@@ -145,7 +145,7 @@ class StudySize(Result):
         ------
         InputError : values that do not go together
         """
-        from shellfabric.impact.ballistic_limit import first_guess
+        from weavecell.studies.ballistic_limit import first_guess
 
         shots += SHOTS_OF_A_SEARCH * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())

@@ -423,7 +423,7 @@ SCALARS = {
 
 def _write_measured(group, measured):
     """Histories, and the fronts read off them, which are for the reader alone."""
-    from shellfabric.output.wave_fronts import fronts
+    from weavecell.results.wave_fronts import fronts
 
     put(group, "time", measured.t, "s")
     for number, yarn in enumerate(measured.yarns):

@@ -243,9 +243,9 @@ def critical_velocity(
     tolerance, beside : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
-    from shellfabric.impact import (
-        ballistic_limit,
-    )  # with the kernels of packs, which a shot on one ply does not use
+    from weavecell.studies import (
+        ballistic_limit,  # with the kernels of packs, which a shot on one ply does not use
+    )
 
     def search(changed):
         try:

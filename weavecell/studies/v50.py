@@ -27,13 +27,19 @@ from numpy.typing import ArrayLike
 from fabrics import run_cache
 from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.executors import open_executor
-from shellfabric.impact import ballistic_limit, lambert_jonas
-from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
-from weavecell.studies import assumed_range, probit, protocol, strengths
+from weavecell.studies import (
+    assumed_range,
+    ballistic_limit,
+    lambert_jonas,
+    probit,
+    protocol,
+    strengths,
+)
 from weavecell.studies.assumed_range import AssumedRange
 from weavecell.studies.inputs import Scatter, changed_setup, published
+from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
 FIRST = 0.25  # of the deterministic limit, either way

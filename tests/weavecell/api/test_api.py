@@ -21,14 +21,13 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.schema import tables_in
-from shellfabric.impact import lambert_jonas
-from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.target import Target
-from weavecell.studies import sweep
+from weavecell.studies import lambert_jonas, sweep
+from weavecell.studies.ballistic_limit import Limit, Shot
 
 MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
 SMALL = {"opening": "30 mm", "end_time": "15 us", "elements_per_crossover": 1}

@@ -13,11 +13,11 @@ from numpy.testing import assert_array_equal, assert_equal
 import weavecell as wc
 from fabrics.errors import InputError
 from shellfabric.output.histories import EDGES
-from shellfabric.output.wave_fronts import fronts
 from tests.weavecell.session_runs import SCENES, fired, set_up
 from weavecell.results import json_file, keys, vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
+from weavecell.results.wave_fronts import fronts
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
 SCALES = {

@@ -368,7 +368,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
     """
-    from shellfabric.output.wave_fronts import fronts
+    from weavecell.results.wave_fronts import fronts
 
     t, waves = recorded.t, fronts(recorded)
     through = [
