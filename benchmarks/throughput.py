@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics import catalogue, variants
-from fabrics.executors import open_executor
+from fabrics.base.executors import open_executor
 from shellfabric.impact.simulation import ImpactSetup
 from weavecell.studies import ballistic_limit, inputs, strengths, v50
 

@@ -25,8 +25,8 @@ from math import inf
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from fabrics.friction.pull_out import FRICTION
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import contact_force

@@ -16,9 +16,9 @@ from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import InProcess
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import InProcess
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure

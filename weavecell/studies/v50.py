@@ -24,9 +24,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics import run_cache
-from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
-from fabrics.executors import open_executor
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
+from fabrics.base.executors import open_executor
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
 from weavecell.studies import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.friction.pull_out import PullOutLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import contact_force
