@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
+from weavecell.studies.biaxial_path import CellPath
 
 
 def free_edge(model: CellModel, direction: str) -> CellPath:

@@ -31,8 +31,8 @@ from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from fabrics.base.record import Record
-    from shellfabric.cell.biaxial_path import CellPath
     from shellfabric.cell.model import CellModel
+    from weavecell.studies.biaxial_path import CellPath
 
 __all__ = ["BiaxialResult", "biaxial"]
 
@@ -83,8 +83,8 @@ def biaxial(
     >>> end["failed"], [round(float(strain), 4) for strain in end["strain"]]  # [-]
     ('weft', [0.0375, 0.0375])
     """
-    from shellfabric.cell.biaxial_path import to_strength
     from shellfabric.cell.model import CellModel
+    from weavecell.studies.biaxial_path import to_strength
 
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
@@ -144,7 +144,7 @@ class BiaxialResult(Result):
     Parameters
     ----------
     model : CellModel, with its fabric
-    paths : {ratio: `shellfabric.cell.biaxial_path.CellPath`}
+    paths : {ratio: `weavecell.studies.biaxial_path.CellPath`}
     solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None

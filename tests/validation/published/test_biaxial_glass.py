@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
 from validation.cases import cell
 from validation.published.biaxial_glass import free_edge
+from weavecell.studies.biaxial_path import to_strength
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (

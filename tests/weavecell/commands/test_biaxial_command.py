@@ -8,9 +8,9 @@ import pytest
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
 from tests.weavecell.written import rows_of, table_of
+from weavecell.studies.biaxial_path import to_strength
 
 
 @pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])

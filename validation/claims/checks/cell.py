@@ -20,12 +20,12 @@ from fabrics.base.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
-from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
 from validation.claims.readers import crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
+from weavecell.studies.biaxial_path import CellPath
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
