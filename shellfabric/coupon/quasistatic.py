@@ -29,6 +29,9 @@ STIFFEST = 3e4
 MOST_SOFTENED = (
     0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
 )
+DIRECTIONS = {"warp": 1, "weft": -1}  # order of (warp, weft) that gives (along, across)
+_SLACK = 1e-6  # of a half side: by which a node on the outline may miss it
+_INNER = 1 - _SLACK
 BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shears as one stays below 1.5
 
 
@@ -204,17 +207,9 @@ def picture_frame(
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
-    half = [cells * w for w in table.model.fabric.weave.w]
-    slack = 1e-6 * min(half)
-    coupon = mesh_coupon(
-        table,
-        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
-        max(half),
-        elements_per_crossover=elements_per_crossover,
-        offset=_about((cells, cells), elements_per_crossover),
-    )
+    coupon, half = _cut_rectangle(table, (cells, cells), "warp", elements_per_crossover)
     x, y = coupon.points.T
-    grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
+    grips = np.any(np.abs(coupon.points) > _INNER * half, axis=1).astype(int)
 
     def path(load):
         c, s = np.cos(0.5 * load * shear_angle), np.sin(0.5 * load * shear_angle)
@@ -254,23 +249,13 @@ def uniaxial(
 
     Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole crossovers.
     """
-    turn = {"warp": 0.0, "weft": pi / 2}
-    if direction not in turn:
-        raise InputError(key="direction", value=direction, allowed=" or ".join(turn))
-    pitch = table.model.fabric.weave.w if direction == "warp" else table.model.fabric.weave.w[::-1]
+    if direction not in DIRECTIONS:
+        raise InputError(key="direction", value=direction, allowed=" or ".join(DIRECTIONS))
+    pitch = table.model.fabric.weave.w[:: DIRECTIONS[direction]]
     many = [max(2, round(size / (2 * w))) for size, w in zip((length, width), pitch)]
-    half = [n * w for n, w in zip(many, pitch)]
-    slack = 1e-6 * min(half)
-    coupon = mesh_coupon(
-        table,
-        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
-        max(half),
-        angle=turn[direction],
-        elements_per_crossover=elements_per_crossover,
-        offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
-    )
+    coupon, half = _cut_rectangle(table, many, direction, elements_per_crossover)
     x, y = coupon.points.T
-    grips = np.where(x > half[0] - slack, 1, np.where(x < -half[0] + slack, 2, 0))
+    grips = np.select([x > _INNER * half[0], x < -_INNER * half[0]], [1, 2])
 
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
@@ -348,6 +333,22 @@ def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
     for state in result.states:
         found.append([L[part].mean() - 1 for L, part in zip(coupon.stretches(state.x), inside)])
     return np.array(found)
+
+
+def _cut_rectangle(table, crossovers, direction, elements_per_crossover):
+    """(Coupon, half its sides [m]) of so many crossovers along x and y; the yarns of `direction` lie along x."""
+    order = DIRECTIONS[direction]
+    half = np.array(crossovers) * table.model.fabric.weave.w[::order]
+    outer = (1 + _SLACK) * half
+    coupon = mesh_coupon(
+        table,
+        lambda x, y: (np.abs(x) < outer[0]) & (np.abs(y) < outer[1]),
+        max(half),
+        angle=0.0 if direction == "warp" else pi / 2,
+        elements_per_crossover=elements_per_crossover,
+        offset=_about(crossovers[::order], elements_per_crossover),
+    )
+    return coupon, half
 
 
 def _fit_diagonals(table, length, width, m):
