@@ -37,7 +37,6 @@ from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
-from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
 
@@ -532,30 +531,6 @@ class ImpactResult:
     def mirrored(self) -> tuple[bool, bool]:
         """(x, y), True if the modelled part continues mirrored beyond x = 0 or y = 0."""
         return SYMMETRIES[self.setup.symmetry]
-
-    @property
-    def rigidity(self) -> Rigidity | None:
-        """What says whether a rigid projectile is enough.
-
-        Its contact is compared with the period of the bar that it is, or would be if it were of steel. None for other
-        shapes than a flat cylinder, and if the fabric was never touched.
-        """
-        shot = self.setup.projectile
-        try:
-            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-            if bar is None:
-                return None
-            t, force = self.step_history[:, 0], self.step_history[:, 3]
-            held = held_force(t, force, 0.5 * bar.period)
-            return rigid_is_enough(
-                contact_time(t, force, bar.period),
-                bar.period,
-                held,
-                bar.yield_force,
-                elastic=shot.bar is not None,
-            )
-        except InputError:
-            return None
 
     @property
     def panels(self) -> tuple[Panel, ...]:

@@ -28,6 +28,7 @@ from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
 from weavecell.results.keys import TABLES
+from weavecell.studies import rigidity
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -137,7 +138,7 @@ class ImpactRecord:
             strike_velocity=setup.strike_velocity,
             mass=setup.projectile.mass,
             failure_message=message,
-            rigid_check=str(result.rigidity or ""),
+            rigid_check=str(rigidity.of_shot(result) or ""),
             mirror_x=result.mirrored[0],
             mirror_y=result.mirrored[1],
             elements=sum(panel.elements for panel in panels),
