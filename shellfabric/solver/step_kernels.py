@@ -119,7 +119,7 @@ def step_plies(states, consts, contact, stack, works, me, count):
             pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
         stack.awake[p] |= pushed
         if stack.awake[p]:
-            ply_kernels.grow_active_rows(state, const)
+            grow_active_rows(state, const)
             ply_kernels.update_blocks(state, const, work, work.barrier, 0, 1)
             stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, work)
             place(state, const, contact, p)
