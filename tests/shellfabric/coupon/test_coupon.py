@@ -64,11 +64,8 @@ def twin(coupon, x):
         )
         p, q = max(p, 0), max(q, 0)
         i, j = (min(int(v), g.size - 2) for v, g in zip((p, q), (table.stretch1, table.stretch2)))
-        basis = []
-        for v in (p - i, q - j):
-            e = v - 1
-            basis.append([1, v, v * v, v**3 if e < 0 else 1 + 3 * e + 3 * e * e])
-        return basis[0] @ table.potential[i, j].reshape(4, 4) @ basis[1]
+        basis = [[1, v, v * v] for v in (p - i, q - j)]
+        return basis[0] @ table.spline[i, j].reshape(3, 3) @ basis[1]
 
     for m in (0, 1):
         yarn, w, S0 = weave.yarns[m], weave.w[m], weave.S0[m]
@@ -169,7 +166,7 @@ def test_angles_beyond_a_right_angle(table):
 def test_slack_yarns_carry_nothing(table):
     """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
     args = (
-        table.potential.reshape(-1, 16),
+        table.spline.reshape(-1, 9),
         table.stretch1[0],
         1 / table.steps[0],
         59,
