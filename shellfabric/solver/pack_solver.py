@@ -105,7 +105,6 @@ class PackSolver(ExplicitSolver):
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
-    struck = True  # whether a projectile can perforate; not of a coupon
     module = "shellfabric.impact.simulation"  # whose code determines a run
 
     def __init__(
@@ -128,10 +127,6 @@ class PackSolver(ExplicitSolver):
         )
         self.pack = pack
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
-        if not self.struck:
-            self.consts = tuple(
-                const._replace(perforation_delay_steps=2**62) for const in self.consts
-            )
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         several = len(pack.plies) > 1
@@ -399,7 +394,7 @@ class PackSolver(ExplicitSolver):
         ):
             self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
+        if self.reason != RUNNING or not failed or self.backing is not None:
             return
         through = all(
             passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
