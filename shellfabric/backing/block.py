@@ -481,21 +481,17 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis: int = 0) -> FloatArray:
-        """Depth and shape: (k, 2) [m] radius and depth of the remaining face, from the axis along x (axis 0) or y.
+        """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x (axis 0) or y."""
+        face = self.depth_map()
+        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
+        line = face[i:, j] if axis == 0 else face[i, j:]
+        return line[:, [axis, 2]]
+
+    def depth_map(self) -> FloatArray:
+        """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
         """
-        nz = self.shape[2]
-        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
-        gone, nodes = self.gone.reshape(self.shape)[i:, j:], self.nodes[i:, j:]
-        gone, nodes = (gone[:, 0], nodes[:, 0]) if axis == 0 else (gone[0], nodes[0])
-        layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
-        beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
-        edge = nodes[np.arange(len(nodes)), beside]
-        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.standoff], axis=1)
-
-    def depth_map(self) -> FloatArray:
-        """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face, as in `crater`."""
         gone, nz = self.gone.reshape(self.shape), self.shape[2]
         layers = np.where(gone.any(axis=2), nz - np.argmax(gone[:, :, ::-1], axis=2), 0)
         wide = np.pad(layers, 1, mode="edge")
