@@ -130,7 +130,7 @@ class PullOut:
 
         Returns
         -------
-        (k,) [-]; the end of the table where the yarn can't hold the friction
+        (k,) [-]; the end of the table if the yarn cannot bear the friction
         """
         low, high = behind, np.full_like(behind, self.table.stretch1[-1])
         for _ in range(BISECTIONS):
@@ -139,7 +139,7 @@ class PullOut:
             friction = np.interp(pressed, self.table.stretch1, self.thresholds)
             slides = self.tension(ahead) > self.tension(behind) + friction
             low, high = np.where(slides, low, ahead), np.where(slides, ahead, high)
-        return high
+        return low
 
     def stretches(self, first: FloatArray) -> FloatArray:
         """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first ones `first` (k,)."""
@@ -154,7 +154,7 @@ class PullOut:
         strength = self.table.model.fabric.weave.warp.strength
         for number, stretch in enumerate(stretches):
             broken = self.tension(stretch) > strength
-            if np.any(broken | (stretch >= self.table.stretch1[-1])):
+            if np.any(broken | np.isclose(stretch, self.table.stretch1[-1], rtol=1e-9)):
                 allowed = f"at most {number} with this friction: the yarn breaks in more"
                 raise InputError(key="crossings", value=self.crossings, allowed=allowed)
 

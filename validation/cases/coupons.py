@@ -119,7 +119,7 @@ def pull_out(
     cohesion: float = 0.0,
     stiffness: float | None = None,
     load: float = 0.0,
-    pulled_by: float = 4.5e-4,
+    pulled_by: float = 2e-3,
 ) -> dict[str, float]:
     """A yarn of S-726 pulled out of a strip.
 
