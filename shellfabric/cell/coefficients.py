@@ -17,7 +17,10 @@ def grid(lowest: float, highest: float, n: int) -> FloatArray:
 
 def bilinear(f: FloatArray) -> FloatArray:
     """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
-    f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
+    f00 = f[:-1, :-1]
+    f10 = f[1:, :-1]
+    f01 = f[:-1, 1:]
+    f11 = f[1:, 1:]
     found = np.empty((*f00.shape, 4))
     for k, values in enumerate((f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00)):
         found[..., k] = values
@@ -35,7 +38,8 @@ def nonnegative(
     it costs accuracy of the table.
     """
     f = np.maximum(f, 0.0)
-    fx, fy = np.clip(fx, -3 * f, 3 * f), np.clip(fy, -3 * f, 3 * f)
+    fx = np.clip(fx, -3 * f, 3 * f)
+    fy = np.clip(fy, -3 * f, 3 * f)
     lowest = 3 * np.abs(fx + fy) - 9 * f
     highest = 9 * f - 3 * np.abs(fx - fy)
     return f, fx, fy, np.clip(fxy, lowest, highest)
@@ -72,13 +76,16 @@ def spline(
 
 def _monomials(d):
     """Coefficients of 1, s, s^2 along the first axis between two controls, from these and the one behind them."""
-    before, here, behind = d[:-2], d[1:-1], d[2:]
+    before = d[:-2]
+    here = d[1:-1]
+    behind = d[2:]
     return 0.5 * before + 0.5 * here, here - before, 0.5 * before - here + 0.5 * behind
 
 
 def _controls(f, slope, axis):
     """Controls between the nodes along an axis, and one beyond each end, from values and slopes at the nodes."""
-    f, slope = np.moveaxis(f, axis, 0), np.moveaxis(slope, axis, 0)
+    f = np.moveaxis(f, axis, 0)
+    slope = np.moveaxis(slope, axis, 0)
     inner = 0.5 * (f[:-1] + f[1:]) + 0.25 * (slope[:-1] - slope[1:])
     return np.moveaxis(
         np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis

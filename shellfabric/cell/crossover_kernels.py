@@ -63,10 +63,13 @@ def height(w, F, yarn, lowest, form):
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
-    S0, EA = yarn[1], yarn[2]
-    low, high = lowest, lowest + 0.05 * w
+    S0 = yarn[1]
+    EA = yarn[2]
+    low = lowest
+    high = lowest + 0.05 * w
     while contact_force(w, high, S0, EA, form)[0] < F:
-        low, high = high, 2.0 * high
+        low = high
+        high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
         force, slope, _ = contact_force(w, h, S0, EA, form)
@@ -121,9 +124,11 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
     printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
     if not printed and free1 + free2 + gap >= warp[3] + weft[3]:
         return 0.0
-    low, high = 0.0, max(guess, 1e-6)
+    low = 0.0
+    high = max(guess, 1e-6)
     while residual(high, w1, w2, free1, free2, warp, weft, gap, form)[0] < 0.0:
-        low, high = high, 4.0 * high
+        low = high
+        high = 4.0 * high
         if high > 1e12:
             return -1.0
     F = high
@@ -181,12 +186,15 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     """
     alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2])
     alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2])
-    w1, w2 = stretch1 * warp[0], stretch2 * weft[0]
-    free1, free2 = free_height(w1, warp[1]), free_height(w2, weft[1])
+    w1 = stretch1 * warp[0]
+    w2 = stretch2 * weft[0]
+    free1 = free_height(w1, warp[1])
+    free2 = free_height(w2, weft[1])
     F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
-    h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
+    h1 = height(w1, F, warp, free1, form)[0]
+    h2 = height(w2, F, weft, free2, form)[0]
     return forces_of_cell(w1, w2, warp, weft, form, (F, h1, h2))
 
 
@@ -213,7 +221,8 @@ def tension_bound_table(low, high, over, top, unit, out):
     last = out.shape[0] - 1
     out[:] = 0.0
     for m in range(low.size):
-        begin, end = min(max(int(low[m] / unit), 0), last), min(max(int(high[m] / unit), 0), last)
+        begin = min(max(int(low[m] / unit), 0), last)
+        end = min(max(int(high[m] / unit), 0), last)
         for step in range(begin, end + 1):
             out[step, 1] = max(out[step, 1], over[m])
         if end < last:

@@ -136,7 +136,8 @@ class CellModel:
 
     def range(self) -> tuple[tuple[float, float], ...]:
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
-        weave, bounds = self.fabric.weave, []
+        weave = self.fabric.weave
+        bounds = []
         for w, S0, yarn, crossing in zip(weave.w, weave.S0, weave.yarns, weave.yarns[::-1]):
             lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
@@ -238,7 +239,8 @@ class CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.form == "variational":
-            fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
+            fx = values["N1"] * 2 * w1 * (x[1] - x[0])
+            fy = values["N2"] * 2 * w2 * (y[1] - y[0])
         else:
             fx, fy = np.gradient(values["W"], edge_order=2)
         return cls.of(model, x, y, values, fx, fy)
@@ -255,7 +257,9 @@ class CellTable:
         residual: float = 0.0,
     ) -> CellTable:
         """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
-        W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
+        W = values["W"].copy()
+        fx = fx.copy()
+        fy = fy.copy()
         # the mixed slope from both sides; it is the same function where W is smooth
         fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
         # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
@@ -294,10 +298,13 @@ class CellTable:
     def _stiffness(self):
         """(largest, at rest) [N/m]."""
         weave = self.model.fabric.weave
-        m1, m2 = weave.warp_count, weave.weft_count
+        m1 = weave.warp_count
+        m2 = weave.weft_count
         d1, d2 = self.steps
-        N1, N2 = self.values["N1"] * m1, self.values["N2"] * m2
-        k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
+        N1 = self.values["N1"] * m1
+        N2 = self.values["N2"] * m2
+        k11 = np.diff(N1, axis=0)[:, :-1] / d1
+        k22 = np.diff(N2, axis=1)[:-1, :] / d2
         k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
         found = 0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)
         rest = tuple(int(np.argmin(np.abs(x - 1))) for x in (self.stretch1, self.stretch2))

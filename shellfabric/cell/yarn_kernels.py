@@ -14,8 +14,11 @@ _MAX_STEPS = 200
 @kernel()
 def elliptic(k2):
     """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits at small k2."""
-    a, b = 1.0, math.sqrt(1.0 + k2)
-    total, power, c2 = -0.5 * k2, 0.5, k2
+    a = 1.0
+    b = math.sqrt(1.0 + k2)
+    total = -0.5 * k2
+    power = 0.5
+    c2 = k2
     while c2 > 1e-17 * a * a:
         c = 0.5 * (a - b)
         a, b = 0.5 * (a + b), math.sqrt(a * b)

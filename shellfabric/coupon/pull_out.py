@@ -132,13 +132,15 @@ class PullOut:
         -------
         (k,) [-]; the end of the table if the yarn cannot bear the friction
         """
-        low, high = behind, np.full_like(behind, self.table.stretch1[-1])
+        low = behind
+        high = np.full_like(behind, self.table.stretch1[-1])
         for _ in range(BISECTIONS):
             ahead = 0.5 * (low + high)
             pressed = ahead if at_tail else 0.5 * (behind + ahead)
             friction = np.interp(pressed, self.table.stretch1, self.thresholds)
             slides = self.tension(ahead) > self.tension(behind) + friction
-            low, high = np.where(slides, low, ahead), np.where(slides, ahead, high)
+            low = np.where(slides, low, ahead)
+            high = np.where(slides, ahead, high)
         return low
 
     def stretches(self, first: FloatArray) -> FloatArray:
@@ -239,8 +241,10 @@ def _path(coupon):
     (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the crossovers that the
     yarn slides through, those that its end has left, and the yarn [m] that its tail has given
     """
-    n, slack = coupon.crossings, coupon.slack
-    rows, counts = [], []
+    n = coupon.crossings
+    slack = coupon.slack
+    rows = []
+    counts = []
     at_rest = np.full(1, slack)
     at_front = np.linspace(slack, coupon.stretch_ahead(at_rest)[0], FRONTS)
     at_tail = coupon.stretch_ahead(at_rest, at_tail=True)

@@ -79,7 +79,8 @@ class Bar:
                 ("bore", bore_diameter),
             )
         )
-        full, tube = pi / 4 * diameter**2, pi / 4 * (diameter**2 - bore**2)
+        full = pi / 4 * diameter**2
+        tube = pi / 4 * (diameter**2 - bore**2)
         solid = material.density * full * length
         depth = (solid - mass) / (material.density * (full - tube))
         if not 0 <= depth < length:
@@ -97,7 +98,8 @@ class Bar:
 
         Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum E-37).
         """
-        source, steel = round_projectile(), load("steel")
+        source = round_projectile()
+        steel = load("steel")
         area = pi / 4 * source["diameter"] ** 2
         share = source["mass"] / (steel.density * area * source["length"])
         return cls(
@@ -119,7 +121,8 @@ class Bar:
     @property
     def mesh(self) -> tuple[FloatArray, FloatArray]:
         """h, area : (n,) [m], [m2] of the elements, from the tip."""
-        h, area = [], []
+        h = []
+        area = []
         for length, section in self.sections:
             n = max(2, round(self.elements * length / self.length))
             h += [length / n] * n
@@ -155,7 +158,8 @@ class Bar:
     def _squares(self, number):
         """[1/s2] square of a frequency; 0 is the rigid motion, -1 the fastest."""
         h, area = self.mesh
-        k, mass = self.material.modulus * area / h, self.nodal_mass
+        k = self.material.modulus * area / h
+        mass = self.nodal_mass
         diagonal = (np.append(k, 0.0) + np.append(0.0, k)) / mass
         beside = -k / np.sqrt(mass[:-1] * mass[1:])
         number %= len(mass)

@@ -106,7 +106,9 @@ def test_a_flattened_block_gains_no_energy(flat):
     backing = Backing(CLAY, (8e-3, 8e-3, 4e-3), 1e-3, 4e-3)
     block = backing.block(0.9 * backing.longest_step)
     stretch = np.array([flat**0.5, flat**0.5, 1 / flat])
-    block.x[:], block.metric[:], block.free[:] = block.rest * stretch, np.diag(stretch**-2), 1.0
+    block.x[:] = block.rest * stretch
+    block.metric[:] = np.diag(stretch**-2)
+    block.free[:] = 1.0
     block.v[:] = 1e-3 * np.random.default_rng(1).standard_normal(block.v.shape)
     before = 0.5 * np.sum(block.mass[:, None] * block.v**2)
     block._substeps[1] = 10
@@ -143,7 +145,8 @@ def test_the_face_goes_on_below_the_bricks_that_are_gone(mirrors, deep):
     i, j = (0 if mirrored else n // 2 for mirrored, n in zip(mirrors, block.shape))
     sides = [j] if mirrors[1] else [j - 1, j]
     block.gone.reshape(block.shape)[i : i + 2, sides, 0] = True
-    along, across = block.crater(0), block.crater(1)
+    along = block.crater(0)
+    across = block.crater(1)
     assert along[0, 0] == across[0, 0] == 0.0
     assert along[deep, 1] == pytest.approx(2e-3)
     assert np.count_nonzero(np.abs(along[:, 1]) > 1e-12) == len(deep)

@@ -33,7 +33,9 @@ def test_all_crossovers_slide_at_their_threshold(table, n, threshold):
 def test_the_front_of_slip_follows_the_shear_lag_of_a_straight_yarn(table):
     """Friction f a crossover, n of them slide under the load n f: the yarn there has stretched by the sum of the
     strains j f / EA, j = 1 .. n, over a spacing each, which the crosshead has moved."""
-    warp, n, f = table.model.fabric.weave.warp, 40, 0.5
+    warp = table.model.fabric.weave.warp
+    n = 40
+    f = 0.5
     coupon = PullOut(table, n, mu=0.0, cohesion=f)
     at = 20 * 21 / 2 * f / warp.EA * coupon.spacing
     found = follow(coupon, at, samples=1)
@@ -42,7 +44,8 @@ def test_the_front_of_slip_follows_the_shear_lag_of_a_straight_yarn(table):
 
 
 def test_the_load_falls_as_the_tail_leaves_the_crossovers(table):
-    n, threshold = 8, 2.0
+    n = 8
+    threshold = 2.0
     coupon = PullOut(table, n, mu=0.0, cohesion=threshold)
     found = follow(coupon, 9.5 * coupon.spacing, samples=950)
     # half a spacing of tail, and one more a crossover
@@ -55,26 +58,33 @@ def test_the_load_falls_as_the_tail_leaves_the_crossovers(table):
 @pytest.mark.parametrize("mu", [0.1, 0.2])
 def test_each_crossover_adds_its_cohesion_and_mu_times_the_contact_force_of_its_cell(crimped, mu):
     """From crossover to crossover T' = T + c0 + mu F_c, F_c of the cell at the mean stretch of the two segments."""
-    n, cohesion, model = 10, 0.1, crimped.model
+    n = 10
+    cohesion = 0.1
+    model = crimped.model
     found = follow(PullOut(crimped, n, mu=mu, cohesion=cohesion), 0.5e-3).plateau
     stretch = np.linspace(0.95, 1.01, 6001)
     cell = model.solve(stretch, np.ones_like(stretch))
-    tension, force = cell["T1"], cell["F"]
+    tension = cell["T1"]
+    force = cell["F"]
     slack = np.flatnonzero(tension <= 0)[-1]
-    load, x = 0.0, None
+    load = 0.0
+    x = None
     for _ in range(n):
         ahead = stretch[slack] if x is None else x
         for _ in range(50):
             about = ahead if x is None else 0.5 * (x + ahead)
             after = load + cohesion + mu * np.interp(about, stretch, force)
             ahead = np.interp(after, tension[slack:], stretch[slack:])
-        load, x = after, ahead
+        load = after
+        x = ahead
     assert found == pytest.approx(load, rel=0.02)
 
 
 def test_friction_takes_the_work_of_the_crosshead_that_the_yarn_does_not_store(table):
     """Straight yarns store T^2 / 2 EA over a length."""
-    warp, n, threshold = table.model.fabric.weave.warp, 20, 1.0
+    warp = table.model.fabric.weave.warp
+    n = 20
+    threshold = 1.0
     coupon = PullOut(table, n, mu=0.0, cohesion=threshold)
     found = follow(coupon, 0.45e-3, samples=4000)
     work = np.sum(0.5 * (found.load[1:] + found.load[:-1]) * np.diff(found.displacement))
@@ -107,7 +117,8 @@ def test_a_pull_ends_where_the_yarn_breaks(crimped):
 
 def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
     """As the limit of a small bending stiffness, except where both yarns are slack."""
-    model, stretch = crimped.model, np.linspace(0.99, 1.03, 9)
+    model = crimped.model
+    stretch = np.linspace(0.99, 1.03, 9)
     expected = model.solve(*np.meshgrid(stretch, stretch, indexing="ij"))["F"]
     found = contact_force.contact_forces(
         model, (1e-13, 1e-13), stretch, stretch, 2.0 * expected.max()
@@ -118,7 +129,8 @@ def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
 
 def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
     """Rigid yarns: K (h - h0) of the slack warp equals what the tension of the weft gives, T dS/dh = pi / 4 F."""
-    model, B = crimped.model, 1e-6
+    model = crimped.model
+    B = 1e-6
     stretch = np.array([1.002])
     force = contact_force.contact_forces(model, (B, 0.0), np.array([0.97]), stretch, 100.0)[0, 0]
     warp, weft = model.yarn_tuples
