@@ -16,7 +16,7 @@ def plan(monkeypatch, run):
     found = []
     monkeypatch.setattr(compile_in_child, "start", lambda *stages: found.extend(stages))
     monkeypatch.setattr(compile_ahead, "_begun", set())
-    compile_ahead.begin(*run._plies, run.contact, run.stack, run._works[0][1])
+    compile_ahead.begin(*run._plies, run.contact, run.stack, run._works[0])
     assert len(found) == 2
     return [pair for stage in found for part in stage for pair in part]
 

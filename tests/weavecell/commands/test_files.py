@@ -77,10 +77,10 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
 
 
 def test_energies_of_the_solvers_are_documented_and_drawn():
-    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES, SLIP_WORK
+    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES
     from weavecell.report import pictures
 
-    for name in (*ENERGIES, *BETWEEN_PLIES, *SLIP_WORK, "error"):
+    for name in (*ENERGIES, *BETWEEN_PLIES, "error"):
         assert find(name, keys.TABLES["energies"]) is not None, name
     assert set(ENERGIES) - {"formulation_residual"} | {"recoil_of_cut_yarns"} == {
         name for name, _, _ in pictures.ENERGIES
