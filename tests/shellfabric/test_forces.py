@@ -107,7 +107,7 @@ def state_at(panel, *places, damage=INTACT, torn=()):
     state.block_damage[:] = DAMAGED if torn else damage
     for x in places:
         set_nodal(state.u, x - rest(panel))
-        ply_kernels.initial_forces(state, const, None, work)
+        ply_kernels.initial_forces(state, const, work)
     return state
 
 
