@@ -6,7 +6,7 @@ The folder of `weavecell impact`
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
-    pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
+    pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
     window/         finished shots of `--uncertainty` at other velocities, as long
@@ -444,7 +444,8 @@ class ShotResult(ImpactRecord, Result):
             places = scene.history.report_positions if scene.history else ()
             for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
                 number = ply + 1 if self.pack else None
-                sections.append(chapters_shot.measures(self.measured[ply], places, number))
+                if self.measured[ply].yarns:
+                    sections.append(chapters_shot.measures(self.measured[ply], places, number))
         sections += chapters_shot.body(self)
         if case.surface is None:
             options = chapters.options(scene.fabric)
@@ -471,7 +472,7 @@ class ShotResult(ImpactRecord, Result):
             {"time integration": self.wall_time},
             chapters_shot.outcome(self),
             self.outcome,
-            chapters_shot.cost(self, setup.meshed),
+            (chapters_shot.settings(setup.meshed),),
         )
 
     def __str__(self) -> str:
