@@ -15,11 +15,9 @@ SECTIONS = {
         "fabrics",
         "fabric",
         "new_fabric",
-        "show_fabric",
+        "show",
         "projectiles",
-        "show_projectile",
         "backings",
-        "show_backing",
     ),
     "Shots": (
         "impact",

@@ -41,14 +41,12 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "v50": (api.v50, "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
+    "show": (api.show, "S-720"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
     "fabrics list": (api.fabrics, ""),
-    "fabrics show": (api.show_fabric, "S-720 --out ."),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
     "projectiles list": (api.projectiles, ""),
-    "projectiles show": (api.show_projectile, '"FSP 1.10 g"'),
     "backings list": (api.backings, ""),
-    "backings show": (api.show_backing, '"gelatine 10 %"'),
 }
 GROUPS = {
     "fabrics": "The fabrics of the catalogue.",

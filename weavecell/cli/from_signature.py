@@ -22,6 +22,7 @@ import typer
 
 import weavecell
 from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from weavecell.api.lists import in_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
 
@@ -62,10 +63,14 @@ def command(
         for p in parameters
         if p.name == "target" or (p.default is p.empty and p.name not in ("out", "tests"))
     ]
-    has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
+    has_checks = inspect.signature(function).return_annotation not in (
+        "None",
+        "DataFrame",
+        "Tables",
+    )
 
     def call(strict: bool = False, **values: Any) -> None:
-        if values.get("out", "") is None and " " not in name:
+        if values.get("out", "") is None and has_checks:
             stems = [Path(values[key]).stem for key in required if values[key] is not None]
             values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
         values |= {key: LEFT_OUT.get(key) for key, value in values.items() if value is None}
@@ -81,7 +86,9 @@ def command(
                 raise
             except InputError as problem:
                 raise _of_option(problem, values) from None
-        if result is not None:
+        if type(result).__name__ == "DataFrame":
+            print(in_terminal(result))
+        elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
             if "out" in values and not values.get("check"):
