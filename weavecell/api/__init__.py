@@ -2,11 +2,12 @@
 
 from fabrics import __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.api import crossover
 from weavecell.api.biaxial_paths import BiaxialResult, biaxial
 from weavecell.api.calibration import CalibrationResult, calibrate
 from weavecell.api.comparison import ComparisonResult, TestsResult, compare
 from weavecell.api.coupons import CouponResult, coupon
-from weavecell.api.crossovers import CrossoverResult, crossover
+from weavecell.api.crossover_result import CrossoverResult
 from weavecell.api.exports import DeckResult, export
 from weavecell.api.limits import CriticalVelocityResult, critical_velocity
 from weavecell.api.lists import Tables, backings, fabrics, new_fabric, projectiles, show, view

@@ -13,7 +13,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
@@ -31,7 +31,40 @@ __all__ = ["MeshResult", "mesh"]
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
 PERIODIC = (2, 2)  # yarns of the periodic cell
-Section = Literal["sine", "ellipse", "conforming"]
+
+
+class Sections(TypedDict, total=False):
+    """The sections of the yarns.
+
+    Parameters
+    ----------
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]; none if not given
+    """
+
+    section: Literal["sine", "ellipse", "conforming"] | None
+    yarn_gap: float | str
+
+
+class Geometry(Sections, total=False):
+    """The geometry of what is meshed.
+
+    Parameters
+    ----------
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]; none if not given
+    width : width of both yarns, or of warp and weft [m]; else the fabric's
+    crimp : hand (default) or micrograph, as it was measured, or values for both yarns or warp and weft
+    tip_thickness_ratio : thickness of the cut tips over that of the middle; 0.075 if not given
+    overlap : what to do with sections that overlap by more than a shift removes: solve (default) or refuse
+    end_shells : close the yarn ends with shells of this thickness [m]
+    """
+
+    width: float | str | Sequence[float] | None
+    crimp: str | float | Sequence[float]
+    tip_thickness_ratio: float
+    overlap: Literal["solve", "refuse"]
+    end_shells: float | str | None
 
 
 def mesh(
@@ -40,15 +73,9 @@ def mesh(
     mesh: str | float | Sequence[int] = "medium",
     domain: Literal["quarter", "whole", "periodic"] | None = None,
     patch: str | Sequence[int] | None = None,
-    section: Section | None = None,
-    yarn_gap: float | str = "0 mm",
-    width: float | str | Sequence[float] | None = None,
-    crimp: str | float | Sequence[float] = "hand",
-    tip_thickness_ratio: float = 0.075,
-    overlap: Literal["solve", "refuse"] = "solve",
-    end_shells: float | str | None = None,
     format: str = "msh,vtu",
     out: FilePath | None = None,
+    **geometry: Unpack[Geometry],
 ) -> MeshResult:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
@@ -62,15 +89,9 @@ def mesh(
         8,6,2, or an edge length
     domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
     patch : a woven patch of N warp and M weft yarns instead, NxM
-    section : sine, ellipse or conforming; the fabric's own if not given
-    yarn_gap : gap between parallel yarns [m]
-    width : width of both yarns, or of warp and weft [m]; else the fabric's
-    crimp : hand or micrograph, as it was measured, or values for both yarns or warp and weft
-    tip_thickness_ratio : thickness of the cut tips over that of the middle
-    overlap : what to do with sections that overlap by more than a shift removes: solve or refuse
-    end_shells : close the yarn ends with shells of this thickness [m]
     format : files to write, separated by commas: msh, vtu, k, inp, rad
     out : folder of the results; in Python None writes nothing
+    **geometry : keywords of the geometry, as of `weavecell.api.meshes.Geometry`
 
     Returns
     -------
@@ -94,18 +115,7 @@ def mesh(
             raise InputError(
                 key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}"
             )
-    options = {
-        "size": size(mesh),
-        "section": section,
-        "gap": quantities.number(yarn_gap, "m", "yarn_gap"),
-        "width": None if width is None else quantities.pair(width, "m", "width"),
-        "crimp": crimp if crimp in ("hand", "micrograph") else quantities.pair(crimp, "", "crimp"),
-        "tip_thickness_ratio": tip_thickness_ratio,
-        "overlap": overlap,
-        "end_shells": None
-        if end_shells is None
-        else quantities.number(end_shells, "m", "end_shells"),
-    }
+    options = options_of(geometry, Geometry) | {"size": size(mesh)}
     count = None if patch is None else _count(patch)
     with out_folder.held(out) as folder:
         result = MeshResult(
@@ -139,6 +149,37 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     for line in (*whole.notes, *assumed.lines(assumed.given(whole, "failure_length"))):
         logging.getLogger("weavecell").info(line)
     return whole
+
+
+def options_of(given: Geometry, known: type) -> dict[str, Any]:
+    """Options of `meshing.crossover.build` from keywords, in SI units.
+
+    Parameters
+    ----------
+    known : Sections or Geometry, whose keywords are allowed
+
+    Raises
+    ------
+    InputError : another keyword, or a value that is not allowed
+    """
+    options: dict[str, Any] = {}
+    for key, value in given.items():
+        if key not in known.__annotations__:
+            allowed = f"one of {', '.join(known.__annotations__)}"
+            raise InputError(key=key, value=value, allowed=allowed)
+        if value is None:
+            continue
+        if key == "yarn_gap":
+            options["gap"] = quantities.number(value, "m", key)
+        elif key == "width":
+            options[key] = quantities.pair(value, "m", key)
+        elif key == "end_shells":
+            options[key] = quantities.number(value, "m", key)
+        elif key == "crimp" and value not in ("hand", "micrograph"):
+            options[key] = quantities.pair(value, "", key)
+        else:
+            options[key] = value
+    return options
 
 
 def size(value: Any) -> Any:

@@ -57,7 +57,7 @@ def command(
     text, meanings = documented(function)
     given = inspect.signature(function).parameters.values()
     own = [p for p in given if p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY]
-    parameters = [p for p in own if p.kind is not p.VAR_KEYWORD]
+    parameters = [p for p in own if p.kind is not p.VAR_KEYWORD] + _unpacked(function, meanings)
     required = [
         p.name
         for p in parameters
@@ -72,7 +72,10 @@ def command(
     def call(strict: bool = False, **values: Any) -> None:
         if values.get("out", "") is None and has_checks:
             stems = [Path(values[key]).stem for key in required if values[key] is not None]
-            values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
+            words = [*name.split(), *stems]
+            if name in OF_ONE_RUN:
+                words = stems
+            values["out"] = RESULTS / "-".join(words)
         values |= {key: LEFT_OUT.get(key) for key, value in values.items() if value is None}
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
@@ -114,6 +117,28 @@ def command(
     made.__annotations__ = {p.name: p.annotation for p in signature}
     made.__doc__ = text
     return made, f"Example: [bold]weavecell {name} {example}[/bold]"
+
+
+def _unpacked(function, meanings):
+    """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
+
+    Those of `weavecell.setup` are keys of the input file, which a command reads.
+    """
+    *_, last = inspect.signature(function).parameters.values()
+    name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
+    if last.kind is not last.VAR_KEYWORD or name in ("Any", "Keywords"):
+        return []
+    kind = getattr(inspect.getmodule(function), name)
+    meanings |= documented(kind)[1]
+    found = []
+    for key, annotation in kind.__annotations__.items():
+        text = annotation.__forward_arg__
+        if "None" not in text:
+            text += " | None"
+        found.append(
+            inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=text)
+        )
+    return found
 
 
 def _keyword(key):

@@ -11,6 +11,7 @@ import typer
 
 import weavecell
 from fabrics import backings, catalogue, projectiles
+from weavecell.api import meshes
 from weavecell.cli import app
 
 
@@ -61,15 +62,16 @@ def test_the_options_of_a_command_are_the_parameters_of_its_function():
         command = root
         for word in words.split():
             command = command.commands[word]
-        own = {
-            p.name
-            for p in inspect.signature(function).parameters.values()
-            if p.kind is not p.VAR_KEYWORD
-        }
+        parameters = inspect.signature(function).parameters.values()
+        own = {p.name for p in parameters if p.kind is not p.VAR_KEYWORD}
+        for of in (meshes.Sections, meshes.Geometry):
+            if any(p.annotation == f"Unpack[{of.__name__}]" for p in parameters):
+                own |= set(of.__annotations__)
         options = {entry.name for entry in command.params} - {"strict"}
         assert own | set(keywords) >= options >= (own | set(keywords)) - {"test", "velocity"}, words
         assert all(entry.help for entry in command.params), words
-        assert getattr(weavecell, function.__name__) is function
+        place = weavecell.crossover if words.startswith("crossover ") else weavecell
+        assert getattr(place, function.__name__) is function
 
 
 def test_version(command):
@@ -150,6 +152,7 @@ def test_without_the_3d_part_one_line_says_what_to_install(tmp_path):
 import sys
 for name in ("dolfinx", "petsc4py", "gmsh"):
     sys.modules[name] = None
+from weavecell.api import meshes
 from weavecell.cli import app
 app.main(["calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", sys.argv[1]])
 """
