@@ -7,7 +7,7 @@ import re
 from operator import attrgetter
 
 import weavecell
-from weavecell.cli.from_signature import _SECTION
+from weavecell.cli.from_signature import _SECTION, unpacked
 
 _ENTRY = re.compile(r"^(\*{0,2}\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
@@ -84,6 +84,10 @@ def _function(name):
         f"- `{names}`: {_line(meaning)}"
         for names, meaning in _ENTRY.findall(sections[0] if sections else "")
     ]
+    shared: dict[str, str] = {}
+    unpacked(function, shared)
+    for key, meaning in shared.items():
+        entries.append(f"- `{key}`: {meaning}".replace("\\", ""))
     call = f"`{name}({', '.join(signature)})`"
     return "\n\n".join(filter(None, (f"### {name}", call, _first(function), "\n".join(entries))))
 

@@ -59,7 +59,7 @@ def yarn(
     domain : a quarter of the crossover, by symmetry, or the whole
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -94,7 +94,7 @@ def platens(
     friction : Coulomb's coefficient between the yarns
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -123,7 +123,7 @@ def stack(
     friction : Coulomb's coefficient between the yarns
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -165,7 +165,7 @@ def biaxial(
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -204,7 +204,7 @@ def path(
     domain : a quarter of the crossover, by symmetry, or the whole
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -242,7 +242,7 @@ def shear(
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------
@@ -291,7 +291,7 @@ def pull_out(
     friction : Coulomb's coefficient between the yarns
     mesh : as of `mesh`
     out : folder of the results; in Python None writes nothing
-    **sections : section and yarn_gap, as of `mesh`
+    **sections : sections of the yarns, as of `mesh`
 
     Raises
     ------

@@ -15,6 +15,7 @@ from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, unknown_name
 from fabrics.fabric_tables import FIBRES
+from fabrics.schema import read_toml
 from fabrics.units import si
 from weavecell.api import quantities
 
@@ -219,7 +220,7 @@ def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
 
 def _is_of_a_projectile(name):
     """Whether a name is the path of a file that says how wide something is, as only a projectile's does."""
-    return name.endswith(".toml") and "diameter" in files.read_toml(name, what="fabric")[1]
+    return name.endswith(".toml") and "diameter" in read_toml(name, what="fabric")[1]
 
 
 def _projectile(name):

@@ -91,7 +91,7 @@ def mesh(
     patch : a woven patch of N warp and M weft yarns instead, NxM
     format : files to write, separated by commas: msh, vtu, k, inp, rad
     out : folder of the results; in Python None writes nothing
-    **geometry : keywords of the geometry, as of `weavecell.api.meshes.Geometry`
+    **geometry : geometry of what is meshed, if not that of the fabric
 
     Returns
     -------
@@ -116,14 +116,10 @@ def mesh(
                 key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}"
             )
     options = options_of(geometry, Geometry) | {"size": size(mesh)}
-    count = None if patch is None else _count(patch)
+    count = patch and _count(patch)
     with out_folder.held(out) as folder:
-        result = MeshResult(
-            fabric,
-            build(fabric, domain or "quarter", count, **options),
-            tuple(dict.fromkeys(formats)),
-        )
-        return saved(result, folder)
+        built = build(fabric, domain or "quarter", count, **options)
+        return saved(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
 
 
 def of_3d(fabric: Fabric | FilePath) -> Fabric:
@@ -138,7 +134,9 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     from meshing.mesh_plan import with_room
 
     try:
-        plain = fabric if isinstance(fabric, Fabric) else catalogue.load(fabric)
+        plain = fabric
+        if not isinstance(fabric, Fabric):
+            plain = catalogue.load(fabric)
         whole = with_room(assumed.with_solid_laws(plain))
     except InputError as problem:
         if problem.file or problem.key:
@@ -221,12 +219,11 @@ def build(
     """
     from meshing import crossover, patch
 
-    count = PERIODIC if domain == "periodic" else count
-    return (
-        crossover.build(fabric, domain=domain, **options)
-        if count is None
-        else patch.build(fabric, count, **options)
-    )
+    if domain == "periodic":
+        count = PERIODIC
+    if count is None:
+        return crossover.build(fabric, domain=domain, **options)
+    return patch.build(fabric, count, **options)
 
 
 @dataclass(frozen=True, repr=False)
@@ -257,24 +254,26 @@ class MeshResult(Result):
     def summary(self) -> dict[str, Any]:
         """The main figures of the mesh, as texts."""
         mesh = self.mesh
+        if self.stem == "patch":
+            domain = "{} warp x {} weft yarns".format(*mesh.count)
+        else:
+            domain = mesh.domain
+        bars = [0, 0]
+        for lines, family in zip(mesh.bars, mesh.families):
+            bars[family] += len(lines)
         gap = 1e6 * mesh.least_gap
-        bars = [
-            sum(len(b) for b, f in zip(mesh.bars, mesh.families) if f == family)
-            for family in (0, 1)
-        ]
+        distance = f"apart by at least {gap:.2f} um"
+        if gap < 0:
+            distance = f"overlap by up to {-gap:.2f} um"
         return {
             "fabric": mesh.fabric,
-            "domain": "{} warp x {} weft yarns".format(*mesh.count)
-            if self.stem == "patch"
-            else mesh.domain,
+            "domain": domain,
             "hexahedra": f"{len(mesh.hexes)}",
             "nodes": f"{len(mesh.points)}",
-            "fibre bars": " / ".join(map(str, bars)) + " (warp / weft)",
+            "fibre bars": f"{bars[0]} / {bars[1]} (warp / weft)",
             "worst scaled Jacobian": f"{mesh.min_scaled_jacobian:.3f}",
             "sections": f"{mesh.sections[0].kind}: {mesh.section_fit.report}",
-            "facets of the mesh": f"overlap by up to {-gap:.2f} um"
-            if gap < 0
-            else f"apart by at least {gap:.2f} um",
+            "facets of the mesh": distance,
         }
 
     def _columns(self):
@@ -287,7 +286,9 @@ class MeshResult(Result):
     def _export(self, folder, suffix):
         from weavecell.decks import mesh_files
 
-        path = folder / (f"{self.stem}_0000.rad" if suffix == "rad" else f"{self.stem}.{suffix}")
+        path = folder / f"{self.stem}.{suffix}"
+        if suffix == "rad":
+            path = folder / f"{self.stem}_0000.rad"
         path.parent.mkdir(parents=True, exist_ok=True)
         mesh_files.write(self.mesh, self.fabric, path)
         return path

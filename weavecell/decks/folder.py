@@ -99,7 +99,7 @@ def error_section(deck: model.Deck) -> page.Section:
         (words, *(percent(numbers[key]) for numbers in errors)) for key, words in ROWS.items()
     )
     caption = f"Law less cell of {first.name}, where both yarns are below their strength."
-    figure = page.Figure(pictures.render(mismatch.plot, first.mismatch), "svg", caption, "mapping")
+    figure = pictures.draw_figure("mapping", caption, mismatch.plot, first.mismatch)
     lead = (
         "The law is evaluated here by its own equations, and held against the unit cell. "
         f"Not held: {first.law.lost}."

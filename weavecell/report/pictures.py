@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from weavecell.report import page
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import (
     BLUE,
@@ -75,6 +76,21 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
         else:
             figure.canvas.print_png(content, pil_kwargs={"compress_level": 4})
     return content.getvalue()
+
+
+def draw_figure(
+    name: str, caption: str, draw: Callable, *arguments: Any, kind: str = "svg", **shape: bool
+) -> page.Figure:
+    """Draw a picture of a page.
+
+    Parameters
+    ----------
+    name : of its file
+    draw, arguments, kind : as of `render`
+    shape : wide and tall, as of `page.Figure`
+    """
+    content = render(draw, *arguments, kind=kind)
+    return page.Figure(content, kind, caption, name, **shape)
 
 
 def place(

@@ -104,7 +104,7 @@ def test_the_log_is_plain_whatever_a_library_sets_up():
 @pytest.mark.parametrize(
     "kind, names, some",
     [
-        ("fabrics", catalogue.list_names(), ["S-720", "252.947"]),
+        ("fabrics", catalogue.list_names(), ["S-720", "252.904"]),
         (
             "projectiles",
             projectiles.list_names(),

@@ -168,7 +168,7 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     }
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
-    chapters_shot.chapter(replace(record, **changes), None)
+    chapters_shot.chapter(replace(record, **changes))
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
     assert names == ["histories", "energies", "cuts", "cell"]

@@ -105,9 +105,9 @@ def card(record: ImpactRecord) -> Card:
     return Card(record.title, headline, lines, tone)
 
 
-def chapter(record: ImpactRecord, panel: Figure) -> Section:
-    """Histories, energies, cuts, the picture of the panel and results of one impact."""
-    figures = (_histories(record), _energies(record), _cuts(record), panel)
+def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
+    """Histories, energies, cuts, pictures of the panel and results of one impact."""
+    figures = (_histories(record), _energies(record), _cuts(record), *panel)
     tables = [results(record)]
     if record.count > 1:
         tables.append(ply_table(record))
@@ -168,8 +168,9 @@ def _histories(record):
         "Velocity of the projectile; back-face deflection, the largest displacement of the last ply along the normal; "
         f"contact force on the projectile, mean over {interval}."
     )
-    content = pictures.render(pictures_shot.histories, record)
-    return Figure(content, "svg", caption, "histories", wide=False, tall=True)
+    return pictures.draw_figure(
+        "histories", caption, pictures_shot.histories, record, wide=False, tall=True
+    )
 
 
 def _cuts(record):
@@ -180,8 +181,8 @@ def _cuts(record):
     )
     if record.count > 1:
         caption += " Plies are dark at the front and light at the rear."
-    content = pictures.render(pictures_shot.cuts, _cut_views(record), CLOSE_UP)
-    return Figure(content, "svg", caption, "cuts")
+    views = _cut_views(record)
+    return pictures.draw_figure("cuts", caption, pictures_shot.cuts, views, CLOSE_UP)
 
 
 def _energies(record):
@@ -192,8 +193,7 @@ def _energies(record):
     )
     if record.viscous_note:
         caption += f" Note: {record.viscous_note}."
-    content = pictures.render(pictures_shot.energies, record)
-    return Figure(content, "svg", caption, "energies", wide=False)
+    return pictures.draw_figure("energies", caption, pictures_shot.energies, record, wide=False)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -334,8 +334,8 @@ def assumed(around: AssumedRange) -> Section:
     figures: tuple[Figure, ...] = ()
     if around.high > around.low:
         caption = "What each assumption changes alone, and all runs together."
-        picture = pictures.render(pictures_uncertainty.tornado, around, "")
-        figures = (Figure(picture, "svg", caption, "assumed-range"),)
+        draw = pictures_uncertainty.tornado
+        figures = (pictures.draw_figure("assumed-range", caption, draw, around, ""),)
     rows = []
     for run in around.rows:
         rows.append((run.laws, run.outcome or "-", display.number(run.velocity, "m/s")))
@@ -356,30 +356,33 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     from shellfabric.output.wave_fronts import fronts
 
     waves = fronts(recorded)
-    key = "measures"
+    of_ply = ""
     title = "Along the yarns"
-    names = ("tensions", "fronts")
     if ply is not None:
-        key += f"-ply-{ply}"
+        of_ply = f"-ply-{ply}"
         title += f", ply {ply}"
-        names = (f"tensions-ply-{ply}", f"fronts-ply-{ply}")
     reach = max(yarn.X[-1] for yarn in recorded.yarns)
     within = [place for place in places if place <= reach]
     nearest = [recorded.through(family) for family in ("warp", "weft")]
     through = [yarn for yarn in nearest if yarn is not None]
-    captions = (
+    tensions = pictures.draw_figure(
+        f"tensions{of_ply}",
         "Tension and fibre strain of the yarns that were followed.",
+        pictures_histories.tensions,
+        recorded.t,
+        recorded.yarns,
+        within,
+    )
+    arrivals = pictures.draw_figure(
+        f"fronts{of_ply}",
         "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse one (red: "
         "the foot of the pyramid); the lines are fitted. Deflections along the yarns and the forces on the edges of "
         "the panel are in histories.h5 under /measured.",
+        pictures_histories.fronts,
+        recorded.t,
+        through,
+        waves,
     )
-    drawn = (
-        pictures.render(pictures_histories.tensions, recorded.t, recorded.yarns, within),
-        pictures.render(pictures_histories.fronts, recorded.t, through, waves),
-    )
-    figures = []
-    for picture, caption, name in zip(drawn, captions, names):
-        figures.append(Figure(picture, "svg", caption, name))
     columns = (
         "front",
         "yarn",
@@ -391,7 +394,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     if waves:
         rows = [_front_row(wave, recorded) for wave in waves]
         tables = (Table(columns, tuple(rows), numeric=columns[2:]),)
-    return Section(key, title, "", tuple(figures), tables)
+    return Section(f"measures{of_ply}", title, "", (tensions, arrivals), tables)
 
 
 def body(record: ImpactRecord) -> list[Section]:
@@ -418,7 +421,7 @@ def _bar(record):
     )
     if np.isfinite(bar.swing):
         caption += f" They swing in {text(bar.swing, 's', form='.3g')}."
-    figure = Figure(pictures.render(pictures_body.bar, bar), "svg", caption, "bar")
+    figure = pictures.draw_figure("bar", caption, pictures_body.bar, bar)
     return Section("bar", "The projectile as a bar", lead, (figure,))
 
 
@@ -437,12 +440,12 @@ def _block(record):
     if block.share == 1:
         part = "the block"
     lead += f"{int(block.gone.sum())} bricks of {part} are eroded."
-    picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
     caption = (
         "The block cut along the warp through the impact point, at the end of the run, to scale. The depth of every "
         "node of its face is in histories.h5 under /backing/depth_map."
     )
-    figure = Figure(picture, "png", caption, "crater")
+    blocks = {record.title: block}
+    figure = pictures.draw_figure("crater", caption, pictures_body.crater, blocks, kind="png")
     return Section("backing", "The block behind", lead, (figure,))
 
 
