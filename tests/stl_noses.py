@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.impact import simulation
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid

@@ -11,9 +11,10 @@ rear ply by their weights in y: the sum vanishes to the last digits. The distanc
 or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
 fabric does not contract much below it (`cloth.packing_kernels`).
 
-Closure by motion. Of torn plies the closest point may jump, surfaces change and plies come to meet through a hole, each
-at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v beyond
-_JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is remembered.
+Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies come to meet through
+a hole, each at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v
+beyond _JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is
+remembered.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
 the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
@@ -448,11 +449,10 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure, number):
 def moved_closure(contact, p, q, number, closure, closing):
     """The closure [m] of a point less what no motion has made of it: what it had when first seen, and what jumps."""
     now, jump, given = float(contact.count[STEP]), closure - contact.dt * closing, 0.0
-    if contact.failures[p] + contact.failures[q] > 0:
-        if contact.touched[number] == now - 1.0:
-            jump, given = jump - contact.closed[number], contact.given[number]
-        if abs(jump) > _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[q]):
-            given = max(0.0, given + jump)
+    if contact.touched[number] == now - 1.0:
+        jump, given = jump - contact.closed[number], contact.given[number]
+    if abs(jump) > _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[q]):
+        given = max(0.0, given + jump)
     given = min(given, closure)
     contact.touched[number], contact.closed[number], contact.given[number] = now, closure, given
     return closure - given
@@ -461,14 +461,13 @@ def moved_closure(contact, p, q, number, closure, closing):
 @kernel(_nrt=False, forceinline=True)
 def moved_closure8(contact, p, q, count, closure, closing, which):
     """`moved_closure` on the next ply of those of eight points from number q on that are `which`."""
-    now, given = float(contact.count[STEP]), broadcast(0.0)
-    if contact.failures[p] + contact.failures[p + 1] > 0:
-        long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
-        given = where(long_ago, 0.0, load(contact.given[0], q))
-        jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
-        most = _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[p + 1])
-        given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
-        given = minimum(given, closure)
+    now = float(contact.count[STEP])
+    long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
+    given = where(long_ago, 0.0, load(contact.given[0], q))
+    jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
+    most = _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[p + 1])
+    given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
+    given = minimum(given, closure)
     masked_store(
         contact.touched[0], q, where(which, broadcast(now), load(contact.touched[0], q)), count
     )

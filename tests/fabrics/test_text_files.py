@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from fabrics import files
-from fabrics.errors import InputError
-from fabrics.schema import read_toml
+from fabrics.base import files
+from fabrics.base.errors import InputError
+from fabrics.base.schema import read_toml
 
 CURVE = "strain [%], force [N]\n0.5, 10.25\n1, 20\n"
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be")
@@ -123,7 +123,7 @@ def test_a_full_disk_names_the_file_and_keeps_what_was_there(tmp_path, writer):
     code = f"""
 import resource, sys
 import numpy as np
-from fabrics import files
+from fabrics.base import files
 path = {str(path)!r}
 def write(): files.write(path, "x" * 400_000)
 def write_csv(): files.write_csv(path, [["x" * 400_000]])

@@ -116,17 +116,14 @@ class Pressed:
         return self
 
     def press(self, times=1):
-        """Forces on the nodes of the first two plies, each (ni+1, nj+1, 3), with their closest points found."""
-        for _ in range(times):
+        """Forces on the nodes of the first two plies, each (ni+1, nj+1, 3), with their closest points found; what the
+        points have closed by in all but the last of several times counts as come by motion."""
+        for n in range(times):
+            if n > 0:
+                self.contact.given[:] = 0.0
+            self.contact.touched[:] += 1  # of the two steps that a press counts
             press_once(Items(self.states), Items(self.consts), self.contact)
         return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
-
-    def press_as_moved(self):
-        """`press`, as if all closure had come by motion."""
-        self.press()
-        self.contact.given[:] = 0.0
-        self.contact.touched[:] += 1  # of the two steps that a press counts
-        return self.press()
 
     def force(self, ply, side):
         """(ni+1, nj+1, 3) [N] of the plies on one side of a ply."""

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import catalogue, run_cache
-from fabrics.errors import InputError
+from fabrics import catalogue
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Panel

@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
-from fabrics.executors import open_executor
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.executors import open_executor
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
@@ -88,7 +88,7 @@ def sample(
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
-    executor, jobs : as of `fabrics.executors.open_executor`, for the lines
+    executor, jobs : as of `fabrics.base.executors.open_executor`, for the lines
     on_progress : called as on_progress(share, text) after each line
     provenance : text kept with the surface
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.files import read_hdf5, write_hdf5
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.files import read_hdf5, write_hdf5
 
 _FORMAT = "weavecell partial surface 4"
 
@@ -46,7 +46,7 @@ class Partial:
     Parameters
     ----------
     path : file, or None to keep them in memory alone
-    stamp : of what is sampled and the code (`fabrics.run_cache.stamp`)
+    stamp : of what is sampled and the code (`fabrics.base.run_cache.stamp`)
     resume : begin with the lines of the file, if it is there
 
     Raises

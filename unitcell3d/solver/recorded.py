@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fabrics.record import Record, columns
+from fabrics.base.record import Record, columns
 from unitcell3d.solver.newton import Equilibrium
 
 MEANINGS = {

@@ -11,7 +11,7 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_solids

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from validation import study
 from validation.claims import claims as data
 from validation.claims import judge, runner

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
-from fabrics import files
+from fabrics.base import files
 from validation import study
 from validation.claims import claims as data
 from validation.claims import judge

@@ -4,7 +4,7 @@ The fabric has the linear density of its data sheet. A case that finds no equili
 ends with exit code 3. All cases need dolfinx and PETSc.
 
 The folder of `weavecell crossover`
-    case.h5     every converged state: columns with their meanings (`fabrics.record`)
+    case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 
@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, Unpack
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
 from weavecell.api import meshes, quantities

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fabrics import files
-from fabrics.checks import FilePath
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.record import Record
 from weavecell.api.result import Result, figure
 from weavecell.report import crossover_cases, pictures_crossover
 from weavecell.results import json_file
@@ -52,7 +52,7 @@ class CrossoverResult(Result):
     fabric : Fabric whose crossover it is
     case : "yarn", "platens", "stack", "biaxial", "path", "shear" or "pull-out"
     mesh : `meshing.crossover.Crossover` or `meshing.patch.Patch`
-    record : `fabrics.record.Record`, a row a converged state
+    record : `fabrics.base.record.Record`, a row a converged state
     domain : "quarter", "whole" or "periodic"
     size : of the mesh, as it was given
     found : {quantity [unit]: value} that the case comes to

@@ -9,14 +9,15 @@ from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fabrics import assumed, catalogue, data_sheet, files
+from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
 from fabrics import projectiles as projectile_data
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, unknown_name
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, unknown_name
+from fabrics.base.schema import read_toml
+from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
-from fabrics.schema import read_toml
-from fabrics.units import si
 from weavecell.api import quantities
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import InProcess
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import InProcess
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure

@@ -21,7 +21,7 @@ from typing import Annotated, Any
 import typer
 
 import weavecell
-from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.lists import in_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
@@ -146,7 +146,7 @@ def _keyword(key, annotation):
 
 def _meaning(key):
     """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
-    from fabrics.schema import entries
+    from fabrics.base.schema import entries
     from weavecell.api import keywords
     from weavecell.scenes.impact import Scene
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from equations import end_forces
 
-from fabrics import run_cache
-from fabrics.errors import InputError
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError
 from fabrics.surface import ResponseSurface
 from unitcell3d.identify.interpolant import QUANTITIES, Interpolant, errors
 from unitcell3d.identify.response_surface import sample
