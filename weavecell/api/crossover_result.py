@@ -100,7 +100,8 @@ class CrossoverResult(Result):
         from weavecell.report import checks, pictures
         from weavecell.results import provenance
 
-        out, record = Path(out), self.record
+        out = Path(out)
+        record = self.record
         record.write(out / "case.h5")
         content = {
             "fabric": self.fabric.name,
@@ -130,4 +131,6 @@ def _text(value):
         return ", ".join(map(_text, value))
     if value is None:
         return "-"
-    return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)
+    if isinstance(value, float | np.floating):
+        return f"{value:.5g}"
+    return str(value)

@@ -270,12 +270,14 @@ def _assumptions(plain, whole):
     """(key, value with its range, source) of what the file does not give and a command takes in its place."""
     from shellfabric.plies import gap as ply_gap
 
-    rows, entries = [], data_sheet.entries()
+    rows = []
+    entries = data_sheet.entries()
     if "crimp" in whole.assumed:
         ends = assumed.crimp_ends(whole).values()
         for k, family in enumerate(data_sheet.FAMILIES):
             crimp, *others = [100 * fabric.weave.yarns[k].crimp for fabric in (whole, *ends)]
-            low, high = min(crimp, *others), max(crimp, *others)
+            low = min(crimp, *others)
+            high = max(crimp, *others)
             if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
@@ -377,10 +379,16 @@ def new_fabric(
         raise InputError("exists already", file=path)
     if family not in (None, *FIBRES):
         raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
-    side = None if frame_side is None else quantities.number(frame_side, "m", "frame_side")
+    if frame_side is None:
+        side = None
+    else:
+        side = quantities.number(frame_side, "m", "frame_side")
     if strip is not None:
         strip = quantities.pair(strip, "m", "strip", "width and length")
-    entered = _asked() if values is None else fabric_file.read_values(values)
+    if values is None:
+        entered = _asked()
+    else:
+        entered = fabric_file.read_values(values)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
     draft, fitted = fabric_file.with_curves(
         draft,
@@ -405,7 +413,9 @@ def _asked():
         while True:
             try:
                 typed = typer.prompt(text, default=default, show_default=bool(default))
-                return fabric_file.check(key, typed) if typed or default is None else ""
+                if typed or default is None:
+                    return fabric_file.check(key, typed)
+                return ""
             except InputError as problem:
                 typer.echo(str(problem), err=True)
 
@@ -413,7 +423,10 @@ def _asked():
     values = {}
     for key in fabric_file.REQUIRED:
         others = fabric_file.INSTEAD.get(key, ())
-        skip = f" (Enter: from the {others[-1]})" if others else ""
+        if others:
+            skip = f" (Enter: from the {others[-1]})"
+        else:
+            skip = ""
         asked = fabric_file.ALL[key]
         text = f"{key} of the warp, {asked.meaning}, such as {asked.example}{skip}"
         warp = value(key, text, "" if others else None)
@@ -421,7 +434,10 @@ def _asked():
             key = others[-1]
             asked = fabric_file.ALL[key]
             warp = value(key, f"{key}, {asked.meaning}, such as {asked.example}")
-        weft = "" if key in fabric_file.OF_FABRIC else value(key, f"{key} of the weft", warp)
+        if key in fabric_file.OF_FABRIC:
+            weft = ""
+        else:
+            weft = value(key, f"{key} of the weft", warp)
         values[key] = fabric_file.Value(warp, weft, source)
     return values
 

@@ -249,7 +249,9 @@ class MeshResult(Result):
     @property
     def stem(self) -> str:
         """Name of the files without suffix: "crossover" or "patch"."""
-        return "patch" if hasattr(self.mesh, "count") else "crossover"
+        if hasattr(self.mesh, "count"):
+            return "patch"
+        return "crossover"
 
     def summary(self) -> dict[str, Any]:
         """The main figures of the mesh, as texts."""
@@ -304,7 +306,10 @@ class MeshResult(Result):
             for suffix in self.formats:
                 self._export(out, suffix)
             advance(0.6, "drawing")
-            draw = pictures_patch if self.stem == "patch" else pictures_mesh
+            if self.stem == "patch":
+                draw = pictures_patch
+            else:
+                draw = pictures_mesh
             draw.picture(self.mesh, out / f"{self.stem}.png")
             pictures_quality.picture(self.mesh, out / "quality.png")
             json_file.write(

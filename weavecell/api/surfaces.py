@@ -304,7 +304,8 @@ class SurfaceResult(Result):
         ]
         for name, error in self.sampled.errors.items():
             factor, unit = SHOWN[name]
-            rms, largest = factor * error.rms, factor * error.largest
+            rms = factor * error.rms
+            largest = factor * error.largest
             lines.append(
                 f"{name:<10}left-out lines missed by {rms:.3g} {unit} rms, {largest:.3g} at most"
             )

@@ -178,4 +178,6 @@ def _text(value):
         return " " * 10
     if isinstance(value, (int, np.integer)):
         return f"{value:10d}"
-    return f"{value:10.3E}" if value else f"{0.0:10.1f}"
+    if value:
+        return f"{value:10.3E}"
+    return f"{0.0:10.1f}"

@@ -21,10 +21,8 @@ from weavecell.report.pictures_style import INK
 from weavecell.report.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
-FOOT, MARGIN = (
-    0.15,
-    0.05,
-)  # of the window's height: kept for the caption, and free around the crossover
+FOOT = 0.15  # of the window's height, kept for the caption
+MARGIN = 0.05  # of the window's height, free around the crossover
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 

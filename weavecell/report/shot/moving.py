@@ -68,7 +68,8 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     count = min(len(instants), max(2, _MOST_BYTES // each))
     chosen = [instants[k] for k in np.linspace(0, len(instants) - 1, count).round().astype(int)]
     places = np.array([grid.points for grid, _ in chosen])
-    low, high = places.min(axis=(0, 1)), places.max(axis=(0, 1))
+    low = places.min(axis=(0, 1))
+    high = places.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535
     whole = np.round((places - low) / step).astype(np.int64)
     differences = np.diff(whole, axis=0, prepend=0).astype("<u2")  # modulo 2^16

@@ -78,9 +78,11 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         layout="none",
     )
     place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
-    top = max(foremost(row.cut) for row in rows) if top is None else top
+    if top is None:
+        top = max(foremost(row.cut) for row in rows)
     for axes_row, row in zip(grid, rows):
-        cut, colours = row.cut, shades(len(row.thickness))
+        cut = row.cut
+        colours = shades(len(row.thickness))
         for axes, near in zip(axes_row, (False, True)):
             body = row.projectile
             axes.fill(
@@ -167,7 +169,8 @@ def _band(line, thickness):
 def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
     """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction; `recoil`
     [J] of cut yarns, by its own name, for the last of the viscous energy."""
-    drawn, viscous = dict(energies), energies["viscous"]
+    drawn = dict(energies)
+    viscous = energies["viscous"]
     drawn["viscous"] = np.minimum(viscous, viscous[-1] - recoil)
     drawn["recoil_of_cut_yarns"] = viscous - drawn["viscous"]
     drawn["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
@@ -184,7 +187,8 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     figure, (top, low) = pyplot.subplots(
         2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none"
     )
-    t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
+    t = US * record.time
+    error = 100 * record.energies["error"] / record.strike_energy
     drawn = parts(record.energies, record.recoil_of_cut_yarns)
     known = [row for row in ENERGIES if np.any(drawn.get(row[0], 0.0))]
     values = [np.maximum(drawn[name], 0.0) for name, _, _ in known]

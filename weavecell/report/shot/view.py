@@ -136,7 +136,10 @@ def show(
         page.write(moving.page(panel.record, panel.instants()), html)
     if screenshot is not None:
         with plots() as pyplot, replace_whole(screenshot) as beside:
-            last = cut_figure(pyplot, panel, -1) if cut else snapshot(pyplot, panel, file)
+            if cut:
+                last = cut_figure(pyplot, panel, -1)
+            else:
+                last = snapshot(pyplot, panel, file)
             last.savefig(beside, format="png", dpi=170)
     if movie is html is screenshot is None:
         _show_elements(file, panel, None)
@@ -293,7 +296,9 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
         fabric = pictures3d.coloured(grid, np.array([top, top]), mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
-        scalars = "yarn" if "yarn" in grid.cell_data else None
+        scalars = None
+        if "yarn" in grid.cell_data:
+            scalars = "yarn"
         scene.add_mesh(
             grid,
             scalars=scalars,
