@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
@@ -116,7 +116,9 @@ def mesh(
                 key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}"
             )
     options = options_of(geometry, Geometry) | {"size": size(mesh)}
-    count = patch and _count(patch)
+    count = None
+    if patch is not None:
+        count = _count(patch)
     with out_folder.held(out) as folder:
         built = build(fabric, domain or "quarter", count, **options)
         return saved(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
@@ -134,8 +136,9 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     from meshing.mesh_plan import with_room
 
     try:
-        plain = fabric
-        if not isinstance(fabric, Fabric):
+        if isinstance(fabric, Fabric):
+            plain = fabric
+        else:
             plain = catalogue.load(fabric)
         whole = with_room(assumed.with_solid_laws(plain))
     except InputError as problem:
@@ -149,7 +152,7 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     return whole
 
 
-def options_of(given: Geometry, known: type) -> dict[str, Any]:
+def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
     """Options of `meshing.crossover.build` from keywords, in SI units.
 
     Parameters
@@ -307,10 +310,9 @@ class MeshResult(Result):
                 self._export(out, suffix)
             advance(0.6, "drawing")
             if self.stem == "patch":
-                draw = pictures_patch
+                pictures_patch.picture(self.mesh, out / "patch.png")
             else:
-                draw = pictures_mesh
-            draw.picture(self.mesh, out / f"{self.stem}.png")
+                pictures_mesh.picture(self.mesh, out / "crossover.png")
             pictures_quality.picture(self.mesh, out / "quality.png")
             json_file.write(
                 out / "mesh.json",

@@ -127,7 +127,7 @@ def surface(
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)
-            partial.unlink(missing_ok=True)
+            (folder / "partial.h5").unlink(missing_ok=True)
     return result
 
 

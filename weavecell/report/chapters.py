@@ -179,8 +179,8 @@ def sources(*fabrics: Fabric) -> Section:
             rows.append((key, entry["value"], entry["status"], entry["source"]))
         columns = ("key", "value", "status", "source")
         tables.append(Table(columns, tuple(rows), f"Data of the fabric{name}"))
-        rows = tuple(derived(fabric))
-        tables.append(Table(("quantity", "value"), rows, f"What follows from them{name}"))
+        following = tuple(derived(fabric))
+        tables.append(Table(("quantity", "value"), following, f"What follows from them{name}"))
     return Section(
         "sources",
         "Where each number comes from",

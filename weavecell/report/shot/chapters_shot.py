@@ -390,7 +390,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
         "95 % interval [m/s]",
         "speed along the yarn [m/s]",
     )
-    tables = ()
+    tables: tuple[Table, ...] = ()
     if waves:
         rows = [_front_row(wave, recorded) for wave in waves]
         tables = (Table(columns, tuple(rows), numeric=columns[2:]),)
