@@ -95,7 +95,6 @@ def cell(
     laws: Mapping[str, Any],
     model: str = "compressible",
     paths: Mapping[str, tuple] | None = None,
-    **options: Any,
 ) -> Section:
     """The cell's biaxial response with each law, and the 3D crossover's where it is known.
 
@@ -104,7 +103,6 @@ def cell(
     laws : {label: (warp, weft) laws}
     paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
         has not been solved; two plain paths without
-    options : of CellModel
     """
     from shellfabric.cell.model import CellModel
 
@@ -113,7 +111,7 @@ def cell(
             "both yarns stretched alike": (STRAINS, STRAINS),
             "warp stretched, weft held": (STRAINS, 0 * STRAINS),
         }
-    models = {label: CellModel(fabric, of, model=model, **options) for label, of in laws.items()}
+    models = {label: CellModel(fabric, of, model=model) for label, of in laws.items()}
     share = np.linspace(0, 1, len(STRAINS))
     cases: dict[str, dict[str, Any]] = {}
     for title, (*strains, tension1, tension2) in _with_tensions(paths):
@@ -149,11 +147,6 @@ def _with_tensions(paths):
     """(title, (strain1, strain2, T1, T2)) of each path; tensions that are not known are None."""
     for title, path in paths.items():
         yield title, (*path, None, None)[:4]
-
-
-def options(table: Any) -> dict[str, Any]:
-    """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
-    return {"profile": table.cell_profile, "toe": table.fibre_slack}
 
 
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:

@@ -249,17 +249,13 @@ def assumptions(
 
 
 def _crossovers_in_words(setup):
-    """Whether yarns slide through their crossovers, and what that means for the result."""
-    if setup.crossovers is None:
-        sentences = [
-            "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
-            "In the one pair of tests at hand (S-726) the computed limit is too high.",
-        ]
-        if setup.plies == 1:
-            sentences.append("A nose may push slippery yarns aside and pass far below this limit.")
-    else:
-        friction = f"coefficient of friction {setup.crossovers.mu:g}"
-        sentences = [f"Yarns slide through their crossovers, {friction}."]
+    """That yarns are pinned at their crossovers, and what that means for the result."""
+    sentences = [
+        "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
+        "In the one pair of tests at hand (S-726) the computed limit is too high.",
+    ]
+    if setup.plies == 1:
+        sentences.append("A nose may push slippery yarns aside and pass far below this limit.")
     sentences += [f"{_capitalised(note)}." for note in setup.notes]
     return " ".join(sentences)
 
@@ -353,7 +349,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
     """
-    from shellfabric.output.wave_fronts import fronts
+    from weavecell.results.wave_fronts import fronts
 
     waves = fronts(recorded)
     of_ply = ""
@@ -398,14 +394,12 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Sections of an elastic projectile, of a block behind the panel and of sliding crossovers, if the run has them."""
+    """Sections of an elastic projectile and of a block behind the panel, if the run has them."""
     sections = []
     if record.bar is not None:
         sections.append(_bar(record))
     if record.backing is not None:
         sections.append(_block(record))
-    if record.slips:
-        sections.append(_slips(record))
     return sections
 
 
@@ -455,23 +449,6 @@ def dent(record: ImpactRecord) -> str:
         moves = text(record.block_motion, "1", "share", ".2g")
         return f"no back-face signature yet: the block moves with {moves} of the strike energy"
     return f"back-face signature {record.back_face_signature_mm:.3g} mm (dent in the block)"
-
-
-def _slips(record):
-    """Section of sliding crossovers: a row a ply."""
-    columns = {
-        "segments that a yarn has left": ("", "pulled_out_segments"),
-        "longest yarn through a crossover": ("m", "pulled_out_length"),
-        "widest distance of neighbouring yarns": ("m", "largest_window"),
-        "work of friction": ("J", "friction_work"),
-    }
-    rows = {"ply": ("", np.arange(1, record.count + 1))}
-    for title, (unit, name) in columns.items():
-        rows[title] = (unit, np.array([getattr(slip, name) for slip in record.slips]))
-    share = text(record.slip.friction_work / record.strike_energy, "1", "share", ".3g")
-    caption = f"Friction at the crossovers: {share} of the strike energy."
-    table = Table.of(display.frame(rows), caption)
-    return Section("slip", "Sliding crossovers", "", (), (table,))
 
 
 def _front_row(wave, recorded):
