@@ -32,7 +32,7 @@ from dataclasses import dataclass, replace
 from math import ceil, pi
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import bisect, brentq, minimize_scalar
 
 from fabrics.data_sheet import crimps
 from fabrics.errors import InputError
@@ -286,13 +286,8 @@ def _least(fit, weave, crimp_at):
 def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
     """The least factor between `low`, which does not fit, and `high`, which does, to within
     `FACTOR` above it."""
-    while high - low > FACTOR:
-        middle = 0.5 * (low + high)
-        if fits(middle):
-            high = middle
-        else:
-            low = middle
-    return high
+    found = bisect(lambda factor: fits(factor) - 0.5, low, high, xtol=0.5 * FACTOR)
+    return float(found) + 0.5 * FACTOR
 
 
 def _areas(weave, fractions):

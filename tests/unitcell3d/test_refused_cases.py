@@ -8,7 +8,6 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.plate_curve import PlateCurve
 from fabrics.record import Record
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
@@ -16,7 +15,6 @@ from unitcell3d.cases import biaxial_and_platens, periodic_cell, pull_out, singl
 from unitcell3d.identify import interpolant, shear_fit
 from unitcell3d.identify.calibrate import calibrate
 from unitcell3d.identify.response_surface import sample
-from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.model.crossover import CrossoverModel, Numerics
 from unitcell3d.model.pull_out import PullOutModel
 
@@ -83,12 +81,6 @@ REFUSED = [
     (partial(calibrate, S720, paths={}), "paths"),
     (partial(calibrate, S720, jobs=0), "jobs"),
     (partial(calibrate, S720, friction=-0.1), "friction"),
-    (
-        partial(
-            fit_solid, S720, PlateCurve.pressure_law(0.2665), (2, 2, 2), None, measure="stress"
-        ),
-        "measure",
-    ),
     (partial(sample, S720, **SMALL | {"d1": (1e-6, 1e-6)}), "d1"),
     (partial(sample, S720, **SMALL | {"points": (3, 5)}), "points"),
     (partial(sample, S720, **SMALL | {"points": (5, 500)}), "points"),

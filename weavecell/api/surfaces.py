@@ -5,7 +5,7 @@ The folder of `weavecell surface`
     surface.json    settings, estimated errors, comparison with the unit cell, times, provenance
     pictures/       surfaces, contours, slices beside the unit cell, what the interpolant misses
     report.html
-    partial.h5      finished lines, while the run goes on: `--resume` begins with them
+    runs/           finished lines, while the run goes on: `--resume` begins with them
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
+from fabrics.run_cache import RunCache
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface
@@ -58,7 +59,7 @@ def surface(
 ) -> SurfaceResult:
     """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
 
-    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5. With
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, runs/. With
     friction the response depends on the path: the surface is that of stretching the weft first and the warp then. The
     fabric has the linear density of its data sheet. Needs dolfinx and PETSc.
 
@@ -104,7 +105,7 @@ def surface(
                 tolerance=tolerance,
                 size=size,
                 friction=friction,
-                partial=folder and folder / "partial.h5",
+                folder=folder and folder / "runs",
                 resume=resume,
                 jobs=jobs,
                 executor=InProcess() if executor == "local" and jobs == 1 else executor,
@@ -122,7 +123,7 @@ def surface(
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)
-            (folder / "partial.h5").unlink(missing_ok=True)
+            RunCache(folder / "runs").clear()
     return result
 
 
@@ -216,7 +217,7 @@ class SurfaceResult(Result):
         return figure(pictures_surface.surfaces, Interpolant(self.surface))
 
     def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder, but partial.h5."""
+        """Write the files that stand at the top of this module to a folder, but runs/."""
         from weavecell.report import chapters, page
 
         out, stamp, friction = (
