@@ -160,8 +160,6 @@ def calibrate_all(
             value=sorted(paths),
             allowed=f"at least one, none of them called {PLATES!r}",
         )
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
     run = _Run(folder, laws, resume, on_progress if on_progress is not None else _silent)

@@ -103,7 +103,7 @@ def sample(
     UnstableError : a line found no equilibrium; those that were finished are kept
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    _check(tolerance, friction, jobs)
+    _check(tolerance, friction)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     with (
         TemporaryDirectory() as spare,
@@ -131,7 +131,7 @@ def sample(
     )
 
 
-def _check(tolerance, friction, jobs):
+def _check(tolerance, friction):
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
     if tolerance is not None and friction:
@@ -139,8 +139,6 @@ def _check(tolerance, friction, jobs):
             "a tolerance goes without friction, with which added lines would be of other paths"
         )
     Numerics(friction=friction)  # refuses what is not allowed
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
 
 
 def _axis(name, span, n):
