@@ -12,8 +12,10 @@ import numpy as np
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
+from fabrics.record import Record
 from fabrics.variants import with_solids
 from meshing import crossover
 from shellfabric.panel import quality
@@ -147,6 +149,12 @@ def bars(*, bars: int, reduced: bool) -> Values:
     return {"astray": float(max(record["astray"])) / thickness, "flags": flags(checks)}
 
 
+def pressed(mesh: crossover.Crossover, fabric: Fabric, numerics: Numerics | None = None) -> Record:
+    """A crossover between platens, to a fifth of their first distance, in steps that resolve the lowest pressures."""
+    steps = Steps(first=0.004, largest=0.02)
+    return plate_compression(mesh, fabric, min_plate_gap=0.2, numerics=numerics, steps=steps)
+
+
 def platens(
     *,
     mesh: Values | None = None,
@@ -173,13 +181,7 @@ def platens(
         file, **{name: tuple(np.broadcast_to(value, 2)) for name, value in (solids or {}).items()}
     )
     built = crossover.build(fabric, **{"size": (6, 4, 2)} | dict(mesh or {}))
-    history = plate_compression(
-        built,
-        fabric,
-        min_plate_gap=0.2,
-        numerics=replace(Numerics(), **dict(numerics or {})),
-        steps=Steps(first=0.004, largest=0.02),
-    )
+    history = pressed(built, fabric, replace(Numerics(), **dict(numerics or {})))
     assert file.areal_density_measured is not None
     target = PlateCurve.pressure_law(file.areal_density_measured)
     area = file.weave.cell_area
