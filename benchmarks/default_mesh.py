@@ -20,7 +20,7 @@ import numpy as np
 from shell import machine, publish
 
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup

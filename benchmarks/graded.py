@@ -24,7 +24,7 @@ import numpy as np
 from shell import machine, publish
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel.model import Numerics, Panel

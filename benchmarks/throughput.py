@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics import catalogue, variants
-from fabrics.executors import open_executor
+from fabrics.base.executors import open_executor
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from weavecell.studies import inputs, strengths, v50

@@ -16,8 +16,8 @@ from __future__ import annotations
 from dataclasses import replace
 from math import prod
 
+from fabrics.base.errors import InputError
 from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES, OF_YARNS
 from fabrics.families import Family, list_families

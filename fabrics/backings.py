@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import unknown_name
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import unknown_name
 from fabrics.materials import Isotropic, of_table, plain, read_table
 
 _FILE = Path(__file__).with_name("backings.toml")

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics import law_file
-from fabrics.checks import FilePath, FloatArray, not_negative
-from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.base.checks import FilePath, FloatArray, not_negative
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 
 if TYPE_CHECKING:
     from fabrics.ply_law import PlyLaw

@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
 from fabrics.families import Entry, entry, list_families
 from fabrics.weave import Weave, arc_length, height_from_length

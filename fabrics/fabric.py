@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from fabrics.checks import positive
+from fabrics.base.checks import positive
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.families.strain_rate import RateLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear

@@ -12,9 +12,9 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from fabrics.errors import InputError, nearest, together
-from fabrics.schema import Table, described, one_of, string
-from fabrics.units import example, in_one_of, si
+from fabrics.base.errors import InputError, nearest, together
+from fabrics.base.schema import Table, described, one_of, string
+from fabrics.base.units import example, in_one_of, si
 
 STATUSES = (
     "measured",

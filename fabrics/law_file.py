@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import write_whole
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import write_whole
 
 FORMAT = "weavecell compression law 1"
 

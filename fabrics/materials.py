@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from pathlib import Path
 
-from fabrics.checks import FilePath, positive
-from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.base.checks import FilePath, positive
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("materials.toml")
 _UNITS = {

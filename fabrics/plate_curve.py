@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
-from fabrics.files import read_columns
-from fabrics.units import si
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_columns
+from fabrics.base.units import si
 
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, positive
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, positive
+from fabrics.base.errors import InputError
 
 SOLID_TRAVEL = (
     1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway

@@ -18,14 +18,14 @@ import numpy as np
 
 from fabrics import law_file
 from fabrics.assumed import family_of, transverse_moduli, with_solid_laws
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_columns
+from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import STATUSES
-from fabrics.files import read_columns
 from fabrics.plate_curve import PlateCurve
 from fabrics.ply_law import SOLID_TRAVEL, PlyLaw
-from fabrics.units import si
 
 TESTED = 4  # plies of the packs that the thesis takes the contact of plies from (section 5.2.2)
 _TABLE = ("closure", "pressure", "source", "status")

@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import unknown_name
-from fabrics.schema import read_toml
-from fabrics.units import si
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import unknown_name
+from fabrics.base.schema import read_toml
+from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
 STATUSES = ("published", "nominal", "derived", "assumed")

@@ -12,8 +12,8 @@ from math import acos, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, positive
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, positive
+from fabrics.base.errors import InputError
 
 
 @dataclass(frozen=True)

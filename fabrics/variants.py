@@ -25,9 +25,9 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from fabrics.assumed import given
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
+from fabrics.base.run_cache import inputs_digest
 from fabrics.fabric import Fabric, pair
-from fabrics.run_cache import inputs_digest
 
 Value: TypeAlias = float | Iterable[float]
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipk
 
-from fabrics.checks import FloatArray, positive
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, positive
+from fabrics.base.errors import InputError
 from fabrics.yarn import Yarn
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
-from fabrics.checks import fraction, positive
-from fabrics.errors import InputError
+from fabrics.base.checks import fraction, positive
+from fabrics.base.errors import InputError
 
 CLOSEST_PACKING = pi / (2 * sqrt(3))  # fibre volume fraction of round fibres
 STATUSES = ("measured", "assumed")  # of weaving damage

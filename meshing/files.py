@@ -17,7 +17,7 @@ from __future__ import annotations
 import meshio
 import numpy as np
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from meshing.mesh import YarnMesh
 from meshing.session import gmsh_session
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 
 # (i, j, k) of the corners of a brick in VTK order, whose local axes run along i, j and k
 CORNERS = np.array(

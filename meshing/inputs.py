@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.conforming import YarnSection
 

@@ -21,7 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from meshing import grid
 from meshing.conforming import YarnSection
 from meshing.inputs import YARNS

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fabrics import assumed
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 
 # For each corner of a VTK hexahedron its three neighbours, in right-handed order.
 NEIGHBOURS = np.array(

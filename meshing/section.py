@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, positive
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, positive
+from fabrics.base.errors import InputError
 
 KINDS = ("sine", "ellipse")
 TIP_THICKNESS_RATIO = (0.01, 0.5)

@@ -34,8 +34,8 @@ from math import ceil, pi
 import numpy as np
 from scipy.optimize import bisect, brentq, minimize_scalar
 
+from fabrics.base.errors import InputError
 from fabrics.data_sheet import crimps
-from fabrics.errors import InputError
 from fabrics.fabric import SECTIONS
 from fabrics.weave import Weave, arc_length
 from fabrics.yarn import CLOSEST_PACKING

@@ -14,15 +14,15 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import kernel_cache
-from fabrics.kernel_cache import digest, kernel_sources
+from fabrics.base import kernel_cache
+from fabrics.base.kernel_cache import digest, kernel_sources
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 WITH_KERNELS = ("shellfabric", "unitcell3d", "validation/models")
 DECORATORS = (
     "shellfabric/jit/compile.py",
-    "fabrics/kernel_cache.py",
+    "fabrics/base/kernel_cache.py",
 )  # files that may use numba's own decorators
 OWN_DECORATORS = re.compile(r"\b(njit|vectorize|guvectorize|cfunc)\b")
 NAMED_TUPLE = re.compile(r"^[^#\n]*(\bnamedtuple\(|\bNamedTuple\b\)?:)", re.MULTILINE)

@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import kernel_cache  # noqa: E402
+from fabrics.base import kernel_cache  # noqa: E402
 from weavecell.report.pictures_figure import plots  # noqa: E402
 from weavecell.report.pictures_style import FAINT, INK  # noqa: E402
 

@@ -14,7 +14,7 @@ import hero
 from PIL import Image
 
 import weavecell as wc
-from fabrics.files import replace_whole, write
+from fabrics.base.files import replace_whole, write
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.executors import InProcess
+from fabrics.base.executors import InProcess
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation

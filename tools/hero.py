@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.files import write_whole
+from fabrics.base.files import write_whole
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots
 from weavecell.report import pictures, pictures3d

@@ -12,8 +12,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fabrics.files import write
-from fabrics.schema import Table, entries, tables, unit_of
+from fabrics.base.files import write
+from fabrics.base.schema import Table, entries, tables, unit_of
 from weavecell.decks import folder
 from weavecell.results import keys
 from weavecell.scenes import build, honoured

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import files  # noqa: E402
+from fabrics.base import files  # noqa: E402
 
 HEAD = "# Command line\n\nMade from the definitions of the commands. Exit codes: 0 done, 1 failed, 2 bad input, 3 a run"
 HEAD += " that became unstable or a doubtful result with `--strict`, 130 interrupted."
@@ -97,7 +97,7 @@ def json_schema(model):
     ----------
     model : Scene or CouponScene
     """
-    from fabrics.schema import entries
+    from fabrics.base.schema import entries
 
     schema, meanings = model.model_json_schema(), {entry.title for entry in entries(model).values()}
     for table in (schema, *schema["$defs"].values()):

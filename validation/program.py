@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, signature
 from typing import Any, get_args, get_origin
 
-from fabrics.errors import WeavecellError, marked
+from fabrics.base.errors import WeavecellError, marked
 from weavecell.results import provenance
 
 NOTES = {

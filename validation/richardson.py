@@ -20,8 +20,8 @@ from math import log
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from validation.values import rms
 
 LOWEST = 0.5

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fabrics import run_cache
-from fabrics.errors import WeavecellError
+from fabrics.base import run_cache
+from fabrics.base.errors import WeavecellError
 from validation import cases, judges, program, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
 from validation.values import Values

@@ -41,8 +41,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.errors import InputError
-from fabrics.files import write_whole
+from fabrics.base.errors import InputError
+from fabrics.base.files import write_whole
 from validation import cases
 
 FOLDER = Path(__file__).parent / "studies"

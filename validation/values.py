@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics import run_cache
+from fabrics.base import run_cache
 
 Values: TypeAlias = dict[str, Any]  # {name: number, text, array or table}
 

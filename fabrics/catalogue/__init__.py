@@ -14,9 +14,10 @@ from functools import cache
 from pathlib import Path
 
 from fabrics import assumed, data_sheet, ply_laws
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, nearest
+from fabrics.base.schema import read_toml, validated
 from fabrics.compression import CompressionLaw, check_room
-from fabrics.errors import InputError, nearest
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import (
     FAMILIES,
@@ -29,7 +30,6 @@ from fabrics.fabric_tables import (
     Solids,
 )
 from fabrics.families.strain_rate import RateLaw
-from fabrics.schema import read_toml, validated
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave

@@ -18,12 +18,12 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
+from fabrics.base.units import si
 from fabrics.families.strain_rate import RateLaw
 from fabrics.families.trellis import Widths, from_weave
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
-from fabrics.units import si
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 

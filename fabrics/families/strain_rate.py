@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from fabrics.fabric_tables import STATUSES
-from fabrics.units import si
 
 UNITS = {"rates": "1/s", "strength": "", "modulus": ""}
 _TABLE = (*UNITS, "source", "status")

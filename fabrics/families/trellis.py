@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import acos, pi
 from typing import TypeAlias
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear, locking_angle, locking_modulus, touching_angle
 from fabrics.weave import Weave
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, not_negative
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, not_negative
+from fabrics.base.errors import InputError
 
 # of aramid yarns on each other: a range quoted in the literature, no single measurement
 FRICTION = 0.2

@@ -23,8 +23,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch

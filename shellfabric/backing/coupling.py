@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.block import ENERGIES, Backing, Block
 from shellfabric.cloth.membrane_kernels import ERODED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 
 
 def grid(lowest: float, highest: float, n: int) -> FloatArray:

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
 from shellfabric.cell import coefficients, fill_kernels

@@ -23,8 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.weave import arc_length

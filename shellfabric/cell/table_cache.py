@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics.run_cache import Format, RunCache, key
+from fabrics.base.run_cache import Format, RunCache, key
 from shellfabric.cell.model import COLUMNS, CellModel, CellTable
 
 MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import BoolArray, FloatArray
+from fabrics.base.errors import UnstableError
 
 MARGIN = 0.05  # for the growth of the stiffness within one step
 

@@ -16,8 +16,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fabrics.checks import BoolArray, FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import BoolArray, FloatArray
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
 from shellfabric.driver import memory

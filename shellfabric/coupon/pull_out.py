@@ -16,8 +16,8 @@ from math import inf
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.driver.solver import RUNNING, Hook
 from shellfabric.panel.numerics import Numerics

@@ -14,8 +14,8 @@ from math import inf
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from shellfabric.coupon.pull_out import PullOut, PullOutSolver
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.sliding.model import grid

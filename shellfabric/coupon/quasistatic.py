@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray, IntArray
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon.dynamic_relaxation import State
 from shellfabric.coupon.model import Coupon, mesh_coupon

@@ -13,8 +13,8 @@ from math import pi, sqrt
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import UnstableError
 from shellfabric.coupon import dynamic_relaxation
 from shellfabric.coupon.dynamic_relaxation import State
 from shellfabric.coupon.model import Coupon

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from math import inf
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 
 def free() -> float:

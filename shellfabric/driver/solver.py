@@ -23,8 +23,8 @@ from typing import Any, NoReturn, Self, TypeAlias, TypeVar
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 

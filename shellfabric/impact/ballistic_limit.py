@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, log, sqrt
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError, UndecidedError, UnstableError
-from fabrics.executors import cancel, open_executor
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError, UndecidedError, UnstableError
+from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
 from shellfabric.driver.solver import STOPPED
@@ -159,7 +159,7 @@ def critical_velocity(
     guess : [m/s] where to begin; `first_guess` if None
     step : first factor from the guess towards the other outcome: the better the guess, the nearer to 1
     highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
-    executor : as of `fabrics.executors.open_executor`; "local": threads of this process
+    executor : as of `fabrics.base.executors.open_executor`; "local": threads of this process
     jobs : shots that are under way beside each other
     report : called as report(share of the work done, Shot) after each shot
 

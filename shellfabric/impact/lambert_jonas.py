@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 
 NAMES = ("a", "p", "limit")
 _LOWEST, _HIGHEST = {"a": 1e-3, "p": 0.5}, {"a": 1.0, "p": 50.0}

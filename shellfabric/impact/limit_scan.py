@@ -14,7 +14,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import inf
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.impact.ballistic_limit import Limit, Shot, shoot
 from shellfabric.panel.model import Panel
 from shellfabric.panel.quality import Indicator

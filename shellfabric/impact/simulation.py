@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90

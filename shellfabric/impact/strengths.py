@@ -22,7 +22,7 @@ from math import gamma, inf
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.panel import grading
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack

@@ -22,7 +22,7 @@ from numba import njit, types
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 
-from fabrics.kernel_cache import kernel_cache
+from fabrics.base.kernel_cache import kernel_cache
 from shellfabric.jit import inner_libraries
 from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
 

@@ -25,7 +25,7 @@ from typing import Any
 from numba import typeof, types
 from numba.core.caching import FunctionCache
 
-from fabrics.kernel_cache import compiling
+from fabrics.base.kernel_cache import compiling
 
 # numba types of arguments that are no tuples
 INDEX, NUMBER, VECTOR, HISTORY, COUNTERS = (

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.files import read_hdf5, write_hdf5
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.files import read_hdf5, write_hdf5
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import Snapshot
 

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.boundary import in_frame, loose, stepped

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from shellfabric.panel import boundary
 
 if TYPE_CHECKING:

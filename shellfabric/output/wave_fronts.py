@@ -19,7 +19,7 @@ import numpy as np
 from scipy.stats import linregress
 from scipy.stats import t as student
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
 
 TOE = 0.01  # of the yarn's strength: the threshold that is called the arrival of the longitudinal front

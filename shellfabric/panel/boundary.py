@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.errors import InputError
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
 from shellfabric.panel.grading import tributary
 from shellfabric.projectile.frames import axes

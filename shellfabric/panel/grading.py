@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 
 MOST_LINES = 8  # elements along a crossover, at most
 _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 0.33 is 1/3

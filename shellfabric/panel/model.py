@@ -18,9 +18,9 @@ from operator import ge
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.backing import coupling

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray
+from fabrics.base.checks import BoolArray
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.projectile.window_kernels import cloth_ahead_of_nose
 

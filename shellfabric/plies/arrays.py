@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from math import inf
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 MAX_CFL = 0.95  # Courant factor above which stick has no damper worth the name
 

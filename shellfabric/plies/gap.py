@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fabrics import ply_laws
+from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE
 from fabrics.ply_law import PlyLaw

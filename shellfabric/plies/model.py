@@ -25,8 +25,8 @@ from math import cos, inf, pi, remainder, sin
 import numpy as np
 
 from fabrics import ply_laws
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable

@@ -8,8 +8,8 @@ from math import inf
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
 
 _CELLS = 128  # of the table of a law over its travel

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.materials import Isotropic, load, round_projectile
 
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/reports/numerics.md)

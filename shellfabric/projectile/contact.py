@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.cloth import spline_kernels
 from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels

@@ -4,7 +4,7 @@ from math import cos, sin
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 
 
 def axes(angle: float) -> FloatArray:

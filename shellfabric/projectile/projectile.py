@@ -19,8 +19,8 @@ from math import cos, inf, pi, radians, remainder, sin, tan
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.solid import Solid

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 
 MARGIN = 2  # samples beyond the body on each side
 _SIDES = 16

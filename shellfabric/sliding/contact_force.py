@@ -25,7 +25,7 @@ from math import pi
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import COSINE, VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from shellfabric.cell import coefficients
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.kernel_cache import one_compiler_a_node
+from fabrics.base.kernel_cache import one_compiler_a_node
 from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.backing import coupling
 from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver

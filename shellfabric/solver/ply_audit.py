@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray
+from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
 from shellfabric.panel import grading, perforation
 from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK

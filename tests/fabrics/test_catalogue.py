@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.files import replace_whole, write_whole
+from fabrics.base.files import replace_whole, write_whole
 from fabrics.surface import ResponseSurface
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from fabrics import assumed, catalogue, data_sheet, variants
-from fabrics.errors import InputError, InputErrors
+from fabrics.base.errors import InputError, InputErrors
+from fabrics.base.units import si
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
-from fabrics.units import si
 
 FOLDER = Path(__file__).parents[1] / "weavecell" / "own_fabrics"
 OWN = sorted(FOLDER.glob("*.toml"))

@@ -11,7 +11,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from fabrics.executors import THREADS, as_done, one_thread_each, open_executor
+from fabrics.base.executors import THREADS, as_done, one_thread_each, open_executor
 
 ROOT = Path(__file__).parents[2]
 WORDS = (
@@ -63,7 +63,7 @@ def test_results_come_as_they_end_until_the_first_exception_and_a_given_executor
 KERNEL = """
 import sys, time
 from pathlib import Path
-from fabrics.executors import start_worker
+from fabrics.base.executors import start_worker
 
 start_worker()
 from numba import njit

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("numba")
 ROOT = Path(__file__).parents[2]
 
-IMPORTS = "from fabrics.kernel_cache import kernel\n"
+IMPORTS = "from fabrics.base.kernel_cache import kernel\n"
 OUTER = "from cloth.inner_kernels import value\n\n@kernel()\ndef twice():\n    return 2 * value()\n"
 INNER = "\n@kernel()\ndef value():\n    return {}\n"
 BESIDE = "\n@kernel()\ndef three():\n    return 3\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.plate_curve import PlateCurve
 
 OWN = "# one ply\nthickness [mm], pressure [kPa]\n0.40, 30\n0.35, 100\n0.31, 400\n0.29, 1500\n0.28, 6000\n"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fabrics import assumed, catalogue, ply_laws, variants
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
 from fabrics.surface import ResponseSurface

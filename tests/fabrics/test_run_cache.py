@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics import catalogue, run_cache
-from fabrics.errors import InputError
+from fabrics import catalogue
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError
 
 
 @dataclass(frozen=True)

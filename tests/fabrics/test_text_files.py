@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fabrics import files
-from fabrics.errors import InputError
-from fabrics.schema import read_toml
+from fabrics.base import files
+from fabrics.base.errors import InputError
+from fabrics.base.schema import read_toml
 
 CURVE = "strain [%], force [N]\n0.5, 10.25\n1, 20\n"
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be")

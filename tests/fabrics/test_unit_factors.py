@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fabrics import units
-from fabrics.errors import InputError
+from fabrics.base import units
+from fabrics.base.errors import InputError
 
 SAME = settings(
     deadline=None, derandomize=True, database=None, print_blob=True
@@ -134,7 +134,7 @@ def test_everything_else_is_refused(text, to):
 
 def test_the_usual_units_need_no_pint():
     code = (
-        "import sys; from fabrics.units import si; si('3 g', 'kg'); si('9 / cm', '1/m'); "
+        "import sys; from fabrics.base.units import si; si('3 g', 'kg'); si('9 / cm', '1/m'); "
         "print('pint' in sys.modules)"
     )
     assert (

@@ -12,8 +12,8 @@ import csv
 import sys
 from pathlib import Path
 
-from fabrics import run_cache
-from fabrics.files import write_whole
+from fabrics.base import run_cache
+from fabrics.base.files import write_whole
 from tests.fuzz import runs, scenes
 
 BATCH = 100  # scenes that processes run before fresh ones start, so that memory cannot pile up

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError, UnstableError
 from tests.fuzz import runs, scenes
 
 SEED = 0

@@ -6,7 +6,7 @@ from functools import partial
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from meshing import crossover, patch
 from meshing.conforming import conform
 from meshing.section import Section

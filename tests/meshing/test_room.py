@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics import assumed, catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from meshing.mesh_plan import Plan, with_room
 
 FOLDER = Path(__file__).parents[1] / "weavecell" / "own_fabrics"

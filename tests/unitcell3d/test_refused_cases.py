@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
-from fabrics.record import Record
+from fabrics.base.errors import InputError
+from fabrics.base.record import Record
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens, periodic_cell, pull_out, single_yarn, stack

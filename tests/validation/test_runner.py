@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from validation import cases, judges, runner, study
 from validation.cases import impact
 from validation.judges import STABLE

@@ -20,7 +20,7 @@ from dolfinx.fem import petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 
 # dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
 VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])

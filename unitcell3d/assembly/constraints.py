@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 
 VERTICAL = 2
 AXIAL, WIDTH = (0, 1), (1, 0)  # components of warp and weft

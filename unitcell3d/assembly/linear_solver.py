@@ -14,7 +14,7 @@ from itertools import count
 import numpy as np
 from petsc4py import PETSc
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 
 _serial = count()
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from meshing.mesh import YarnMesh
 
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE
-from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_columns
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.files import read_columns
-from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics

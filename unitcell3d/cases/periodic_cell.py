@@ -13,9 +13,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.record import Record
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.model.crossover import Numerics

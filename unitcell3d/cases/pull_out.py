@@ -23,10 +23,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
-from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.model.crossover import Numerics

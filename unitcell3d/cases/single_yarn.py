@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.record import Record
 from fabrics.yarn import Yarn
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints

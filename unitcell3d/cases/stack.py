@@ -16,11 +16,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
-from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP

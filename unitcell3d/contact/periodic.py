@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from meshing.mesh import YarnMesh
 from unitcell3d.assembly.constraints import VERTICAL
 from unitcell3d.assembly.periodic_images import Images

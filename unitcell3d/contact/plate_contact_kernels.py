@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.kernel_cache import kernel
+from fabrics.base.kernel_cache import kernel
 from unitcell3d.contact.surface_contact_kernels import pressure
 
 

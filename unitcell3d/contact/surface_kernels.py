@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.kernel_cache import kernel
+from fabrics.base.kernel_cache import kernel
 
 PROJECTION_STEPS = 30
 SETTLED = 1e-11  # of a cell

@@ -15,7 +15,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from fabrics.kernel_cache import kernel
+from fabrics.base.kernel_cache import kernel
 from unitcell3d.contact.surface_kernels import dot
 
 SLAVE, STENCIL = 4, 20  # nodes of a slave face, and with them those of the master's cell

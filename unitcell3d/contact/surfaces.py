@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from unitcell3d.assembly import constraints
 from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import plate_contact_kernels, slip_kernels, surface_contact_kernels

@@ -2,7 +2,7 @@
 
 Every path of every fabric is a case of its own, in a process with one thread, so that it comes out the same to the last
 bit whichever process solves it, and when. A finished case is kept as a file at once; a run that is taken up again
-begins with those whose inputs and code are the same (`fabrics.run_cache`).
+begins with those whose inputs and code are the same (`fabrics.base.run_cache`).
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from pathlib import Path
 from queue import Empty
 from typing import Any
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
-from fabrics.executors import CONTEXT, cancel, open_executor
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.executors import CONTEXT, cancel, open_executor
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.record import Record
 from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
@@ -143,7 +143,7 @@ def calibrate_all(
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     laws : whether the laws are written as well; not where more is to be added to them before
     resume : take finished paths from their files, unless these are of other inputs or of other code
-    executor, jobs : as of `fabrics.executors.open_executor`; local processes also tell of each step
+    executor, jobs : as of `fabrics.base.executors.open_executor`; local processes also tell of each step
     on_progress : called as on_progress(fabric name, path name, share of that path)
 
     Returns

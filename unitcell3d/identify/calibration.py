@@ -27,13 +27,13 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from fabrics import ply_laws
-from fabrics.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.files import write_whole
+from fabrics.base.record import Record
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.files import write_whole
 from fabrics.ply_law import PlyLaw
-from fabrics.record import Record
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.platen_misfit import rising
 from unitcell3d.identify.ratio_law import RatioLaw, imbalance

@@ -6,7 +6,7 @@ principal direction of their covariance the biaxial paths are solved at both 95 
 (`SolidFit.limits`), on a coarse mesh; the changes of ln a, and of ln b, of the three directions,
 which are independent, add as squares, upwards and downwards on their own.
 
-Every fit, and every path, is kept in the folder as soon as it is done (`fabrics.run_cache`).
+Every fit, and every path, is kept in the folder as soon as it is done (`fabrics.base.run_cache`).
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath, FloatArray
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
 from unitcell3d.identify.calibrate import Job, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_record import SolidFit
@@ -69,7 +69,7 @@ def law_intervals(
     Parameters
     ----------
     fits : of SolidFit
-    folder, executor, jobs, report : as of `fabrics.run_cache.results`
+    folder, executor, jobs, report : as of `fabrics.base.run_cache.results`
     friction : [-] Coulomb's coefficient
 
     Returns

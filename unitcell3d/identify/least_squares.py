@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 
 # relative change of the sum of squares, or of the unknowns, which are logarithms
 CONVERGED = 1e-3

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 
-from fabrics.checks import FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import UnstableError
+from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
-from fabrics.record import Record
 
 POINTS = 16  # of the curve, at equal ratios of pressure
 # tried over the closure of the curve, before the best of them is refined

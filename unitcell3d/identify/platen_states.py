@@ -25,8 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 
 
 def imbalance(T1: ArrayLike, T2: ArrayLike) -> FloatArray:

@@ -7,7 +7,7 @@ out (`interpolant.errors`), which is where contact sets in: new rows start from 
 columns from the first row. Without friction the response does not depend on the path. With it the
 surface is that of stretching the weft first and the warp then, and lines cannot be added.
 
-Each line (`surface_line`) is kept in a file of its own as soon as it is solved (`fabrics.run_cache`).
+Each line (`surface_line`) is kept in a file of its own as soon as it is solved (`fabrics.base.run_cache`).
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import open_executor
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import open_executor
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
@@ -89,7 +89,7 @@ def sample(
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     folder : where finished lines are kept, or None
     resume : begin with the lines of the folder; otherwise it is emptied first
-    executor, jobs : as of `fabrics.executors.open_executor`, for the lines
+    executor, jobs : as of `fabrics.base.executors.open_executor`, for the lines
     on_progress : called as on_progress(share) after each line
     provenance : text kept with the surface
 

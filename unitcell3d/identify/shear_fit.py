@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize, nnls
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear
 
 FEWEST = 8

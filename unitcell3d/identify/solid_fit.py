@@ -30,7 +30,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.stats import t as student
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.files import write_whole
 from fabrics.fabric import Fabric
-from fabrics.files import write_whole
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_solids
 from unitcell3d.identify.least_squares import Found, identify

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.kernel_cache import kernel
+from fabrics.base.kernel_cache import kernel
 
 
 @kernel()

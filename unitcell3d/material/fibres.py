@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from fabrics.fabric import Fabric
 from meshing.mesh import YarnMesh
 from unitcell3d.material import fibre_kernels

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 
 @dataclass(frozen=True)

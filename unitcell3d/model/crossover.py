@@ -16,8 +16,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from meshing.mesh import YarnMesh

@@ -27,8 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from meshing.patch import Patch

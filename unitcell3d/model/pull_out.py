@@ -25,8 +25,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.assembly.constraints import AXIAL, WIDTH, Constraints, Ties

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import UnstableError
 from unitcell3d.model.crossover import YarnsModel
 from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
 

@@ -38,8 +38,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import YarnsModel
 

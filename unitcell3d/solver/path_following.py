@@ -19,8 +19,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
-from fabrics.record import Record
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from unitcell3d.model.crossover import YarnsModel
 from unitcell3d.solver.load_stepping import Steps, advance, continue_to, rest_state
 from unitcell3d.solver.newton import Equilibrium, Newton

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fabrics.record import Record, columns
+from fabrics.base.record import Record, columns
 from unitcell3d.solver.newton import Equilibrium
 
 # {column: "[unit] what it is"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from validation.values import Values
 
 MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "solid"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import FORMS, CellModel, CellTable

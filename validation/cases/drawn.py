@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.cases import drawn_shots

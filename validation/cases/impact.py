@@ -14,7 +14,7 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import ply_laws
-from fabrics.errors import UndecidedError, UnstableError
+from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact import ballistic_limit, lambert_jonas, simulation

@@ -11,11 +11,11 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
-from fabrics.record import Record
 from fabrics.variants import with_solids
 from meshing import crossover
 from shellfabric.panel import quality

@@ -34,7 +34,7 @@ from importlib import resources
 from math import pi
 from typing import Any
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from validation.study import filled
 from validation.values import Values
 

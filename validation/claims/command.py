@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from validation import program, study
 from validation.claims import claims as data
 from validation.claims import judge, runner, table

@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.signal import butter, sosfiltfilt
 
 from fabrics import catalogue
-from fabrics.checks import BoolArray, FloatArray
+from fabrics.base.checks import BoolArray, FloatArray
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel

@@ -1,4 +1,4 @@
-"""Runs the ledger: first the computations that claims share, each once (`fabrics.run_cache`), then the conditions.
+"""Runs the ledger: first the computations that claims share, each once (`fabrics.base.run_cache`), then the conditions.
 
 A shot is computed with a rigid projectile, the variational cell formulation, the linear density that the thesis's
 tables imply (erratum E-07) and one element per crossover. Each of the four VARIANTS changes one of these, in every
@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import WeavecellError
+from fabrics.base.errors import WeavecellError
 from validation.claims import checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record

@@ -17,7 +17,7 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue, ply_laws, variants
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic

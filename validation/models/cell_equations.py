@@ -18,7 +18,7 @@ from validation.values import largest
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from fabrics.checks import FloatArray
+    from fabrics.base.checks import FloatArray
     from shellfabric.cell.model import CellModel
 
 _X, _WEIGHTS = leggauss(40)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import UnstableError
 from shellfabric.cell.crossover_kernels import solve_many
 from shellfabric.cell.model import COLUMNS, CellModel
 from validation.values import largest

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import Value, scale_laws, scale_shear, scale_yarns, with_shear, with_solids
 

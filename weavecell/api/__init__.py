@@ -1,7 +1,7 @@
 """The Python interface: what `import weavecell` offers, by the modules that hold it."""
 
 from fabrics import __version__
-from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from fabrics.base.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.biaxial_paths import BiaxialResult, biaxial
 from weavecell.api.calibration import CalibrationResult, calibrate
 from weavecell.api.comparison import ComparisonResult, TestsResult, compare

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fabrics import files
-from fabrics.checks import FilePath
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import meshes, quantities, targets
@@ -30,7 +30,7 @@ from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
 
 if TYPE_CHECKING:
-    from fabrics.record import Record
+    from fabrics.base.record import Record
     from shellfabric.cell.biaxial_path import CellPath
     from shellfabric.cell.model import CellModel
 
@@ -155,7 +155,7 @@ class BiaxialResult(Result):
     ----------
     model : CellModel, with its fabric
     paths : {ratio: `shellfabric.cell.biaxial_path.CellPath`}
-    solved : {ratio: `fabrics.record.Record`} of the 3D crossover; {} where it was not asked for
+    solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
     options : profile and toe of the cell
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None

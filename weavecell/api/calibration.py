@@ -20,10 +20,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import assumed, run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import InProcess
+from fabrics import assumed
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import InProcess
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import data_digest, with_linear_density

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from fabrics import files
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
 from weavecell.api.keywords import Keywords, explained

@@ -25,13 +25,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import assumed, files, run_cache
-from fabrics.checks import FilePath
+from fabrics import assumed
+from fabrics.base import files, run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
+from fabrics.base.schema import PYTHON
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.record import Record
-from fabrics.schema import PYTHON
 from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
@@ -264,7 +265,7 @@ class CouponResult(Result):
 
     Parameters
     ----------
-    record : `fabrics.record.Record`, a row a load step: what is prescribed, then what is measured
+    record : `fabrics.base.record.Record`, a row a load step: what is prescribed, then what is measured
     solved : `shellfabric.coupon.solver.Result`
     case : `weavecell.scenes.build.Case` of the test
     checks : quality checks
@@ -488,7 +489,7 @@ class PullOutResult(CouponResult):
 
     Parameters
     ----------
-    record : `fabrics.record.Record`, a row a sample of the load
+    record : `fabrics.base.record.Record`, a row a sample of the load
     solved : `shellfabric.coupon.pull_out_curve.PullOutCurve`
     case, checks, text, key : as of `CouponResult`
     """

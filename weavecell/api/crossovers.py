@@ -1,7 +1,7 @@
 """Cases of the 3D crossover.
 
 The folder of `weavecell crossover`
-    case.h5     every converged state: columns with their meanings (`fabrics.record`)
+    case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 """
@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from fabrics import files
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
-from fabrics.record import Record
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure, saved
 from weavecell.report import crossover_cases, pictures_crossover
@@ -166,7 +166,7 @@ class CrossoverResult(Result):
     fabric : Fabric whose crossover it is
     case : "yarn", "platens", "stack", "biaxial", "path", "shear" or "pull-out"
     mesh : `meshing.crossover.Crossover` or `meshing.patch.Patch`
-    record : `fabrics.record.Record`, a row a converged state
+    record : `fabrics.base.record.Record`, a row a converged state
     domain : "quarter", "whole" or "periodic"
     size : of the mesh, as it was given
     found : {quantity [unit]: value} that the case comes to

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from weavecell.api import targets
 from weavecell.api.result import Result
 from weavecell.results import out_folder

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, InputErrors, nearest, together
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, InputErrors, nearest, together
 from weavecell.scenes.target import STANDARD
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def scene(
     ------
     InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
     """
-    from fabrics.schema import PYTHON
+    from fabrics.base.schema import PYTHON
     from weavecell.scenes import honoured, impact
 
     known = tables()
@@ -300,7 +300,7 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 
 
 def _fields(entry):
-    from fabrics.schema import tables_in
+    from fabrics.base.schema import tables_in
 
     return {
         key: field
@@ -311,7 +311,7 @@ def _fields(entry):
 
 def _text(value, entry):
     """A value of the field `entry` as it stands in a file: a number that is a quantity with the unit of its key."""
-    from fabrics.schema import unit_of
+    from fabrics.base.schema import unit_of
 
     if isinstance(value, dict):
         fields = _fields(entry)

@@ -19,9 +19,9 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from fabrics import files
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords, explained

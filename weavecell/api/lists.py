@@ -10,11 +10,12 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from fabrics import assumed, catalogue, data_sheet, files
+from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
 from fabrics import projectiles as projectile_data
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES
 from weavecell.api import quantities

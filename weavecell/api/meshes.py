@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics import assumed, catalogue
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.result import Result, saved

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 
 
 def number(value: Any, unit: str, key: str) -> float:

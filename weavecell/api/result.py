@@ -9,8 +9,8 @@ from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from fabrics import assumed
-from fabrics.checks import FilePath
-from fabrics.errors import DoubtfulResult
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import DoubtfulResult
 from weavecell.results import display, keys
 
 if TYPE_CHECKING:

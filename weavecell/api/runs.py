@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, Unpack
 
 from fabrics import catalogue
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import targets

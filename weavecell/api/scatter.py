@@ -13,8 +13,8 @@ from dataclasses import asdict, dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from fabrics.checks import FilePath
-from fabrics.errors import UnstableError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords, explained

@@ -26,9 +26,9 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
-from fabrics import files, run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base import files, run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
 from weavecell.api.keywords import Keywords, explained

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, files
-from fabrics.checks import FilePath
+from fabrics import assumed
+from fabrics.base import files
+from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
 
 if TYPE_CHECKING:

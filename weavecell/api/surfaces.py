@@ -16,11 +16,11 @@ from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import InProcess
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import InProcess
+from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
-from fabrics.run_cache import RunCache
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface

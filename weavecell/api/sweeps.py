@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.executors import as_done, open_executor
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.executors import as_done, open_executor
+from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
-from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain, saved
 from weavecell.api.run_size import StudySize

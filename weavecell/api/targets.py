@@ -14,9 +14,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue, run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics import assumed, catalogue
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords

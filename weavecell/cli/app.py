@@ -16,7 +16,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 import weavecell
-from fabrics.errors import InputError, WeavecellError, marked
+from fabrics.base.errors import InputError, WeavecellError, marked
 from weavecell import api
 from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress, termination

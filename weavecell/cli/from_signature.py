@@ -21,7 +21,7 @@ from typing import Annotated, Any
 import typer
 
 import weavecell
-from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.result import Result
 from weavecell.report import checks
 
@@ -117,7 +117,7 @@ def _keyword(key):
 
 def _meaning(key):
     """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
-    from fabrics.schema import entries
+    from fabrics.base.schema import entries
     from weavecell.api import keywords
     from weavecell.scenes.impact import Scene
 

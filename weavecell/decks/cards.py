@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import IntArray
+from fabrics.base.checks import IntArray
 
 
 def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import BoolArray, FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import BoolArray, FloatArray
+from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from fabrics import files
-from fabrics.errors import InputError
+from fabrics.base import files
+from fabrics.base.errors import InputError
 from weavecell.decks import ls_dyna, mismatch, model, radioss
 from weavecell.decks.cloth import MATCHES
 from weavecell.decks.mismatch import LIMIT

@@ -23,7 +23,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from weavecell.decks.cloth import Cloth
 
 FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import replace_whole
 from fabrics.fabric import Fabric
-from fabrics.files import replace_whole
 from meshing import files
 from meshing.mesh import YarnMesh
 from weavecell.decks import mesh_abaqus, mesh_ls_dyna, mesh_radioss

@@ -6,7 +6,7 @@ one-point elements have modes without energy. Bars are trusses (ELFORM 3). Colum
 
 from __future__ import annotations
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh

@@ -6,7 +6,7 @@ Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GR
 
 from __future__ import annotations
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh

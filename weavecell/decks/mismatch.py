@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray
+from fabrics.base.checks import BoolArray, FloatArray
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import Law
 

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 import fabrics
-from fabrics.checks import BoolArray, FloatArray, IntArray
-from fabrics.errors import InputError
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base.units import FACTORS
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from fabrics.units import FACTORS
 from weavecell.report import pictures
 from weavecell.report.derived import density_kind, derived
 from weavecell.report.page import Card, Figure, Report, Section, Table

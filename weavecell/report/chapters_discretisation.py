@@ -6,7 +6,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.files import read_csv
+from fabrics.base.files import read_csv
 from weavecell.report.page import Section, Table
 from weavecell.results import display
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fabrics.errors import DoubtfulError
+from fabrics.base.errors import DoubtfulError
 from shellfabric.panel.quality import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 

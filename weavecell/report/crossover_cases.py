@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
+from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.record import Record
 
 
 def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:

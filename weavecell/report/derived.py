@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from fabrics.base.units import si
 from fabrics.fabric import Fabric
-from fabrics.units import si
 
 
 def derived(fabric: Fabric) -> list[tuple[str, str]]:

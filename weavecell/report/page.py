@@ -13,8 +13,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fabrics import files
-from fabrics.checks import FilePath
+from fabrics.base import files
+from fabrics.base.checks import FilePath
 
 if TYPE_CHECKING:
     from pandas import DataFrame

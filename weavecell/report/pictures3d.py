@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from weavecell.report.pictures_style import RED, STEEL, tension_map
 
 SIZE = (1120, 612)  # [pixels] width and height of an image

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.record import Record
+from fabrics.base.record import Record
 from weavecell.report.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
 from weavecell.results.display import shown
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from weavecell.report.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
 
 if TYPE_CHECKING:
-    from fabrics.record import Record
+    from fabrics.base.record import Record
     from meshing.mesh import YarnMesh
 
 UM, MPA = 1e6, 1e-6
@@ -107,7 +107,7 @@ def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Shear stress against the angle, the fitted law and the fabric's own; forces below."""
-    from fabrics.errors import InputError
+    from fabrics.base.errors import InputError
     from unitcell3d.identify import shear_fit
 
     figure, (upper, lower) = pyplot.subplots(
@@ -205,12 +205,12 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     Parameters
     ----------
     mesh : meshing.mesh.YarnMesh of the domain
-    record : fabrics.record.Record
+    record : fabrics.base.record.Record
     path : of the .png file
     """
     import pyvista
 
-    from fabrics.files import replace_whole
+    from fabrics.base.files import replace_whole
     from unitcell3d.model import submeshes
     from weavecell.report.pictures_mesh import COLOURS, plotter
 

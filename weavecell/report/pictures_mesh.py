@@ -9,8 +9,8 @@ import numpy as np
 import pyvista
 from vtkmodules.vtkCommonCore import vtkLogger
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.files import replace_whole
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.files import replace_whole
 from meshing.crossover import Crossover
 from meshing.inputs import YARNS
 from weavecell.report.pictures_style import INK

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pyvista
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 from meshing.inputs import YARNS
 from meshing.patch import Patch
 from weavecell.report.pictures_mesh import COLOURS, INK, plotter, save

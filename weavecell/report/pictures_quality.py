@@ -12,8 +12,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from fabrics.checks import FilePath
-from fabrics.files import replace_whole
+from fabrics.base.checks import FilePath
+from fabrics.base.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
 from weavecell.report.pictures_mesh import COLOURS, INK, VIEWS, aim, plotter

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import run_cache
-from fabrics.checks import FilePath
-from fabrics.files import read_hdf5, write_hdf5
-from fabrics.record import Record
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.record import Record
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
@@ -294,7 +294,7 @@ def _arrays(solved):
 
 
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
-    """Keep the states of a run under way; `stamp` (`fabrics.run_cache`) is that of its scene and of the code."""
+    """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene and of the code."""
     with write_hdf5(path, CHECKPOINT, **stamp) as file:
         for number, state in enumerate(states):
             for name, unit in _STATE.items():

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.files import read_hdf5, write_hdf5
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
-from fabrics.record import Record
 from shellfabric.panel.quality import status
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group

@@ -8,9 +8,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import write_whole
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import write_whole
 from weavecell.results import keys
 
 

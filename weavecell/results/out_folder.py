@@ -13,9 +13,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from fabrics import files, run_cache
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base import files, run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 from weavecell.results import termination
 
 LOCK, INPUT = ".lock", ".input"

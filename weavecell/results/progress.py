@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 
 DELAY = 1.0  # [s] a stage that is done before has no bar
 _EVERY = 30.0  # [s] between the lines of a batch job

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import WeavecellError
+from fabrics.base.errors import WeavecellError
 from weavecell.results import json_file
 
 

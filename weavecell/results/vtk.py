@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray, IntArray
-from fabrics.errors import InputError
-from fabrics.files import replace_whole, write
+from fabrics.base.checks import FilePath, FloatArray, IntArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import replace_whole, write
 
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, ply_laws
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
-from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
-from fabrics.schema import Table, entries, tables
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.schema import (
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import (
     Table,
     angle,
     flag,

@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import read_columns
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_columns
 
 if TYPE_CHECKING:
     from unitcell3d.identify.shear_fit import ShearFit

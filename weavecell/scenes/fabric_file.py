@@ -18,12 +18,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fabrics import assumed, catalogue
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, nearest, together
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, nearest, together
+from fabrics.base.files import read_csv, replace_whole
+from fabrics.base.units import decimal_comma, refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
-from fabrics.files import read_csv, replace_whole
-from fabrics.units import decimal_comma, refused, si
 from weavecell.scenes import curves
 
 # of both yarns

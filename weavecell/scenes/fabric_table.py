@@ -9,9 +9,9 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.schema import (
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import (
     TEXT,
     TEXT_OR_TWO,
     Table,

@@ -14,9 +14,9 @@ from collections.abc import Mapping
 from itertools import accumulate
 from typing import Any, TypeAlias
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.schema import Table, changed, written
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import Table, changed, written
 
 Keys: TypeAlias = dict[str, str | None]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 from pydantic import ConfigDict, Field, model_validator
 
 from fabrics import backings, projectiles
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.schema import (
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import (
     Table,
     angle,
     described,
@@ -437,7 +437,7 @@ def check(
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
     refused : as of `load`
-    context : as of `fabrics.schema.validated`
+    context : as of `fabrics.base.schema.validated`
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)

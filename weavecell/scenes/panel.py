@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
-from fabrics.errors import InputError
-from fabrics.schema import (
+from fabrics.base.errors import InputError
+from fabrics.base.schema import (
     TEXT,
     TEXT_OR_TWO,
     Table,

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from shellfabric.projectile import solid as solid_body
 
 if TYPE_CHECKING:

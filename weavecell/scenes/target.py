@@ -16,7 +16,7 @@ from typing import Any
 import tomlkit
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.honoured import Keys

@@ -20,7 +20,7 @@ from functools import partial, reduce
 from typing import Any
 
 from fabrics import assumed
-from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from fabrics.yarn import WeavingDamage
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup

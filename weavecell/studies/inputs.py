@@ -13,9 +13,9 @@ from math import inf
 from typing import Any
 
 from fabrics import data_sheet, families, variants
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from fabrics.fabric import Fabric
-from fabrics.units import si
 from shellfabric.impact.simulation import ImpactSetup
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")

@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import chi2, logistic, norm
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 LOW, HIGH = 0.01, 0.99
 LINKS = {"probit": norm, "logit": logistic}

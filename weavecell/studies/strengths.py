@@ -11,7 +11,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack

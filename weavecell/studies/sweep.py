@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fabrics.errors import UndecidedError, UnstableError, WeavecellError
+from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
 from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
 from shellfabric.panel import quality

@@ -24,9 +24,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics import run_cache
-from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
-from fabrics.executors import open_executor
+from fabrics.base import run_cache
+from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
+from fabrics.base.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import run_cache
+from fabrics.base import run_cache
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
 from weavecell.studies import sweep
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm, logm
 
 from fabrics import backings
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels, brick_kernels
 from shellfabric.backing import contact_kernels as backing_contact_kernels

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing

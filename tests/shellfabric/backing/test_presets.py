@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import backings
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic
 from shellfabric.backing import block_kernels
 from shellfabric.backing.block import Backing

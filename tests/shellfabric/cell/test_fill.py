@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue, variants
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn

@@ -10,7 +10,7 @@ from numba import njit
 from panels import COARSER, FINER, INF, UNDAMPED, make_panel, rest, set_nodal
 from scipy.integrate import quad
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store

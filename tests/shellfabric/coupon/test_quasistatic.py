@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue, variants
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from fabrics.trellis import TrellisShear
 from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel

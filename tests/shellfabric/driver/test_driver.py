@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.driver import solver as driver
 from shellfabric.driver.solver import (
     CHECK,

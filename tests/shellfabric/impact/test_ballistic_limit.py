@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError, UndecidedError, UnstableError
+from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
 from shellfabric.impact import ballistic_limit, limit_scan

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.families.strain_rate import RateLaw
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact.simulation import ImpactSetup

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint

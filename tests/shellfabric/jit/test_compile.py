@@ -5,7 +5,7 @@ import math
 import pytest
 from numba import config, typeof, types
 
-from fabrics import kernel_cache
+from fabrics.base import kernel_cache
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile import entry
 from shellfabric.panel import quality_kernels

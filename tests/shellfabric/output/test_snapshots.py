@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots, wave_fronts
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory

@@ -11,7 +11,7 @@ from conftest_tools import advance, grid, solver_at_rest
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal, table
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading, motion_kernels

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry

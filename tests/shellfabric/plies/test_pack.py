@@ -7,7 +7,7 @@ import pytest
 from conftest_tools import advance, collide, far_from_nose, same
 
 from fabrics import ply_laws
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
 from shellfabric.plies.frame_kernels import BEHIND
 from shellfabric.plies.model import Pack, PlyContact

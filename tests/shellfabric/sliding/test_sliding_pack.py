@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.plies import near_kernels
 from shellfabric.plies.model import Pack
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.panel.boundary import PullIn

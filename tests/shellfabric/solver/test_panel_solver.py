@@ -8,7 +8,7 @@ from conftest_tools import advance, solver_at_rest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED

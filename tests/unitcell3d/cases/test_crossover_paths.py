@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from equations import loaded
 
-from fabrics.record import Record
+from fabrics.base.record import Record
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.cases.biaxial_and_platens import first_reached

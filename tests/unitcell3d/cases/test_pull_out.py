@@ -7,8 +7,8 @@ answer.
 import numpy as np
 import pytest
 
-from fabrics.errors import UnstableError
-from fabrics.record import Record
+from fabrics.base.errors import UnstableError
+from fabrics.base.record import Record
 from unitcell3d.cases import pull_out
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel

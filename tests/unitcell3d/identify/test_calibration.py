@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from fabrics import assumed, catalogue
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
-from fabrics.record import Record
 from meshing.mesh_plan import Plan, with_room
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality

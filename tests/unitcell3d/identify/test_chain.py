@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fabrics.base.errors import UnstableError
+from fabrics.base.executors import InProcess
 from fabrics.compression import CompressionLaw
-from fabrics.errors import UnstableError
-from fabrics.executors import InProcess
 from unitcell3d.identify import chain
 from unitcell3d.identify.chain import combine
 from unitcell3d.identify.solid_record import with_solid_laws

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
+from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
-from fabrics.record import Record
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 
 

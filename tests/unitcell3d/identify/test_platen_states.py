@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from unitcell3d.identify.platen_states import LEVEL, PlatenSolver
 from unitcell3d.identify.solid_record import with_solid_laws
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from equations import loaded
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton

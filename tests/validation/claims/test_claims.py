@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from validation import study
 from validation.claims import claims as data
 from validation.claims import command, judge, readers, runner, runs, table

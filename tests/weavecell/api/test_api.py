@@ -18,9 +18,9 @@ import pytest
 
 import weavecell as wc
 from fabrics import catalogue
+from fabrics.base.errors import InputError
+from fabrics.base.schema import tables_in
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
-from fabrics.schema import tables_in
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.panel.quality import Indicator
@@ -294,7 +294,7 @@ def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
 
 
 def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
-    monkeypatch.setattr("fabrics.executors.ProcessPoolExecutor", None)
+    monkeypatch.setattr("fabrics.base.executors.ProcessPoolExecutor", None)
     found = wc.sweep([wc.setup("S-720", v, **SMALL) for v in (100.0, 150.0)])
     assert [one.strike_velocity for one in found] == [100.0, 150.0]
     assert found.summary() == {"shots": 2, "in flight": 2, "doubtful": 0, "checks": "ok"}

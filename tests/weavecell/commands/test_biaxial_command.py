@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
 from tests.weavecell.written import rows_of, table_of

@@ -10,8 +10,8 @@ pytest.importorskip("dolfinx")
 
 
 from fabrics import catalogue
+from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
-from fabrics.record import Record
 from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path
 from weavecell.api import crossovers

@@ -11,7 +11,7 @@ import pyvista
 from numpy.testing import assert_array_equal, assert_equal
 
 import weavecell as wc
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.output.histories import EDGES
 from shellfabric.output.wave_fronts import fronts
 from tests.weavecell.session_runs import SCENES, fired, set_up

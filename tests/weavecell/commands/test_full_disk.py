@@ -1,7 +1,7 @@
 """A disk that is full while a command writes: one line, exit code 2, and what was written before is kept.
 
 The limit of this process on the size of its files stands for the disk. What a library writes that says nothing of
-it (gmsh, VTK, Pillow) is found out by `fabrics.files.replace_whole`, which all of them go through.
+it (gmsh, VTK, Pillow) is found out by `fabrics.base.files.replace_whole`, which all of them go through.
 """
 
 import os

@@ -3,7 +3,7 @@
 import tomllib
 from pathlib import Path
 
-from fabrics.schema import tables
+from fabrics.base.schema import tables
 from weavecell.scenes import coupon, impact
 
 

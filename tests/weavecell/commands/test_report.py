@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 import weavecell
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures

@@ -12,7 +12,7 @@ import pytest
 import pyvista
 
 import weavecell as wc
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from weavecell.decks import folder, model
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.model import UNITS

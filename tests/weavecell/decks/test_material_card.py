@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from fabrics import assumed, catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import FLEX, CrimpExchange, UncoupledCurves

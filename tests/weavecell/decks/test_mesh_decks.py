@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from meshing import patch
 from tests.meshing.hexahedra import volumes
 from tests.weavecell.decks.deck_readers import blocks

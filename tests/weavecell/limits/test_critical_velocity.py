@@ -5,7 +5,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from fabrics.errors import UnstableError
+from fabrics.base.errors import UnstableError
 from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
 from tests.weavecell.written import names, rows_of, table_of

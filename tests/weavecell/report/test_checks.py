@@ -7,7 +7,7 @@ import pytest
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.errors import DoubtfulError
+from fabrics.base.errors import DoubtfulError
 from shellfabric.panel import quality
 from shellfabric.panel.quality import Indicator
 from tests.scene_text import impact_scene

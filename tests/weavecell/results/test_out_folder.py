@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
 from tests.weavecell.session_runs import RUNS, write_inputs
 from weavecell.results import out_folder

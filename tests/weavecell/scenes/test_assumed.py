@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 import weavecell as wc
 from fabrics import assumed, catalogue
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES

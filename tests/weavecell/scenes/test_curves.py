@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic

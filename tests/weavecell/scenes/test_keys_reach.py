@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics import catalogue, schema
-from fabrics.units import si
+from fabrics import catalogue
+from fabrics.base import schema
+from fabrics.base.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
 from weavecell.results import coupon as results

@@ -9,8 +9,8 @@ from test_keys_reach import SHOT
 
 import weavecell as wc
 from fabrics import backings, projectiles
+from fabrics.base.units import si
 from fabrics.materials import load
-from fabrics.units import si
 from weavecell.scenes import build, impact
 
 NAMES = projectiles.list_names()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
 from tests.scene_text import datasets, merged, toml

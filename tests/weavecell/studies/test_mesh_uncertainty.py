@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.projectile.projectile import Projectile

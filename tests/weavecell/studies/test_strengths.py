@@ -8,7 +8,7 @@ import pytest
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, draw_strengths

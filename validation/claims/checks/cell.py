@@ -16,7 +16,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from fabrics import catalogue
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels

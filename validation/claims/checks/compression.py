@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 from scipy.optimize import curve_fit
 
 from fabrics import catalogue
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
-from fabrics.units import si
 from shellfabric.cell import crossover_kernels
 from validation.claims.readers import KEVLAR, derivative
 from validation.values import Values, largest

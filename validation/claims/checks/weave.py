@@ -11,8 +11,8 @@ import numpy as np
 from scipy.integrate import quad
 
 from fabrics import catalogue
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from fabrics.weave import arc_length

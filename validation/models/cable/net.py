@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.base.checks import FloatArray
 from shellfabric.projectile import contact
 from validation.models.cable import net_kernels as kernels
 from validation.values import largest

@@ -30,7 +30,7 @@ from math import sqrt
 import numpy as np
 from scipy.optimize import brentq
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 from fabrics.yarn import Yarn, striking_velocity
 from validation.models.cable.net import VISCOSITY, time_step
 

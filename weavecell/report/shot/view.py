@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import files
-from fabrics.checks import FloatArray
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.base import files
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import replace_whole
 from weavecell.report import page, pictures, pictures3d
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map

@@ -7,8 +7,8 @@ from functools import cache
 from math import isfinite
 from typing import Any
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 
 # SI unit: {unit: factor to it, as pint has it to the last digit}; these are converted without importing pint
 FACTORS = {

@@ -20,7 +20,7 @@ from functools import cache
 from multiprocessing import active_children, get_context
 from typing import Any
 
-from fabrics.errors import InputError
+from fabrics.base.errors import InputError
 
 CONTEXT = get_context("spawn")  # MPI and PETSc do not survive a fork
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -54,7 +54,7 @@ def one_thread_each() -> Iterator[None]:
 def start_worker(initializer: Callable | None = None, *arguments: Any) -> None:
     """Prepare a process for tasks: one thread, one compiler a node, and what its `initializer` does."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
-    from fabrics.kernel_cache import one_compiler_a_node
+    from fabrics.base.kernel_cache import one_compiler_a_node
 
     one_compiler_a_node()
     if initializer is not None:

@@ -28,9 +28,9 @@ from typing import IO, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
-from fabrics.units import NUMBER, decimal_comma, refused, si
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
 ROOM = 65536  # [bytes] that must still fit on the disk behind a file that a library has written
 # a number with decimal marks, and a unit of up to two words

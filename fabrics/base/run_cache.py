@@ -28,13 +28,14 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import __version__, executors
-from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import write_whole
-from fabrics.kernel_cache import digest
+from fabrics import __version__
+from fabrics.base import executors
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import write_whole
+from fabrics.base.kernel_cache import digest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 LIBRARIES = ("fabrics", "meshing", "unitcell3d", "shellfabric")
 COMPUTING = (
     "scenes",

@@ -29,10 +29,10 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
-from fabrics.checks import FilePath
-from fabrics.errors import InputError, nearest, together
-from fabrics.files import read_text
-from fabrics.units import refused, si
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, nearest, together
+from fabrics.base.files import read_text
+from fabrics.base.units import refused, si
 
 PYTHON = {"python": True}  # context of what is given in Python, not read from a file
 

@@ -27,7 +27,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fabrics.checks import FilePath
+from fabrics.base.checks import FilePath
 
 # folder of kernels: what they compute, and how long they are compiled on two free cores
 MODELS = {
@@ -41,7 +41,7 @@ MODELS = {
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("shellfabric", "unitcell3d", "validation/models")
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 IMPORT = re.compile(
     r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE
 )  # kernels import at the head of their file
@@ -167,7 +167,11 @@ def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
     while waiting:
         path = waiting.pop()
         # no machine code depends on this very file, which the decorators import
-        if path in whole or path == root / "fabrics" / Path(__file__).name or not path.is_file():
+        if (
+            path in whole
+            or path == root / "fabrics" / "base" / Path(__file__).name
+            or not path.is_file()
+        ):
             continue
         whole.add(path)
         for module, names in IMPORT.findall(path.read_text("utf-8")):

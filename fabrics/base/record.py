@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray
-from fabrics.errors import InputError
-from fabrics.files import read_hdf5, write_hdf5
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_hdf5, write_hdf5
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -1,0 +1,1 @@
+"""Errors, units, schemas, files, caches and executors, which know no fabric."""
