@@ -158,30 +158,20 @@ def test_the_faces_of_a_yarn_close_its_volume_and_look_outwards(domain, yarn):
 
 
 def test_groups_of_the_quarter_and_of_the_whole():
-    crossover, whole = mesh(), mesh(domain="whole")
-    nx, ny, nz = (n - 1 for n in crossover.grids[WARP].shape)
-    groups, points = crossover.groups, crossover.points
-    for yarn, along, across in (("warp", "symx", "symy"), ("weft", "symy", "symx")):
-        for part, count in (("contact", nx * ny), ("plate", nx * ny), ("tip", nx * nz)):
-            assert groups[f"{yarn}_{part}"].shape == (count, 4)
-        assert len(groups[f"{yarn}_end"]) == (ny + 1) * (nz + 1) == len(groups[f"{yarn}_{along}"])
-        assert len(groups[f"{yarn}_{across}"]) == (nx + 1) * (nz + 1)
+    quarter, whole = mesh(), mesh(domain="whole")
+    nx, ny, nz = (n - 1 for n in quarter.grids[WARP].shape)
+    sizes = {"contact": nx * ny, "plate": nx * ny, "tip": nx * nz, "end": (ny + 1) * (nz + 1)}
+    groups = quarter.groups
+    for axis, (yarn, plane) in enumerate((("warp", "symx"), ("weft", "symy"))):
+        assert {part: len(groups[f"{yarn}_{part}"]) for part in sizes} == sizes
+        on_plane = np.flatnonzero(quarter.points[:, axis] == 0)
+        assert sorted([*groups[f"warp_{plane}"], *groups[f"weft_{plane}"]]) == on_plane.tolist()
+        for made, part, side in ((quarter, "end", 1), (whole, "end", 1), (whole, "start", -1)):
+            places = made.points[made.groups[f"{yarn}_{part}"], axis]
+            assert places == pytest.approx(side * made.w[axis], rel=1e-14)
     assert len(groups) == 12
-    on_planes = {(n, axis) for n, axis in np.argwhere(points[:, :2] == 0).tolist()}
-    assert on_planes == {
-        (n, axis)
-        for axis, key in ((0, "symx"), (1, "symy"))
-        for y in ("warp", "weft")
-        for n in groups[f"{y}_{key}"]
-    }
     parts = ("contact", "plate", "tip", "end", "start")
     assert set(whole.groups) == {f"{yarn}_{part}" for yarn in ("warp", "weft") for part in parts}
-    for axis, yarn in enumerate(("warp", "weft")):
-        assert points[groups[f"{yarn}_end"], axis] == pytest.approx(crossover.w[axis], rel=1e-14)
-        for part, side in (("end", 1), ("start", -1)):
-            assert whole.points[whole.groups[f"{yarn}_{part}"], axis] == pytest.approx(
-                side * whole.w[axis], rel=1e-14
-            )
 
 
 def test_grids_hold_every_node_once_in_its_place():

@@ -5,7 +5,6 @@ no titles of sets: they are read in the same way.
 """
 
 import re
-from itertools import pairwise
 from types import SimpleNamespace
 
 import meshio
@@ -16,7 +15,7 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from meshing import patch
 from tests.meshing.hexahedra import volumes
-from tests.weavecell.decks.deck_readers import blocks
+from tests.weavecell.decks.deck_readers import blocks, columns
 from weavecell.decks import mesh_files
 from weavecell.decks.linear_material import linearise
 from weavecell.decks.mesh_abaqus import SIDES
@@ -66,17 +65,8 @@ def written(mesh, path):
     return text
 
 
-def columns(text, widths):
-    """Fields of a line in fixed columns, as numbers; the line has just this length, every field is right-aligned."""
-    assert len(text) == sum(widths), text
-    bounds = np.cumsum([0, *widths])
-    fields = [text[a:b] for a, b in pairwise(bounds)]
-    assert all(field == field.rstrip() for field in fields), text
-    return [float(f) if re.search(r"[.E]", f) else int(f) for f in fields]
-
-
 def integers(line, width=10):
-    return columns(line, [width] * (len(line) // width))
+    return [int(number) for number in columns(line, [width] * (len(line) // width))]
 
 
 def members(lines):
