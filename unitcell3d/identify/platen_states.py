@@ -40,7 +40,8 @@ STEP = 1e-10
 LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
 # of the distance at rest: steps of the first loading
-LARGEST, LEAST = 0.02, 1e-5
+LARGEST = 0.02
+LEAST = 1e-5
 JUMPS = 2  # of the largest step, over a snap
 # of that at rest: soft trial yarns close further than real ones
 LEAST_DISTANCE = 0.2

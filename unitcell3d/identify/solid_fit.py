@@ -43,10 +43,8 @@ from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record
 BOUNDS = np.log([1e6, 1e-3, 1e-4]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
-SEARCH, NEAR_LIMIT = (
-    5,
-    0.2,
-)  # trials on each side of a direction; relative error of the sum of squares that is enough
+SEARCH = 5  # trials on each side of a direction
+NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
 
 
 def fit_solid(
@@ -88,7 +86,9 @@ def fit_solid(
         computed = fit.closures(last)
     finally:
         fit.solver.close()
-    checked = None if check_size is None else _on_mesh(fit, check_size, found.x)
+    checked = None
+    if check_size is not None:
+        checked = _on_mesh(fit, check_size, found.x)
     return record(
         fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed
     )

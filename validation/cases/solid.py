@@ -133,12 +133,14 @@ def bars(*, bars: int, reduced: bool) -> Values:
     ------
     UnstableError : the path ends early
     """
-    lines = len(_yarn().bar_area[0])
+    chosen = None
+    if bars < len(_yarn().bar_area[0]):
+        chosen = bars
     record = single_yarn.pull(
         _yarn(),
         catalogue.load(FABRIC),
         0,
-        bars=None if bars >= lines else bars,
+        bars=chosen,
         rows=12,
         integration=INTEGRATION[reduced],
     )
@@ -250,14 +252,18 @@ def pull_out(
     if len(F_c) > 1:
         law = PullOutLaw.fit(F_c, T_f, friction=friction)
     each = [record["load"] == number for number in np.unique(record["load"])]
+    c0 = mu_eff = np.nan
+    if law is not None:
+        c0 = law.c0
+        mu_eff = law.mu_eff
     return {
         "F_c": F_c,
         "T_f": T_f,
         "P": largest(record["P"]),
         "largest": [largest(record["P_geometric"][of]) for of in each],
         "mobilised": [float(record["mobilised"][of].max()) for of in each],
-        "c0": np.nan if law is None else law.c0,
-        "mu_eff": np.nan if law is None else law.mu_eff,
+        "c0": c0,
+        "mu_eff": mu_eff,
         "tangents": float(record["iterations"].sum() / len(record["path"])),
         "seconds": float(record["seconds"].sum()),
     }
