@@ -367,14 +367,13 @@ def _densify(requested, crossing, fractions, prescribed):
     """
 
     def at(factor):
-        areas = [
-            s.area * old / new
+        sections = tuple(
+            _resized(s, s.width, s.area * old / new)
             for s, old, new in zip(requested, fractions, _denser(fractions, factor))
-        ]
-        sections = tuple(_resized(s, s.width, area) for s, area in zip(requested, areas))
-        return (
-            sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
         )
+        if prescribed:
+            return sections
+        return tuple(map(_best, sections, crossing))
 
     highest = max(1.0, CLOSEST_PACKING / min(fractions))
     left = _overlap(at(highest), crossing)

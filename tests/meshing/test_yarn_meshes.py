@@ -30,9 +30,9 @@ def lengths(made, yarn):
     return np.linalg.norm(np.diff(made.points[made.grids[yarn]], axis=0), axis=-1).sum(axis=0)
 
 
-@pytest.mark.parametrize("kind", ["sine", "ellipse"])
+@pytest.mark.parametrize("kind, quality", [("sine", 0.8), ("ellipse", 0.4)])
 @pytest.mark.parametrize("name", WOVEN)
-def test_every_hexahedron_is_right_side_out_and_the_yarns_hold_their_fibres(name, kind):
+def test_every_hexahedron_is_right_side_out_and_the_yarns_hold_their_fibres(name, kind, quality):
     """In a quarter of a crossover (half a yarn, half of its fibres), in a whole one, and in two crossings a yarn."""
     for crossings, share, made in (
         (0.5, 0.5, mesh(name, (6, 5, 2), section=kind)),
@@ -41,9 +41,10 @@ def test_every_hexahedron_is_right_side_out_and_the_yarns_hold_their_fibres(name
     ):
         volume = volumes(made.points, made.hexes)
         assert volume.min() > 0
-        assert made.min_scaled_jacobian > (0.8 if kind == "sine" else 0.4)
+        assert made.min_scaled_jacobian > quality
         for number, family in enumerate(made.families):
-            length, area = crossings * made.S0[family], share * made.fibre_area[family]
+            length = crossings * made.S0[family]
+            area = share * made.fibre_area[family]
             assert volume[made.yarn == number].sum() == pytest.approx(
                 length * area / made.Vf0[family], rel=0.03
             )
@@ -64,8 +65,8 @@ def test_worst_scaled_jacobian_of_a_sine_section_is_that_of_its_steepest_slopes(
 
 
 @pytest.mark.parametrize("name", ["S-720", "S-731"])
-@pytest.mark.parametrize("kind", ["sine", "ellipse"])
-def test_yarn_volume_is_its_length_times_its_area(name, kind):
+@pytest.mark.parametrize("kind, error", [("sine", 1e-3), ("ellipse", 2e-3)])
+def test_yarn_volume_is_its_length_times_its_area(name, kind, error):
     """V -> S0 A_s / Vf0 with order two: only the polygon of the section differs from the lens."""
     errors = []
     for size in SIZES:
@@ -76,7 +77,7 @@ def test_yarn_volume_is_its_length_times_its_area(name, kind):
         errors.append(1 - volumes_of_yarns / expected)
     errors = np.array(errors)
     assert np.all(errors > 0)
-    assert np.all(errors[-1] < (1e-3 if kind == "sine" else 2e-3))
+    assert np.all(errors[-1] < error)
     assert np.allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.2)
 
 
@@ -120,14 +121,14 @@ def test_tributary_areas_are_the_nodal_shares_of_the_polygon():
 
 @pytest.mark.parametrize("kind", ["sine", "ellipse"])
 def test_the_whole_is_the_quarter_mirrored_twice(kind):
-    quarter, whole = mesh("S-726", section=kind), mesh("S-726", section=kind, domain="whole")
+    quarter = mesh("S-726", section=kind)
+    whole = mesh("S-726", section=kind, domain="whole")
     for yarn in (WARP, WEFT):
         nx, ny, _ = (n - 1 for n in quarter.grids[yarn].shape)
-        part, full = quarter.points[quarter.grids[yarn]], whole.points[whole.grids[yarn]]
+        part = quarter.points[quarter.grids[yarn]]
+        full = whole.points[whole.grids[yarn]]
         assert full.shape[:2] == (2 * nx + 1, 2 * ny + 1)
-        along, across = (
-            (1 if yarn == WARP else -1) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
-        )
+        along, across = (1 - 2 * yarn) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
         assert np.array_equal(full[nx:, ny:], part)
         assert np.allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
         assert np.allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
@@ -158,7 +159,8 @@ def test_the_faces_of_a_yarn_close_its_volume_and_look_outwards(domain, yarn):
 
 
 def test_groups_of_the_quarter_and_of_the_whole():
-    quarter, whole = mesh(), mesh(domain="whole")
+    quarter = mesh()
+    whole = mesh(domain="whole")
     nx, ny, nz = (n - 1 for n in quarter.grids[WARP].shape)
     sizes = {"contact": nx * ny, "plate": nx * ny, "tip": nx * nz, "end": (ny + 1) * (nz + 1)}
     groups = quarter.groups
@@ -189,7 +191,7 @@ def test_grids_hold_every_node_once_in_its_place():
             np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn])
         )
         middle = grid[:, :, 0, 2] / 2 + grid[:, :, -1, 2] / 2
-        height = (middle[0] - middle[-1]) * (1 if yarn == WARP else -1)
+        height = (middle[0] - middle[-1]) * (1 - 2 * yarn)
         assert height == pytest.approx(crossover.h0[yarn], rel=1e-12)
     warp, weft = (crossover.points[grid][..., 2].mean() for grid in crossover.grids)
     assert warp > weft
@@ -218,7 +220,7 @@ def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
         assert along[[0, -1]] == pytest.approx(
             np.array([-0.5, 0.5]) * weave.extent[family], rel=1e-12
         )
-        up = (1 if place % 2 == 0 else -1) * (1 if family == WARP else -1)
+        up = (-1) ** (place + family)
         z = (
             up
             * weave.h0[family]
@@ -278,7 +280,8 @@ def test_the_cell_of_four_crossovers_fits_itself():
 
 def test_groups_are_named_by_yarn_and_by_family():
     weave = woven(count=(2, 3))
-    groups, parts = weave.groups, ("contact", "plate", "tip", "end", "start")
+    groups = weave.groups
+    parts = ("contact", "plate", "tip", "end", "start")
     assert set(groups) == {
         f"{yarn}_{part}" for yarn in (*weave.names, "warp", "weft") for part in parts
     }

@@ -231,7 +231,9 @@ class Newton:
 
     def _at(self, state, load):
         """The state, evaluated again unless it was the last one that was."""
-        return state if state is self._latest else self._evaluate(state.q, load)
+        if state is self._latest:
+            return state
+        return self._evaluate(state.q, load)
 
     def _factor(self, state, load, shift):
         model = self.model
