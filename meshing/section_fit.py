@@ -151,7 +151,7 @@ def fit_sections(
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
     refused = overlap == "refuse"
-    kinds = SECTIONS
+    kinds: tuple[str, ...] = SECTIONS
     if kind:
         kinds = (kind,)
     elif refused:
