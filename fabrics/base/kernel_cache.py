@@ -34,13 +34,12 @@ MODELS = {
     "shellfabric.cell": ("the unit cell", "about 10 seconds"),
     "shellfabric.panel": ("a ply", "about half a minute"),
     "shellfabric.plies": ("packs", "about 1 minute"),
-    "shellfabric.sliding": ("sliding crossovers", "some minutes"),
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "validation.models.cable": ("the cable net", "a minute or two"),
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest
-TUPLES = ("shellfabric", "unitcell3d", "validation/models")
+TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
 IMPORT = re.compile(
     r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE

@@ -11,6 +11,7 @@ woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -27,7 +28,7 @@ from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
-from shellfabric.panel import arrays, boundary, grading, time_step
+from shellfabric.panel import arrays, boundary, forces, grading, time_step
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
@@ -64,6 +65,7 @@ class Panel:
     packed_area : [-] share of its area at rest that packed fabric keeps (see `cloth.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); not with grips at the edges
+    modules : further forces on the ply, functions that make a `forces.Module` of the panel
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
         projectile is given, to its own, in which its yarns lie. weave_angle has it in it
 
@@ -91,6 +93,7 @@ class Panel:
     backing: Backing | None = None
     packed_area: float = entries()["packed_area"].value
     grading: tuple | None = None
+    modules: tuple[Callable[[Panel], forces.Module], ...] = ()
     ply_angle: float = 0.0
 
     def __post_init__(self):
@@ -102,12 +105,6 @@ class Panel:
             )
         boundary.check(self)
         coupling.check(self)
-        if self.failure and any(
-            self.table.model.toes
-        ):  # a yarn whose crossings have failed is linear in an impact
-            raise InputError(
-                key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail"
-            )
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
@@ -220,15 +217,11 @@ class Panel:
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        if self._fills:
+        if self.sides is None and not boundary.stepped(self):
+            # all elements are alike, and made longer so that the edge of the opening is a line of the grid
             lengths = boundary.extent(self)
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
-
-    @property
-    def _fills(self):
-        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
-        return self.sides is None and not boundary.stepped(self)
 
     @property
     def _half(self):
@@ -331,15 +324,9 @@ class Panel:
     @property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
-        m, shares = (
-            self.weave.areal_density,
-            zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1]),
-        )
-        membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
-        # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
-        return (
-            membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)
-        ) ** -0.5
+        mass = self.weave.areal_density
+        membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
+        return (membrane + sum(module.stiffness for module in forces.of(self))) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:
@@ -438,10 +425,6 @@ class Panel:
         """See `boundary.loose`."""
         return boundary.loose(self)
 
-    def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """See `boundary.rim`."""
-        return boundary.rim(self)
-
     @cached_property
     def potential(self) -> tuple[FloatArray, FloatArray]:
         """See `packed_table.potential`."""
@@ -452,9 +435,9 @@ class Panel:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
-    def constants(self, bends: bool = False) -> arrays.Constants:
+    def constants(self) -> arrays.Constants:
         """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
-        return arrays.constants(self, bends)
+        return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

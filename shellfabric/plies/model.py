@@ -31,16 +31,15 @@ from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import Constants, State, Work
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
-from shellfabric.plies.arrays import PackContact, Stack, pack_contact
+from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import dynamics, frames
 from shellfabric.projectile.contact import PREDICTED
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
+from shellfabric.state import Constants, PackContact, Stack, State, Work
 
 STACKINGS = ("aligned", "alternating")
 
@@ -100,12 +99,6 @@ class Pack:
             or len({ply.trellis for ply in self.plies}) > 1
         ):
             raise InputError("the plies of a pack must have cells of one form")
-        if len({isinstance(ply, SlidingPanel) for ply in self.plies}) > 1:
-            raise InputError(
-                key="crossovers",
-                value="sliding",
-                allowed="sliding in all plies of a pack, or in none",
-            )
         friction.check(self.friction, first.numerics.cfl)
 
     def at_shorter_step(self, factor: float) -> Pack:
@@ -197,11 +190,6 @@ class Pack:
         return target if isinstance(target, Pack) else cls((target,))
 
     @property
-    def crossovers(self) -> tuple[CrossoverFriction, ...]:
-        """(plies,) of sliding crossovers; empty of pinned ones."""
-        return tuple(ply.friction for ply in self.plies if isinstance(ply, SlidingPanel))
-
-    @property
     def angles(self) -> tuple[float, ...]:
         """(plies,) [rad] from the pack's axes to those of the plies' grids."""
         return tuple(ply.ply_angle for ply in self.plies)
@@ -258,10 +246,9 @@ class Pack:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
         if len(self.plies) == 1:
             return (self.plies[0].constants(),)
-        bends = any(any(ply.bending) for ply in self.plies)
 
         def of(ply):
-            const = self._in_step(ply).constants(bends)
+            const = self._in_step(ply).constants()
             law = const.point_law._replace(implicit_factor=self._firmer(self._in_step(ply)))
             return const._replace(dt=self.time_step, point_law=law)
 
@@ -279,6 +266,7 @@ class Pack:
             ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
             projectile_velocity=strike_velocity * shot.flight,
             turns=self.turns,
+            after_stop=np.zeros(1),
         )
         states = []
         for p, ply in enumerate(self.plies):
@@ -311,14 +299,6 @@ class Pack:
         """(plies,) what a function makes of each ply, once of plies that are one object."""
         made = {key: function(ply) for key, ply in {id(ply): ply for ply in self.plies}.items()}
         return tuple(made[id(ply)] for ply in self.plies)
-
-    def slips(self, states: Sequence[State]) -> tuple[Slip, ...]:
-        """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""
-        return tuple(
-            ply.slip(state)
-            for ply, state in zip(self.plies, states)
-            if isinstance(ply, SlidingPanel)
-        )
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
@@ -367,10 +347,7 @@ class Pack:
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
     def _stick_damping(self, mass):
-        """[N s/m] of a contact point. Stick between plies is bounded by the mass of one family alone, where the other
-        slides through the nodes."""
-        sliding = [ply for ply in self.plies if isinstance(ply, SlidingPanel)]
-        mass *= min((min(ply.own_masses) for ply in sliding if not ply.friction.pins), default=1.0)
+        """[N s/m] of a contact point."""
         return friction.stick_damping(
             self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step
         )
@@ -451,7 +428,6 @@ def turned(panel: Panel) -> Panel:
         model,
         fabric=rotated_90(model.fabric),
         laws=model.laws and model.laws[::-1],
-        toe=model.toes[::-1],
     )
     factors = panel.strength_factors
     return replace(

@@ -25,25 +25,24 @@ import math
 import numpy as np
 
 from shellfabric.cloth import spline_kernels
-from shellfabric.cloth.membrane_kernels import WINDOW
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
-    cover_at_point,
     erode,
     intact_at_point,
     move_window,
     reachable_nodes,
     window_bounds,
 )
+from shellfabric.state import Scratch, unit
 
 # of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole fabric so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", work=Scratch)
 def contact_forces(state, const, work):
     """Contact forces at the present positions, into state.f_contact; the force on the projectile into
     state.f_contact_nose.
@@ -124,7 +123,7 @@ def reset_element(state, const, e):
         state.friction_state[e] = 0.0
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", work=Scratch)
 def contact_element(state, const, i, j, e, work):
     """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
 
@@ -187,7 +186,7 @@ def contact_element(state, const, i, j, e, work):
     return taken, spring
 
 
-@kernel(_nrt=False)
+@unit(work=Scratch)
 def gather_velocities(state, const, i, j, work):
     """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the forces on them,
     work.node_force."""
@@ -205,7 +204,7 @@ def gather_velocities(state, const, i, j, work):
                 ahead[1, k, 0], ahead[1, k, 1], ahead[1, k, 2] = x, y, z
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", shares="8, points", work=Scratch)
 def contact_point(state, const, i, j, e, number, m, shares, work):
     """Contact of one point of an element, whose position and velocity are in column m of work.point_data."""
     at, last, k = work.point_data, state.last_contact_force[e], np.uint64(i * const.row_stride + j)
@@ -227,8 +226,6 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         per = const.points_per_side
         s, t = (number // per + 0.5) / per, (number % per + 0.5) / per
         part = intact_at_point(state, const, k, s, t)
-        if state.element_flag[k] & WINDOW:
-            part *= cover_at_point(state, const, k, s, t)
     if part == 0.0:
         last[number] = 0.0
         if const.friction > 0.0:
@@ -318,7 +315,7 @@ def to_panel_frame(frame, x, y, z):
     )
 
 
-@kernel()
+@unit()
 def apply_contact_impulse(state, const):
     """v += dt f / m of nodes, with the contact forces."""
     i0, i1, j0, j1 = reachable_nodes(state, const)

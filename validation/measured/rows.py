@@ -23,12 +23,12 @@ import weavecell as wc
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
-from shellfabric.impact import ballistic_limit
 from unitcell3d.identify.platen_misfit import closures
 from validation.cases.solid import PACKING, pressed
 from validation.models.bare_impact import Strike, strike
 from validation.values import Values, largest
 from weavecell.scenes import honoured, target
+from weavecell.studies import ballistic_limit
 
 HERE = Path(__file__).parent
 V50_INTERVAL = 2 * 1.96  # standard errors that the interval of a V50 is wide

@@ -13,7 +13,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.jit.borrowed_list import Items
+from shellfabric.jit.table import Rows
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Numerics, Panel
@@ -31,7 +31,7 @@ def snapping(**wrong):
     const = march.const._replace(
         **{name: factor * getattr(march.const, name) for name, factor in wrong.items()}
     )
-    march._plies = march._plies[0], Items([const])
+    march._plies = march._plies[0], Rows([const])
     return march.run()
 
 
@@ -158,8 +158,8 @@ def pull(panel, state, stretch1, stretch2):
         ((stretch2 - 1) * Y).ravel(),
     )
     state.active_rows[:] = 0, const.ni
-    ply_kernels.initial_forces(state, const, None, work)
-    ply_kernels.apply_failure(state, const, None, work)
+    ply_kernels.initial_forces(state, const, work)
+    ply_kernels.apply_failure(state, const, work)
     return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
@@ -176,7 +176,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
         state.element_flag[:] = flags
-        ply_kernels.initial_forces(state, const, None, work)
+        ply_kernels.initial_forces(state, const, work)
         found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
     for one, other in zip(*found):
         assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())

@@ -33,7 +33,6 @@ round = { panel = { opening_shape = "round" } }
 whole = { panel = { symmetry = "whole" } }
 "yarns hold" = { panel = { yarn_failure = false } }
 graded = { panel = { grading = [[8, 1], [inf, 2]], opening = "60 mm" } }
-sliding = { panel = { crossovers = "sliding", crossover_friction = 0.1, crossover_cohesion = "0.01 N" } }
 elements = { run = { elements_per_crossover = 2 } }
 measure = { history = { warp = ["0 mm", "2.6 mm"] } }
 cfl = { numerics = { cfl = 0.1 } }
@@ -89,7 +88,6 @@ SHOWN = {
     "whole": elements(4, 4),
     "yarns hold": lambda shot, plain: shot.cut_yarns[-1] == 0 < plain.cut_yarns[-1],
     "graded": lambda shot, _: shot.elements < 23**2 * shot.count,
-    "sliding": energy("crossover_friction"),
     "elements": elements(4, 4),
     "measure": lambda shot, _: len(shot.measured[0].yarns) == 3,
     "cfl": nine_times_the_steps,
@@ -107,19 +105,19 @@ TOGETHER = [
     "pack, oblique, nose friction, free",
     "pack, weave angle, named, ply friction",
     "pack, graded, turned, pull-in",
-    "pack, sliding, turned, nose friction",
+    "pack, turned, nose friction",
     "pack, round, bending, turned",
     "pack, backing, off the middle, ply friction, yarns hold",
     "pack, elements, law, free",
     "oblique, bar, grip, bending",
-    "oblique, sliding, measure, free",
+    "oblique, measure, free",
     "oblique, weave angle, nose friction, yarns hold",
     "oblique, round, law, measure",
     "backing, nose friction, free",
     "backing, graded, measure",
     "backing, weave angle, bending",
     "bar, round, elements, law",
-    "bar, sliding, free",
+    "bar, free",
     "weave angle, off the middle, measure",
 ]
 
@@ -133,7 +131,7 @@ def record(together):
     return wc.sweep([set_up(table)])[0]
 
 
-@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply")
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 @pytest.mark.parametrize("together", TOGETHER)
 def test_options_show_together(together):
     shot = record(together)
