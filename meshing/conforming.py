@@ -110,7 +110,8 @@ def conform(
     ------
     InputError : no crimp, or no kappa gives areas of this ratio
     """
-    (h1, h2), (w1, w2) = weave.h0, weave.w
+    h1, h2 = weave.h0
+    w1, w2 = weave.w
     if min(h1, h2) <= 0:
         raise InputError(
             "conforming sections need crimp in warp and weft: a straight yarn has no arch to fill"

@@ -91,10 +91,7 @@ def _faces_of_a_quarter(sides):
     named = {}
     for yarn, planes in zip(YARNS, (("symx", "symy"), ("symy", "symx"))):
         of = sides[yarn]
-        named[f"{yarn}_contact"] = of["contact"]
-        named[f"{yarn}_plate"] = of["plate"]
-        named[f"{yarn}_end"] = of["i1"]
-        named[f"{yarn}_tip"] = of["j1"]
-        named[f"{yarn}_{planes[0]}"] = of["i0"]
-        named[f"{yarn}_{planes[1]}"] = of["j0"]
+        parts = ("contact", "plate", "end", "tip", *planes)
+        for part, side in zip(parts, ("contact", "plate", "i1", "j1", "i0", "j0")):
+            named[f"{yarn}_{part}"] = of[side]
     return named

@@ -80,12 +80,12 @@ def write_vtu(mesh: YarnMesh, path: FilePath) -> None:
     area = [np.zeros(len(mesh.hexes)), np.concatenate(mesh.bar_area)]
     quality = [mesh.scaled_jacobian, np.full(len(bars), np.nan)]
     for name, quads in mesh.shells.items():
-        n = len(quads)
+        none = np.zeros(len(quads))
         cells.append(("quad", quads))
-        yarn.append(np.full(n, mesh.names.index(name.rsplit("_", 1)[0])))
-        fibre.append(np.zeros((n, 3)))
-        area.append(np.zeros(n))
-        quality.append(np.full(n, np.nan))
+        yarn.append(none + mesh.names.index(name.rsplit("_", 1)[0]))
+        fibre.append(np.zeros((len(quads), 3)))
+        area.append(none)
+        quality.append(none + np.nan)
     data = {
         "yarn": [part.astype(np.int32) for part in yarn],
         "fibre": fibre,

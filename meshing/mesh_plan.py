@@ -96,7 +96,9 @@ class Plan:
             y = mirrored(y)
         heights = section.half_thickness(y)[:, None] * np.linspace(-1, 1, nz + 1)
         weight = grid.tributary_areas(y, heights)
-        share = 1.0 if whole else 0.5
+        share = 0.5
+        if whole:
+            share = 1.0
         return y, heights, weight / weight.sum() * share * self.weave.yarns[family].A_s
 
     def fields(self) -> dict:

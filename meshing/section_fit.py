@@ -32,7 +32,7 @@ from dataclasses import dataclass, replace
 from math import ceil, pi
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import bisect, brentq, minimize_scalar
 
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import crimps
@@ -97,20 +97,25 @@ class SectionFit:
     @property
     def report(self) -> str:
         """One line for the user."""
+        Vf0 = _listed(self.Vf0)
         if self.sections[0].kind == CONFORMING:
-            Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"conforming sections that touch everywhere (Vf0 {Vf0})"
-        what = "overlap" if self.overlap >= 0 else "gap"
+        what = "overlap"
+        if self.overlap < 0:
+            what = "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
             pairs = list(zip(self.sections, self.requested))
-            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in pairs)
-            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in pairs)
-            Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
+            width = _listed(s.width / a.width for s, a in pairs)
+            area = _listed(s.area / a.area for s, a in pairs)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
         if self.shift:
             return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
         return f"{text}, left open"
+
+
+def _listed(values):
+    return " / ".join(map("{:.3f}".format, values))
 
 
 class _TooDense(InputError):
@@ -145,10 +150,12 @@ def fit_sections(
     ------
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
-    kinds = (kind,) if kind else SECTIONS
-    if overlap == "refuse" and kind is None:
-        kinds = SECTIONS[:1]
     refused = overlap == "refuse"
+    kinds: tuple[str, ...] = SECTIONS
+    if kind:
+        kinds = (kind,)
+    elif refused:
+        kinds = SECTIONS[:1]
     request = _Request(widths, fractions, tip_thickness_ratio, prescribed, refused, shift)
 
     def fit(weave):
@@ -157,7 +164,9 @@ def fit_sections(
     try:
         return fit(weave)
     except _TooDense as problem:
-        line = str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
+        line = str(problem)
+        if not prescribed:
+            line = f"{problem}: {_advice(fit, weave)}"
         raise InputError(line) from None
 
 
@@ -198,12 +207,13 @@ class _Request:
         first = _overlap(requested, crossing)
         free = sum(weave.h0) * SHIFT_LIMIT if self.shift else 0.0
         sections = requested
-        warp, weft = map(float, self.fractions)
-        Vf0 = (warp, weft)
+        Vf0 = tuple(map(float, self.fractions))
         if first > free:
             if self.refused:
                 raise InputError(self._too_much(kind, first, free))
-            sections = None if self.prescribed else _narrow(requested, crossing)
+            sections = None
+            if not self.prescribed:
+                sections = _narrow(requested, crossing)
             if sections is None:
                 sections, factor = _densify(requested, crossing, self.fractions, self.prescribed)
                 Vf0 = _denser(self.fractions, factor)
@@ -286,13 +296,8 @@ def _least(fit, weave, crimp_at):
 def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
     """The least factor between `low`, which does not fit, and `high`, which does, to within
     `FACTOR` above it."""
-    while high - low > FACTOR:
-        middle = 0.5 * (low + high)
-        if fits(middle):
-            high = middle
-        else:
-            low = middle
-    return high
+    found = bisect(lambda factor: fits(factor) - 0.5, low, high, xtol=0.5 * FACTOR)
+    return float(found) + 0.5 * FACTOR
 
 
 def _areas(weave, fractions):
@@ -362,14 +367,13 @@ def _densify(requested, crossing, fractions, prescribed):
     """
 
     def at(factor):
-        areas = [
-            s.area * old / new
+        sections = tuple(
+            _resized(s, s.width, s.area * old / new)
             for s, old, new in zip(requested, fractions, _denser(fractions, factor))
-        ]
-        sections = tuple(_resized(s, s.width, area) for s, area in zip(requested, areas))
-        return (
-            sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
         )
+        if prescribed:
+            return sections
+        return tuple(map(_best, sections, crossing))
 
     highest = max(1.0, CLOSEST_PACKING / min(fractions))
     left = _overlap(at(highest), crossing)

@@ -1,11 +1,13 @@
-"""A guard on the memory of a test process, and the command line as a fixture.
+"""A guard on the memory of a test process; the command line, tools and folders of a session as fixtures.
 
 What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
 """
 
+import fcntl
 import importlib
 import os
 import shlex
+import shutil
 import sys
 from pathlib import Path
 
@@ -46,6 +48,27 @@ def memory():
     assert peak() < LIMIT, (
         f"this process grew to {peak():.0f} MiB, above {LIMIT}; most of it in\n{told}"
     )
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory):
+    """A function that gives a folder of the session, filled by make(folder) in the first process that asks for it."""
+    base = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        base = base.parent
+
+    def folder(name, make):
+        place = base / name
+        with open(base / f"{name}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (base / f"{name}.made").exists():
+                shutil.rmtree(place, ignore_errors=True)
+                place.mkdir()
+                make(place)
+                (base / f"{name}.made").touch()
+        return place
+
+    return folder
 
 
 @pytest.fixture

@@ -1,11 +1,9 @@
 """Commands, files and Python that the guide pages and README print, in their order; for tests of the site."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 ROOT = Path(__file__).parents[1]
 GUIDE = (
@@ -40,7 +38,7 @@ class Printed(NamedTuple):
     name: str = ""
 
 
-def of(page: str) -> list[Printed]:
+def of(page):
     """What a page prints: lines that call weavecell or Python and what these print, files that it names before their
     text, Python."""
     text = (ROOT / page).read_text("utf-8")
@@ -63,12 +61,12 @@ def of(page: str) -> list[Printed]:
     return found
 
 
-def words(line: str) -> list[str]:
+def words(line):
     """Words of a command line, as a shell splits them, without the comment at its end."""
     return shlex.split(line, comments=True)
 
 
-def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
+def parsed(argv):
     """(command, {parameter: value as text}) of a call of weavecell; a click error where an option does not exist."""
     import typer
 
@@ -94,7 +92,7 @@ def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
     return name, values
 
 
-def files(name: str, values: dict[str, Any]) -> tuple[list[str], list[str]]:
+def files(name, values):
     """(files that a call reads, files and folders that it makes), as far as its words tell."""
     reads = []
     makes = []

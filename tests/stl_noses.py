@@ -1,15 +1,10 @@
 """The five analytic noses as STL files and as samples of their distance, and shots with both at one ply of S-720."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import radians
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
 from shellfabric.impact import simulation
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid
@@ -33,9 +28,7 @@ NOSES = {
 VELOCITIES = (80.0, 150.0)  # [m/s]
 
 
-def triangles(
-    shot: Projectile, rise: int = 241, around: int = 145
-) -> tuple[FloatArray, np.ndarray]:
+def triangles(shot, rise=241, around=145):
     """Corners (n, 3) [m] and triangles (m, 3) of the surface of a projectile; parameters as of its `surface`."""
     rings = shot.surface(rise=rise, around=around)[:, :-1]
     rings = rings[np.r_[True, np.abs(np.diff(rings, axis=0)).max(axis=(1, 2)) > 1e-9]]
@@ -52,7 +45,7 @@ def triangles(
     return np.vstack([rings[1:-1].reshape(-1, 3), rings[0, 0], rings[-1, 0]]), np.concatenate(faces)
 
 
-def write(path: Path, points: FloatArray, faces: np.ndarray, binary: bool = True) -> Path:
+def write(path, points, faces, binary=True):
     """Write a surface of triangles as an STL file in mm."""
     import pyvista
 
@@ -62,7 +55,7 @@ def write(path: Path, points: FloatArray, faces: np.ndarray, binary: bool = True
     return path
 
 
-def sampled(shot: Projectile, samples: int) -> Projectile:
+def sampled(shot, samples):
     """A projectile by samples of its analytic distance, some of them in an edge radius."""
     points, faces = triangles(shot, 61, 73)
     h = shot.edge_radius / samples
@@ -78,7 +71,7 @@ def sampled(shot: Projectile, samples: int) -> Projectile:
     return Projectile(shape="stl", solid=solid, radius=solid.radius, length=solid.length, **rigid)
 
 
-def errors(shot: Projectile, other: Projectile, count: int = 4000) -> tuple[FloatArray, FloatArray]:
+def errors(shot, other, count=4000):
     """(m,) differences of the distance over the edge radius, and [deg] of the normal, at places where contact acts: up
     to half an edge radius deep."""
     rng = np.random.default_rng(0)
@@ -94,7 +87,7 @@ def errors(shot: Projectile, other: Projectile, count: int = 4000) -> tuple[Floa
     return np.array([(e - d) / shot.edge_radius for d, _, e, _ in found]), np.array(turned)
 
 
-def from_file(path: Path) -> dict[str, Any]:
+def from_file(path):
     """The keyword `projectile` of the body in an STL file of these noses."""
     return {
         "shape": "stl",
@@ -105,9 +98,7 @@ def from_file(path: Path) -> dict[str, Any]:
     }
 
 
-def fire(
-    shot: Projectile, projectile: dict[str, Any], velocity: float
-) -> tuple[FloatArray, FloatArray]:
+def fire(shot, projectile, velocity):
     """The same shot with an analytic nose and with the body of a file.
 
     Returns

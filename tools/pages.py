@@ -21,14 +21,13 @@ DOCS, DATA = ROOT / "docs", ROOT / "docs" / "reports" / "data"
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
+import claims_page  # noqa: E402
 import file_formats  # noqa: E402
 import keys_page  # noqa: E402
 import python_page  # noqa: E402
+from claims_page import markdown  # noqa: E402
 
-from validation.claims import judge  # noqa: E402
-from validation.claims import page as claims  # noqa: E402
-from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
-from validation.study import markdown, read  # noqa: E402
+from validation.study import read  # noqa: E402
 
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
@@ -191,29 +190,6 @@ def critical_velocities() -> str:
     return f"\n\n{markdown(rows)}\n"
 
 
-def decided_claims() -> str:
-    """How many claims of the thesis are reproduced, in short."""
-    counts = claims.counts(claims.of_thesis(claims.read(DATA / "claims.csv")))
-    decided = counts[REPRODUCED] + counts[MISSED]
-    reproduced = f"{counts[REPRODUCED]} are reproduced ({100 * counts[REPRODUCED] / decided:.0f} %)"
-    return f"of the {decided} that are decided, {reproduced} and {counts[MISSED]} missed"
-
-
-def all_claims() -> str:
-    """The counts of the ledger in words."""
-    rows = claims.read(DATA / "claims.csv")
-    thesis, others = claims.of_thesis(rows), claims.of_thesis(rows, False)
-    n, more = claims.counts(thesis), claims.counts(others)
-    text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis: {decided_claims()};
-    {n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage;
-    {n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable;
-    {n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; {n[judge.LEFT_OUT]} slow ones are left
-    out. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced, {more[MISSED]}
-    missed and {more[judge.LEFT_OUT]} left out. Claims on shots at one ply are checked in four variants of the model as
-    well. {claims.variants_sentence(rows)}."""
-    return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
-
-
 def case_columns() -> str | None:
     """Columns of the records of 3D cases, where dolfinx is there."""
     try:
@@ -233,7 +209,7 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
         "mesh errors": mesh_errors,
         "two tests": two_tests,
         "tested ply": tested_ply_in_words,
-        "claims": decided_claims,
+        "claims": claims_page.in_short,
     },
     "docs/pack.md": {"mesh errors": pack_mesh_errors},
     "docs/index.md": {"two tests": two_tests},
@@ -242,7 +218,12 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
         "two tests": two_tests,
         "tested ply": tested_ply,
         "critical velocities": critical_velocities,
-        "claims": all_claims,
+        "claims": claims_page.in_words,
+    },
+    "docs/reports/claims.md": {
+        "how they were made": claims_page.made,
+        "verdicts": claims_page.verdicts,
+        "missed claims": claims_page.missed,
     },
     "docs/reference/python.md": {"functions": python_page.text},
     "docs/reference/files.md": {

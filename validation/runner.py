@@ -17,10 +17,9 @@ from typing import Any
 
 from fabrics.base import run_cache
 from fabrics.base.errors import WeavecellError
-from validation import cases, judges, study
+from validation import cases, judges, program, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
 from validation.values import Values
-from weavecell.results import provenance
 
 KEPT = Path("results/studies")
 LONG_ENOUGH = 0.6  # [s] of CPU, after which a run that is timed is not repeated
@@ -128,11 +127,9 @@ def main(
     failed = 0
     for name in names:
         chosen = study.load(name)
-        stamp = provenance.stamp()
+        made = program.made(f"study {name}{words}")
         records = run(chosen, quick=quick, jobs=jobs, executor=executor)
         path = (out or folder) / f"{name}.csv"
-        command = f"python -m validation study {name}{words}"
-        made = f"{command}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
         study.write(path, records, made, chosen.content.get("columns"))
         print(f"{name}: {len(records)} rows in {path}")
         if quick:

@@ -285,12 +285,6 @@ def write(
             writer.writerow(map(text, map(one.get, columns)))
 
 
-def markdown(rows: Sequence[Sequence[object]]) -> str:
-    """Rows, the first of which is the head, as a table in Markdown."""
-    rows = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
-    return "".join("| " + " | ".join(map(str, row)) + " |\n" for row in rows)
-
-
 def read(path: Path) -> tuple[str, list[dict[str, str]]]:
     """(how it was made, rows) of a CSV of `write`."""
     with open(path, encoding="utf-8", newline="") as file:

@@ -120,3 +120,21 @@ def test_a_stamp_tells_other_inputs_from_other_code(monkeypatch, tmp_path):
     with pytest.raises(InputError, match="earlier version") as caught:
         run_cache.check_stamp({"identity": wanted["identity"]}, wanted, tmp_path)
     assert "\n" not in str(caught.value)
+
+
+def test_results_of_other_code_are_computed_again(tmp_path, monkeypatch):
+    computed = []
+
+    def square(number):
+        computed.append(number)
+        return number * number
+
+    def compute():
+        found = run_cache.results(square, [(1,), (2,)], folder=tmp_path)
+        assert found == [1, 4]
+        return computed
+
+    assert compute() == [1, 2]
+    assert compute() == [1, 2]  # nothing again
+    monkeypatch.setattr(run_cache, "code", lambda *modules: "other code")
+    assert compute() == [1, 2, 1, 2]

@@ -1,9 +1,4 @@
-"""Files of users and of the program: encodings, separators, numbers, and a disk without room."""
-
-import errno
-import os
-import subprocess
-import sys
+"""Files of users and of the program: encodings, separators and numbers."""
 
 import numpy as np
 import pytest
@@ -113,41 +108,6 @@ def test_what_is_no_finite_number_is_named_with_its_line(tmp_path, column, bad):
         read(path)
     expected = f"curve.csv: line 4, {column} = {bad!r}: must be a finite number"
     assert str(refused.value).endswith(expected)
-
-
-@pytest.mark.parametrize("writer", ["write", "write_csv", "write_hdf5", "library"])
-def test_a_full_disk_names_the_file_and_keeps_what_was_there(tmp_path, writer):
-    """The limit of a process on the size of its files stands for the disk."""
-    path = tmp_path / "old.h5"
-    path.write_text("old")
-    code = f"""
-import resource, sys
-import numpy as np
-from fabrics.base import files
-path = {str(path)!r}
-def write(): files.write(path, "x" * 400_000)
-def write_csv(): files.write_csv(path, [["x" * 400_000]])
-def write_hdf5():
-    with files.write_hdf5(path, "test 1") as file:
-        file["a"] = np.arange(100_000.0)
-def library():
-    with files.replace_whole(path) as beside:
-        try:
-            beside.write_bytes(bytes(400_000))
-        except OSError:
-            pass  # as gmsh and VTK, which say nothing
-import h5py
-resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-try:
-    {writer}()
-except OSError as problem:
-    print(problem.filename, problem.strerror)
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == (f"{path} {os.strerror(errno.EFBIG)}\n", "")
-    assert done.returncode == 0
-    assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["old.h5"]
 
 
 def test_an_hdf5_file_in_memory_is_the_file_on_disk(tmp_path):

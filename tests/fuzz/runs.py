@@ -9,8 +9,6 @@ Outcomes
 A run that hangs ends its process, with a traceback.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import tempfile
 import time
@@ -33,7 +31,7 @@ class TimeLimit(Exception):
     """A run that took too long."""
 
 
-def outcome(scene) -> dict:
+def outcome(scene):
     """Run a RandomScene: {"name", "outcome", "end", "message", "energy_error" [-], "doubtful", "cpu_time" [s], ...}."""
     row = {
         "name": scene.name,
@@ -95,14 +93,14 @@ def _of_result(result):
     }
 
 
-def is_wrong(row) -> bool:
+def is_wrong(row):
     """Whether a run did not end as it has to; the energy error of one that ended well has to be a number."""
     if row["outcome"] == "ok":
         return not row["energy_error"] <= ENERGY_ERROR_LIMIT
     return row["outcome"] not in ("rejected", "guard")
 
 
-def failures(rows, guards) -> list[str]:
+def failures(rows, guards):
     """What must not be, in lines: wrong runs, and more than `guards` runs that were stopped by a guard."""
     stopped = [row for row in rows if row["outcome"] == "guard"]
     found = [row for row in rows if is_wrong(row)] + (stopped if len(stopped) > guards else [])
@@ -112,7 +110,7 @@ def failures(rows, guards) -> list[str]:
     ]
 
 
-def summary(rows) -> str:
+def summary(rows):
     """Counts of the outcomes, the largest energy error, and how many runs are doubtful."""
     ended = [row for row in rows if row["outcome"] == "ok"]
     counts = Counter(row["end"] if row["outcome"] == "ok" else row["outcome"] for row in rows)

@@ -9,8 +9,6 @@ whatever the versions of Python and libraries; `scenes()` is the same space as a
 towards `random() = 0`, so that the plainest choice always comes first.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass
@@ -54,7 +52,7 @@ class RandomScene:
     other: dict
     body: str = ""
 
-    def write(self, folder) -> Path:
+    def write(self, folder):
         """Write NAME.toml, NAME-fabric.toml and, where drawn, NAME-other.toml and NAME.stl; the path of the scene."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -68,7 +66,7 @@ class RandomScene:
         return path
 
 
-def scene(seed, index) -> RandomScene:
+def scene(seed, index):
     """Scene number `index` of the sequence `seed`.
 
     Where its name begins with "packs", "angled" or "backed", it is a pack of 2 to 8 plies: "angled" at any angles and
@@ -87,7 +85,7 @@ def scenes():
     return strategies.randoms(use_true_random=False).map(sample)
 
 
-def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> RandomScene:
+def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False):
     """Draw a scene with the generator's `random()`; plies : numbers to choose from; angled, backed : as of `scene`."""
     draw = Draw(generator)
     fabric = sample_fabric(draw, name)
@@ -166,7 +164,7 @@ class Draw:
         return self._random() > 1 - share
 
 
-def sample_fabric(draw, name) -> dict:
+def sample_fabric(draw, name):
     """The table of a fabric file: yarns of one class of fibres; half of the fabrics have two like yarns."""
     density, modulus, strain = FIBRES[draw.choice(tuple(FIBRES))]
     alike = draw.choice((True, False))
@@ -246,7 +244,7 @@ def thickness_of(tex, density):
     return math.sqrt(4 * area / (math.pi * _FLATNESS))
 
 
-def sample_cell(draw, fabric, thickness) -> dict:
+def sample_cell(draw, fabric, thickness):
     """The table [fabric] of a scene but for its file."""
     found = {
         "cell_model": draw.choice(
@@ -270,7 +268,7 @@ def _height(yarn, other):
     return 0.5 * _spacing(other) * math.sqrt(crimp * (2 + crimp)) * (2 / math.pi)
 
 
-def sample_projectile(draw, half) -> dict:
+def sample_projectile(draw, half):
     """The table [projectile] for a panel of a half width [mm]."""
     diameter = draw.log_uniform(3, min(15, 0.95 * half))
     shape = draw.choice(SHAPES)
@@ -321,7 +319,7 @@ def sample_projectile(draw, half) -> dict:
     return found
 
 
-def sample_body(draw, shot, file) -> tuple[dict, str]:
+def sample_body(draw, shot, file):
     """The table [projectile] with the body of an STL file for its nose, and its text: a frustum of 3 to 6 sides."""
     radius = 0.5 * _number(shot["diameter"])
     sides = draw.choice((4, 3, 5, 6))
@@ -347,7 +345,7 @@ def sample_body(draw, shot, file) -> tuple[dict, str]:
     return found, "\n".join([*lines, "endsolid body\n"])
 
 
-def sample_backing(draw, half) -> dict:
+def sample_backing(draw, half):
     """The table [backing] behind a panel of a half width [mm]: small and coarse."""
     found = {
         "size": [
@@ -367,7 +365,7 @@ def sample_backing(draw, half) -> dict:
     return found
 
 
-def sample_panel(draw, shot, thickness, plies) -> dict:
+def sample_panel(draw, shot, thickness, plies):
     """The table [panel] but for its opening."""
     found = {"boundary": draw.choice(("clamped", "clamped", "free"))}
     if draw.chance(0.15):
@@ -385,7 +383,7 @@ def sample_panel(draw, shot, thickness, plies) -> dict:
     return found
 
 
-def sample_other(draw, fabric, name) -> dict:
+def sample_other(draw, fabric, name):
     """The table of a fabric with other counts and modulus than the first."""
     found = {
         key: dict(value) if isinstance(value, dict) else value for key, value in fabric.items()
@@ -403,7 +401,7 @@ def sample_other(draw, fabric, name) -> dict:
     return found | {"name": f"{name}-other"}
 
 
-def sample_strength(draw, fabric) -> dict:
+def sample_strength(draw, fabric):
     """Entries of [panel] for the options of strength, whose data go into the table of the fabric."""
     faster = draw.log_uniform(10, 1000)
     fabric["strain_rate"] = {
@@ -416,7 +414,7 @@ def sample_strength(draw, fabric) -> dict:
     return {"rate_dependence": draw.chance(0.3)}
 
 
-def sample_plies(draw, count, other, thickness, angled=False) -> list:
+def sample_plies(draw, count, other, thickness, angled=False):
     """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees or any angle; some gaps of their own."""
     found = []
     for _ in range(count):
@@ -433,7 +431,7 @@ def sample_plies(draw, count, other, thickness, angled=False) -> list:
     return found
 
 
-def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
+def sample_run(draw, fabric, cells, half, shot, panel):
     """The table [run], and the panel's opening, within the budget of element updates."""
     E = _number(fabric["warp"]["modulus"])
     rho = _number(fabric["warp"]["fibre_density"])

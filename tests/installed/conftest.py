@@ -1,6 +1,5 @@
 """The wheel, and an environment in which it alone is installed: made once, and shared by the processes of a session."""
 
-import fcntl
 import os
 import shutil
 import site
@@ -15,25 +14,6 @@ from tests.installed.packages import FILES, ROOT
 
 META = ("pyproject.toml", "README.md", "LICENSE")
 BUILD = "from setuptools.build_meta import build_sdist, build_wheel; build_wheel({0!r}); build_sdist({0!r})"
-
-
-@pytest.fixture(scope="session")
-def shared(tmp_path_factory):
-    """A function that gives a folder of the session, filled by make(folder) in the first process that asks for it."""
-    base = tmp_path_factory.getbasetemp()
-    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-
-    def folder(name, make):
-        with open(base / f"{name}.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            if not (base / name / "made").exists():
-                shutil.rmtree(base / name, ignore_errors=True)
-                (base / name).mkdir()
-                make(base / name)
-                (base / name / "made").touch()
-        return base / name
-
-    return folder
 
 
 @pytest.fixture(scope="session")

@@ -2,22 +2,16 @@
 
 import numpy as np
 
+# corners of the unit cube in VTK order
+CUBE = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float
+)
+
 
 def volumes(points, hexes):
     """Volume [m3] of each trilinear element, exact: two-point Gauss rule of the Jacobian in each direction."""
     corners = np.asarray(points, float)[np.asarray(hexes)]
-    signs = np.array(
-        [
-            (-1, -1, -1),
-            (1, -1, -1),
-            (1, 1, -1),
-            (-1, 1, -1),
-            (-1, -1, 1),
-            (1, -1, 1),
-            (1, 1, 1),
-            (-1, 1, 1),
-        ]
-    )
+    signs = 2 * CUBE - 1
     total = np.zeros(len(corners))
     for gauss in signs / np.sqrt(3):
         factors = 1 + signs * gauss

@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-from hexahedra import volumes
+from hexahedra import CUBE, volumes
 
 from meshing.quality import scaled_jacobian
 
-CUBE = np.array(
-    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
-    dtype=float,
-)
 ONE = np.arange(8)[None]
 
 

@@ -6,11 +6,15 @@ planes x = 0, y = 0 are symmetry planes where `quarter`; the top of the upper bl
 
 import numpy as np
 import ufl
+from equations import matrix
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from meshing import grid
 from unitcell3d.assembly.compat import Assembler, HexSpace
-from unitcell3d.contact.surfaces import SurfacePairs, facing
+from unitcell3d.assembly.constraints import Constraints
+from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact.surfaces import SurfacePairs, facing, tributary_areas
 from unitcell3d.model.crossover import Numerics
 
 SOFTENINGS = (1e-3, 1e-2, 0.1, 1.0)
@@ -39,7 +43,7 @@ class Blocks:
         first = np.arange(upper[..., 0].size).reshape(upper.shape[:3])
         second = np.arange(lower[..., 0].size).reshape(lower.shape[:3]) + first.size
         self.grids = first, second
-        hexes = np.concatenate([bricks(first, True), bricks(second, False)])
+        hexes = np.concatenate([grid.bricks(first, True), grid.bricks(second, False)])
         self.space = HexSpace.build(self.points, hexes)
         lame, mu = E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
         u = self.space.displacement
@@ -55,6 +59,7 @@ class Blocks:
         forms = [ufl.inner(stress(field), ufl.sym(ufl.grad(v))) * ufl.dx for field in (u, du)]
         self.solid = Assembler(self.space, *forms)
         n = 3 * len(self.points)
+        self.unheld = Constraints(np.arange(n), np.ones(n), np.zeros((n, 0)), n, ())
         self.K = sparse.csr_matrix(
             (self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n)
         )
@@ -69,7 +74,6 @@ class Blocks:
         for component in (0, 1):
             fixed[np.isclose(self.points[:, component], 0), component] = True
         self.free = np.flatnonzero(~fixed.ravel())
-        self.force = np.zeros((len(self.points), 3))
 
     def press(self, descent, steps=1, hold=()):
         """Displacement (n, 3) when the top has gone down; `hold` lists further (nodes, component) kept at zero."""
@@ -98,50 +102,17 @@ class Blocks:
 
     def _touch(self, x):
         """Contact forces (n, 3) and their tangent as a sparse matrix."""
-        forces, n = np.zeros_like(x), x.size
+        forces = np.zeros_like(x)
         self.lift = self.surfaces.assemble(x, self.numerics, forces)
-        places = Places(len(x), self.surfaces.expected_stencils())
-        self.surfaces.build_pattern(places)
-        values = np.zeros((len(places.keys), 3, 3))
-        self.surfaces.assemble(x, self.numerics, np.zeros_like(x), values)
-        component = np.arange(3)
-        i = (3 * places.rows[:, None, None] + component[:, None] + 0 * component).ravel()
-        j = (3 * places.columns[:, None, None] + component + 0 * component[:, None]).ravel()
-        return forces, sparse.csr_matrix((values.ravel(), (i, j)), shape=(n, n))
+        pattern = Pattern(len(x), self.surfaces.expected_stencils(), self.unheld)
+        self.surfaces.build_pattern(pattern)
+        self.surfaces.assemble(x, self.numerics, np.zeros_like(x), pattern.values)
+        pattern.reduce()
+        return forces, matrix(pattern)
 
     def pressures(self, yarn):
         """Positions (s, 2) and contact pressure (s,) [Pa] at the nodes of one face: both passes, over their areas."""
-        from unitcell3d.contact.surfaces import tributary_areas
-
-        grid = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
-        areas = tributary_areas(self.points, grid).ravel()
-        nodes = grid.ravel()
+        face = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
+        areas = tributary_areas(self.points, face).ravel()
+        nodes = face.ravel()
         return self.points[nodes, :2], np.abs(self.contact[nodes, 2]) / areas
-
-
-class Places:
-    """Stands for `sparsity.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
-
-    def __init__(self, n, stencils):
-        self._n = n
-        self.keys = np.unique(np.concatenate([self._pairs(some).ravel() for some in stencils]))
-        self.rows, self.columns = np.divmod(self.keys, n)
-
-    def _pairs(self, stencils):
-        return stencils[:, :, None] * self._n + stencils[:, None, :]
-
-    def places(self, stencils):
-        return np.searchsorted(self.keys, self._pairs(stencils))
-
-
-def bricks(grid, right):
-    """(m, 8) hexahedra of a structured grid, in VTK order, positive volumes."""
-    a = [
-        grid[
-            i : grid.shape[0] - 1 + i, j : grid.shape[1] - 1 + j, k : grid.shape[2] - 1 + k
-        ].ravel()
-        for k in (0, 1)
-        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
-    ]
-    hexes = np.stack(a, axis=1)
-    return hexes if right else hexes[:, [0, 3, 2, 1, 4, 7, 6, 5]]

@@ -4,8 +4,6 @@ pytest loads this file in the process that starts the others too. There dolfinx 
 whose variables of the environment (OMPI_*, PMIX_*) they would inherit, and `mpiexec` ends at once where it finds them.
 """
 
-import fcntl
-import os
 from functools import partial
 from importlib.util import find_spec
 from types import SimpleNamespace
@@ -49,19 +47,18 @@ def whole(meshed):
 
 
 @pytest.fixture(scope="session")
-def calibrated(s720, tmp_path_factory):
+def calibrated(s720, shared):
     """Calibration of S-720 on the coarse mesh: found, folder, and what was told of its progress.
 
-    The folder is that of the run of the tests: where several processes share it, the first one solves the paths, and
-    the others, which wait for it, take them from their files.
+    The first process solves the paths, and all take them from their files.
     """
     from unitcell3d.identify.calibrate import calibrate
 
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    folder, progress = shared / "calibration-of-S-720", {}
-    with open(shared / "calibration.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        watch = {"on_progress": lambda fabric, path, share: progress.update({path: share})}
-        found = calibrate(s720, size="coarse", out=folder, resume=True, **watch)
+    folder = shared("calibration", lambda folder: calibrate(s720, size="coarse", out=folder))
+    progress = {}
+
+    def watch(fabric, path, share):
+        progress[path] = share
+
+    found = calibrate(s720, size="coarse", out=folder, resume=True, on_progress=watch)
     return SimpleNamespace(found=found, folder=folder, progress=progress)

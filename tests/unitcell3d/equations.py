@@ -22,7 +22,9 @@ def assert_tangent(K, function, x, direction, step, tolerance=1e-7):
 
 def matrix(pattern):
     """The tangent of a model that has filled its pattern."""
-    return sparse.csr_matrix((pattern.entries.copy(), pattern.columns, pattern.starts))
+    size = len(pattern.starts) - 1
+    content = (pattern.entries.copy(), pattern.columns, pattern.starts)
+    return sparse.csr_matrix(content, shape=(size, size))
 
 
 def dense(values, n):

@@ -7,6 +7,7 @@ the toolkit in units of 0.1 mm: its absolute tolerances expect numbers of order 
 
 import ipctk
 import numpy as np
+from equations import matrix
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -66,14 +67,9 @@ class BarrierModel:
         self.mesh.can_collide = ipctk.make_vertex_patches_filter(yarn)
         self.reach, self.scale = reach / UNIT, stiffness * UNIT
         self.barrier = ipctk.BarrierPotential(self.reach, 1.0)
-        fixed, n = self.model.constraints, points.size
-        free = np.flatnonzero(fixed.unknown >= 0)
-        self.expand = sparse.csr_matrix(
-            (fixed.sign[free], (free, fixed.unknown[free])), shape=(n, fixed.size)
-        )
         rows = (3 * self.nodes[:, None] + np.arange(3)).ravel()
         self.spread = sparse.csr_matrix(
-            (np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(n, len(rows))
+            (np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(points.size, len(rows))
         )
         self.warp = upper.size
 
@@ -100,12 +96,10 @@ class BarrierModel:
     def tangent(self, q, load):
         model = self.model
         model.system(q, load)
-        p = model.pattern
-        K = sparse.csr_matrix((p.entries.copy(), p.columns, p.starts))
         x = self._scaled(model.positions(q, load))
         H = self.scale / UNIT**2 * self.barrier.hessian(self._collisions(x), self.mesh, x)
-        full = self.spread @ H @ self.spread.T
-        return K + self.expand.T @ full @ self.expand
+        C = model.constraints.C
+        return matrix(model.pattern) + C.T @ (self.spread @ H @ self.spread.T) @ C
 
     def solve(self, q, start, load, rounds=300):
         """Equilibrium at `load` from that at `start`: the ends are driven as far as no facets meet, then corrected."""

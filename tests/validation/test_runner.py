@@ -3,6 +3,7 @@
 import inspect
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -15,42 +16,32 @@ from validation.judges import STABLE
 from validation.study import Study
 
 
-def made_up(monkeypatch, tmp_path, function, content):
+def made_up(monkeypatch, tmp_path, function, text):
+    """A study of a text whose cases a function computes."""
     monkeypatch.setattr(cases, "function", lambda name: function)
     monkeypatch.chdir(tmp_path)
-    return Study("made-up", {"run": "made.up", **content})
+    return Study("made-up", {"run": "made.up"} | tomllib.loads(text))
+
+
+COMBINED = """
+labels = ["published"]
+base = { a = 1, table = { x = 1, y = 2 } }
+each.mesh = { coarse = { n = 1 }, fine = { n = 2 } }
+[[case]]
+name = "{force} N"
+each.force = [20, 40]
+set = { clamp = "{force} N", raw = "{force}" }
+[[case]]
+name = "pairs"
+each."table.x, published" = [[5, "stops"]]
+"""
 
 
 def test_cases_are_all_combinations_with_changes_of_the_keywords():
-    content = {
-        "base": {"a": 1, "table": {"x": 1, "y": 2}},
-        "labels": ["published"],
-        "each": {"mesh": {"coarse": {"n": 1}, "fine": {"n": 2}}},
-        "case": [
-            {
-                "name": "{force} N",
-                "each": {"force": [20, 40]},
-                "set": {"clamp": "{force} N", "raw": "{force}"},
-            },
-            {"name": "pairs", "each": {"table.x, published": [[5, "stops"]]}},
-        ],
-    }
-    rows = Study("made-up", content).rows()
-    assert [row.labels["name"] for row in rows] == [
-        "20 N",
-        "40 N",
-        "20 N",
-        "40 N",
-        "pairs",
-        "pairs",
-    ]
-    assert rows[2].keywords == {
-        "a": 1,
-        "table": {"x": 1, "y": 2},
-        "clamp": "20 N",
-        "raw": 20,
-        "n": 2,
-    }
+    rows = Study("made-up", tomllib.loads(COMBINED)).rows()
+    assert [row.labels["name"] for row in rows] == 2 * ["20 N", "40 N"] + 2 * ["pairs"]
+    table = {"x": 1, "y": 2}
+    assert rows[2].keywords == {"a": 1, "table": table, "clamp": "20 N", "raw": 20, "n": 2}
     assert rows[4].keywords == {"a": 1, "table": {"x": 5, "y": 2}, "n": 1}
     assert rows[4].labels == {"name": "pairs", "mesh": "coarse", "table.x": 5, "published": "stops"}
 
@@ -61,19 +52,17 @@ def error_of_second_order(n, scale=1.0):
     return {"value": 3 + scale / n**2, "history": np.arange(n)}
 
 
+COMPARED = """
+each.n = [1, 2, 4, 7]
+reference.n = 4
+quantities = { value = "value", "off [%]" = "100 * (value / ref.value - 1)", sum = "sum(history)" }
+fits.line.value = "max(of('value'))"
+expect = ["falls(of('off [%]'))", "max(of('sum')) > 6"]
+"""
+
+
 def test_a_study_is_computed_compared_written_and_taken_again(monkeypatch, tmp_path):
-    content = {
-        "each": {"n": [1, 2, 4, 7]},
-        "reference": {"n": 4},
-        "quantities": {
-            "value": "value",
-            "off [%]": "100 * (value / ref.value - 1)",
-            "sum": "sum(history)",
-        },
-        "fits": {"line": {"value": "max(of('value'))"}},
-        "expect": ["falls(of('off [%]'))", "max(of('sum')) > 6"],
-    }
-    this = made_up(monkeypatch, tmp_path, error_of_second_order, content)
+    this = made_up(monkeypatch, tmp_path, error_of_second_order, COMPARED)
     records = runner.run(this)
     assert records[0] == {
         "n": 1,
@@ -100,19 +89,15 @@ def valley(x, y):
     return {"x": x}
 
 
+MAPPED = """
+each = { x = [0.1, 1.0, 2.0, 8.0], y = [1.0, 0.5] }
+map = { x = "x", y = "y", stable = "x > 0.3", default = [1.0, 1.0], sides = ["above", "below"] }
+quantities."x again" = "x"
+"""
+
+
 def test_a_map_finds_the_edges_about_its_default(monkeypatch, tmp_path):
-    content = {
-        "each": {"x": [0.1, 1.0, 2.0, 8.0], "y": [1.0, 0.5]},
-        "map": {
-            "x": "x",
-            "y": "y",
-            "stable": "x > 0.3",
-            "default": [1.0, 1.0],
-            "sides": ["above", "below"],
-        },
-        "quantities": {"x again": "x"},
-    }
-    records = runner.run(made_up(monkeypatch, tmp_path, valley, content))
+    records = runner.run(made_up(monkeypatch, tmp_path, valley, MAPPED))
     outcomes = {(one["x"], one["y"]): one["outcome"] for one in records}
     assert outcomes[0.1, 1.0] == "wrong"
     assert outcomes[2.0, 1.0] == STABLE
@@ -124,28 +109,26 @@ def test_a_map_finds_the_edges_about_its_default(monkeypatch, tmp_path):
     assert below["margin"] == pytest.approx(1 / 0.3, rel=0.08)
 
 
+CHARTED = """
+base.n = 1
+quantities.value = "value"
+[each.method]
+1 = {}
+3 = { n = 3 }
+"3, dear" = { n = 3, scale = 1.01 }
+fails = { n = 7 }
+[cost]
+warm.n = 1
+groups.value = ["value"]
+meshes = [[0.5, { n = 2 }], [0.25, { n = 4 }], [0.125, { n = 8 }]]
+"""
+
+
 def test_a_chart_knows_errors_costs_and_what_none_beats(monkeypatch, tmp_path):
     def timed(n, scale=1.0):
         return error_of_second_order(n, scale) | {"cpu_s": 0.7 * n}
 
-    content = {
-        "base": {"n": 1},
-        "each": {
-            "method": {
-                "1": {},
-                "3": {"n": 3},
-                "3, dear": {"n": 3, "scale": 1.01},
-                "fails": {"n": 7},
-            }
-        },
-        "quantities": {"value": "value"},
-        "cost": {
-            "warm": {"n": 1},
-            "groups": {"value": ["value"]},
-            "meshes": [[1 / n, {"n": n}] for n in (2, 4, 8)],
-        },
-    }
-    records = runner.run(made_up(monkeypatch, tmp_path, timed, content))
+    records = runner.run(made_up(monkeypatch, tmp_path, timed, CHARTED))
     assert records[-1]["value"] == pytest.approx(3.0)
     assert [one["error of value [%]"] for one in records[:2]] == pytest.approx([100 / 3, 100 / 27])
     assert [one["Pareto-optimal in"] for one in records[:4]] == ["value; ", "value; ", "", ""]

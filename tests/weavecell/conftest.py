@@ -1,19 +1,18 @@
 """One run of each command a session, and the key that interrupts a run."""
 
 from contextlib import contextmanager
+from functools import partial
 from unittest import mock
 
 import pytest
 
-from tests.weavecell.session_runs import made
+from tests.weavecell.session_runs import make, run_in
 
 
 @pytest.fixture(scope="session")
-def results(tmp_path_factory, worker_id):
+def results(shared):
     """The run of a name of `session_runs.RUNS`, made once for all processes of a session."""
-    base = tmp_path_factory.getbasetemp()
-    shared = base if worker_id == "master" else base.parent
-    return lambda name: made(name, shared / f"run-{name}")
+    return lambda name: run_in(shared(f"run-{name}", partial(make, name)))
 
 
 @contextmanager

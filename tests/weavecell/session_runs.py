@@ -5,7 +5,6 @@ A scene is by its name in SCENES, a run by its name in RUNS; the fixture `result
 
 import contextlib
 import copy
-import fcntl
 import io
 import json
 import shlex
@@ -45,16 +44,16 @@ class Run(NamedTuple):
     err: str
 
 
-def made(name, folder):
-    """The Run of a name, in `folder`; other processes wait until it is made, and then read it."""
-    folder.mkdir(exist_ok=True)
-    with open(folder / "lock", "w") as lock, contextlib.chdir(folder):
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        printed = folder / "printed.json"
-        if not printed.exists():
-            write_inputs(name)
-            printed.write_text(json.dumps(_called(name)))
-        return Run(folder / "r", *json.loads(printed.read_text()))
+def make(name, folder):
+    """Make the run of a name in a folder."""
+    with contextlib.chdir(folder):
+        write_inputs(name)
+        Path("printed.json").write_text(json.dumps(_called(name)))
+
+
+def run_in(folder):
+    """The Run that `make` has made in a folder."""
+    return Run(folder / "r", *json.loads((folder / "printed.json").read_text()))
 
 
 def write_inputs(name):

@@ -113,7 +113,10 @@ class Ties:
         `opposite`."""
         layers = face.shape[1]
         same = face is opposite
-        for k in range(layers // 2 if same else layers):
+        turned = layers
+        if same:
+            turned = layers // 2
+        for k in range(turned):
             low = face[:, k]
             high = opposite[:, layers - 1 - k]
             for component, parity in ((axial, -1.0), (VERTICAL, -1.0), (width, 1.0)):
@@ -152,7 +155,8 @@ def build(
         given
     """
     ties = Ties(n, 2)
-    opposite = range(len(grids)) if opposite is None else opposite
+    if opposite is None:
+        opposite = range(len(grids))
     for yarn, (grid, family) in enumerate(zip(grids, families)):
         axial = AXIAL[family]
         width = WIDTH[family]
@@ -163,7 +167,9 @@ def build(
             middle = tuple(size // 2 for size in grid.shape)
             ties.hold(grid[middle], width)  # a lone yarn could drift sideways
         # both ends are driven apart; a quarter has one of them
-        ends = {-1: 1.0} if quarter else {-1: 1.0, 0: -1.0}
+        ends = {-1: 1.0}
+        if not quarter:
+            ends[0] = -1.0
         for end, direction in ends.items():
             ties.drive[3 * grid[end] + axial, family] = direction
             if opposite[yarn] == yarn:

@@ -57,7 +57,8 @@ class Images:
         if (yarn, m, n) not in self._found:
             base = self._mesh.grids[yarn]
             flips = self._parity < 0 and (m + n) % 2 != 0
-            base = base[:, :, ::-1] if flips else base
+            if flips:
+                base = base[:, :, ::-1]
             points = self.points[base]
             points[..., :2] += (m * self._step[0], n * self._step[1])
             if flips:

@@ -119,7 +119,8 @@ def _worst_yarn(limits):
 
 def _worst_yarn_or_force(limits, beyond, pressed):
     """As `_worst_yarn` with `beyond` times the limits, or 1 where the contact force is so many times that at them."""
-    strain, seen = _worst_yarn(limits), {}
+    strain = _worst_yarn(limits)
+    seen = {}
 
     def share(row):
         reached = strain(row)

@@ -87,7 +87,9 @@ def pull_out(
     """
     given = _transverse(displacements, pressures)
     if pull is None:
-        share = PULL_PRESSED if len(pressures) else PULL
+        share = PULL
+        if len(pressures):
+            share = PULL_PRESSED
         pull = share * fabric.weave.w[pulled]
     pull = float(pull)
     if not 0 < pull < np.inf:
@@ -137,9 +139,13 @@ def _joined(records, facts, failed):
 
 def _transverse(displacements, pressures):
     """The transverse loads, numbers in m or Pa; InputError as `pull_out`."""
-    key, unit, values = "displacements", "length", displacements
+    key = "displacements"
+    unit = "length"
+    values = displacements
     if len(pressures):
-        key, unit, values = "pressures", "pressure", pressures
+        key = "pressures"
+        unit = "pressure"
+        values = pressures
     given = np.asarray(values, float).tolist()
     if not given or not 0 < min(given) <= max(given) < np.inf:
         raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")

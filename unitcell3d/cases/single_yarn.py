@@ -88,7 +88,8 @@ class YarnModel(YarnsModel):
 
     def height(self, x: FloatArray) -> float:
         """[m] of the centreline, the middle of the yarn above or below its end."""
-        (grid,), (ends, middle) = self.crossover.grids, self._columns()
+        (grid,) = self.crossover.grids
+        ends, middle = self._columns()
         return float(abs(np.mean(x[grid[middle], 2]) - np.mean(x[grid[ends], 2])))
 
     def _columns(self):
@@ -147,7 +148,10 @@ def pull(
     yarn = fabric.weave.yarns[family]
     crimp = crossover.S0[family] / (2 * model.w) - 1
     if strain is None:
-        strain = (1 + crimp) * (1 + (1.1 if failure else 1.0) * yarn.failure_strain) - 1
+        beyond = 1.0
+        if failure:
+            beyond = 1.1
+        strain = (1 + crimp) * (1 + beyond * yarn.failure_strain) - 1
     if not strain > 0:
         raise InputError(key="strain", value=strain, allowed="positive")
 
@@ -157,7 +161,9 @@ def pull(
 
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the
     # crimp's end
-    shares = [0.0, crimp / strain, 1.0] if strain > crimp else [0.0, 1.0]
+    shares = [0.0, 1.0]
+    if strain > crimp:
+        shares.insert(1, crimp / strain)
     facts = {
         "case": f"yarn {('warp', 'weft')[family]}",
         "yarn": family,

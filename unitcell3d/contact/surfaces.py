@@ -150,7 +150,8 @@ class Pass:
     def _first_guess(self, points):
         """Parameters of the points on the undeformed master, whose grid is straight in plan."""
         slaves = np.einsum("gk,fkc->fgc", self._shapes, points[self._quads]).reshape(-1, 3)
-        grid, (along, across) = self._master.grid, self._master.axes
+        grid = self._master.grid
+        along, across = self._master.axes
         i = np.interp(slaves[:, along], points[grid[:, 0], along], np.arange(grid.shape[0]))
         j = np.interp(slaves[:, across], points[grid[0, :], across], np.arange(grid.shape[1]))
         return np.stack([i, j], axis=1)

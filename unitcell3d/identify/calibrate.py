@@ -31,9 +31,11 @@ from unitcell3d.solver.load_stepping import Steps
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 # both yarns at their failure strain together, where a shot presses them hardest on each other, and on by a tenth for
 # the contact force of the cell, up to a tenth above that in 3D (docs/reports/material-tests.md), and by another
-BOTH, BEYOND = "both beyond failure", 1.2
+BOTH = "both beyond failure"
+BEYOND = 1.2
 # of a fabric without a published law, whose shots press harder: to a force over the one at failure, or to that strain
-PRESSED, FARTHEST = 1.5, 2.0
+PRESSED = 1.5
+FARTHEST = 2.0
 CASES = len(PATHS) + 2  # of a fabric: the paths, that of both yarns, and the platens
 
 
@@ -92,8 +94,10 @@ def path_jobs(
     ]
     if paths is None:
         ratio = biaxial_and_platens.displacements_at_failure(fabric)
-        end = (FARTHEST, PRESSED) if fabric.laws is None else (BEYOND, None)
-        jobs.append(Job(BOTH, fabric, size, ratio, friction, *end))
+        last = Job(BOTH, fabric, size, ratio, friction, BEYOND)
+        if fabric.laws is None:
+            last = replace(last, beyond=FARTHEST, pressed=PRESSED)
+        jobs.append(last)
     return jobs
 
 
@@ -160,8 +164,6 @@ def calibrate_all(
             value=sorted(paths),
             allowed=f"at least one, none of them called {PLATES!r}",
         )
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
     run = _Run(folder, laws, resume, on_progress if on_progress is not None else _silent)
@@ -188,7 +190,8 @@ class _Run:
         self._laws = laws
         self._resume = resume
         self._on_progress = on_progress
-        self._open, self._done = [], {}
+        self._open = []
+        self._done = {}
         self.outcomes = {}
 
     def add(self, fabric, jobs):
@@ -212,18 +215,19 @@ class _Run:
         if not self._resume or folder is None or not job.file(folder).exists():
             return None
         notes = Record.notes(job.file(folder))
-        return (
-            (Record.read(job.file(folder)), notes["seconds"])
-            if notes.get("key") == job.key
-            else None
-        )
+        if notes.get("key") != job.key:
+            return None
+        return Record.read(job.file(folder)), notes["seconds"]
 
     def solve(self, executor, jobs):
         """Solve the open jobs, plates first, and keep each as it comes."""
         if not self._open:
             return
-        queue = CONTEXT.Queue() if executor == "local" else None
-        first = () if queue is None else (_take_queue, queue)
+        queue = None
+        first = ()
+        if executor == "local":
+            queue = CONTEXT.Queue()
+            first = (_take_queue, queue)
         waiting = sorted(self._open, key=lambda job: job.ratio is not None)
         with open_executor(executor, min(jobs, len(waiting)), fresh=True, first=first) as pool:
             futures = {pool.submit(run_job, job): job for job in waiting}
@@ -242,10 +246,8 @@ class _Run:
         try:
             while queue is not None:
                 fabric, path, share = queue.get_nowait()
-                if (
-                    fabric,
-                    path,
-                ) not in self._done:  # what a path says of itself may come after its result
+                # what a path says of itself may come after its result
+                if (fabric, path) not in self._done:
                     self._on_progress(fabric, path, share)
         except Empty:
             pass

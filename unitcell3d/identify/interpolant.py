@@ -42,15 +42,8 @@ class Interpolant:
             for name in QUANTITIES
         }
 
-    def __call__(
-        self, name: str, d1: ArrayLike, d2: ArrayLike, *, dd1: int = 0, dd2: int = 0
-    ) -> FloatArray:
-        """A quantity, or its derivative, at (d1, d2) [m], broadcast against each other.
-
-        Parameters
-        ----------
-        name : of `QUANTITIES`
-        dd1, dd2 : orders of derivatives
+    def __call__(self, name: str, d1: ArrayLike, d2: ArrayLike) -> FloatArray:
+        """A quantity of `QUANTITIES` at (d1, d2) [m], broadcast against each other.
 
         Raises
         ------
@@ -65,7 +58,7 @@ class Interpolant:
                     value=f"{d.min():g} to {d.max():g} m",
                     allowed=f"{low:g} to {high:g} m",
                 )
-        return self._splines[name](d1, d2, dx=dd1, dy=dd2, grid=False)
+        return self._splines[name](d1, d2, grid=False)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,8 @@ STEP = 1e-10
 LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
 # of the distance at rest: steps of the first loading
-LARGEST, LEAST = 0.02, 1e-5
+LARGEST = 0.02
+LEAST = 1e-5
 JUMPS = 2  # of the largest step, over a snap
 # of that at rest: soft trial yarns close further than real ones
 LEAST_DISTANCE = 0.2
@@ -118,9 +119,9 @@ class PlatenSolver:
         self.pressure = np.asarray(pressure, float)
         self._known: list[PlatenStates] = []
         self._x = np.empty(0)
-        self.loaded = self.equilibria = self.tangents = (
-            0  # trials loaded from rest, equilibria, factorisations
-        )
+        self.loaded = 0  # trials loaded from rest
+        self.equilibria = 0
+        self.tangents = 0  # factorisations
 
     def close(self) -> None:
         """Give the factorisation back."""
@@ -196,10 +197,8 @@ class PlatenSolver:
                 return row
             if not row["pressure_h"] < 0:
                 break
-            change = miss / row["pressure_h"]
-            change = np.clip(
-                change, -LARGEST * self.model.plates.at_rest, LARGEST * self.model.plates.at_rest
-            )
+            largest = LARGEST * self.model.plates.at_rest
+            change = np.clip(miss / row["pressure_h"], -largest, largest)
             h = h + change
             q = found.q + row["q_h"] * change
         raise UnstableError(
@@ -213,14 +212,13 @@ class PlatenSolver:
         self.loaded += 1
         self._take(x)
         model = self.model
-        rest = self.model.plates.at_rest
+        rest = model.plates.at_rest
         levels = list(np.log(self.pressure))
         rows = []
         failed = ""
         h = rest
         q = rest_state(model, self._solver, self._load_at(rest)).q
         step = LARGEST
-        least = LEAST
         before = None
         try:
             while levels:
@@ -238,7 +236,7 @@ class PlatenSolver:
                     levels.pop(0)
                 if not levels or h <= LEAST_DISTANCE * rest:
                     break
-                step = self._next_step(now, before, levels[0], h, rest, step, least)
+                step = self._next_step(now, before, levels[0], h, step)
                 before = (now, h)
         except UnstableError as problem:
             failed = str(problem)
@@ -264,7 +262,7 @@ class PlatenSolver:
                     return beyond, self._solver.approach(q, self._load_at(beyond))
             raise
 
-    def _next_step(self, now, before, level, h, rest, step, least):
+    def _next_step(self, now, before, level, h, step):
         """Share of the distance at rest to the next pressure by the secant, within bounds."""
         if (
             before is None
@@ -274,7 +272,8 @@ class PlatenSolver:
         ):
             return LARGEST
         slope = (now - before[0]) / (before[1] - h)
-        return float(np.clip((level - now) / slope / rest, least, min(LARGEST, 2 * step)))
+        share = (level - now) / slope / self.model.plates.at_rest
+        return float(np.clip(share, LEAST, min(LARGEST, 2 * step)))
 
     def _row(self, h, found):
         """The equilibrium with its derivatives."""

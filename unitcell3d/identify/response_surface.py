@@ -7,28 +7,29 @@ out (`interpolant.errors`), which is where contact sets in: new rows start from 
 columns from the first row. Without friction the response does not depend on the path. With it the
 surface is that of stretching the weft first and the warp then, and lines cannot be added.
 
-Finished lines (`surface_line`) are kept in one file, written whole after each of them.
+Each line (`surface_line`) is kept in a file of its own as soon as it is solved (`fabrics.base.run_cache`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor, as_completed
-from dataclasses import dataclass, replace
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.errors import InputError
 from fabrics.base.executors import open_executor
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.identify.interpolant import FEWEST, QUANTITIES, errors
-from unitcell3d.identify.surface_cache import Partial
-from unitcell3d.identify.surface_line import Case, solve_line
+from unitcell3d.identify.surface_line import Case, Line, solve_line
 from unitcell3d.model.crossover import Numerics
 
 POINTS = (21, 21)
@@ -67,11 +68,11 @@ def sample(
     tolerance: float | None = None,
     size: Size = "medium",
     friction: float = 0.0,
-    partial: FilePath | None = None,
+    folder: FilePath | None = None,
     resume: bool = False,
     executor: str | Executor = "local",
     jobs: int = 1,
-    on_progress: Callable[[float, str], object] | None = None,
+    on_progress: Callable[[float], object] | None = None,
     provenance: str = "",
 ) -> Sampled:
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
@@ -86,10 +87,10 @@ def sample(
         more, or there are `MOST_LINES`; None: no more lines
     size : of the mesh
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
-    partial : file (.h5) in which finished lines are kept, or None
-    resume : go on from `partial` if it is there
+    folder : where finished lines are kept, or None
+    resume : begin with the lines of the folder; otherwise it is emptied first
     executor, jobs : as of `fabrics.base.executors.open_executor`, for the lines
-    on_progress : called as on_progress(share, text) after each line
+    on_progress : called as on_progress(share) after each line
     provenance : text kept with the surface
 
     Returns
@@ -98,37 +99,39 @@ def sample(
 
     Raises
     ------
-    InputError : a range, number or size is not allowed, or `partial` is of another surface or of
-        other code
-    UnstableError : a line found no equilibrium; the others are kept in `partial`
+    InputError : a range, number or size is not allowed
+    UnstableError : a line found no equilibrium; those that were finished are kept
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    _check(tolerance, friction, jobs)
+    _check(tolerance, friction)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
-    done = Partial(
-        partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume
-    )
-    with open_executor(executor, jobs, fresh=True) as pool:
-        run = _Run(fabric, size, friction, done, pool, on_progress or _silent)
+    with (
+        TemporaryDirectory() as spare,
+        open_executor(executor, jobs, fresh=True) as pool,
+    ):
+        kept = Path(folder or spare)
+        if not resume:
+            run_cache.RunCache(kept).clear()
+        lines = _Lines(fabric, size, friction, kept, pool, on_progress)
         new = axes
         axes = [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
-            axes = _add_lines(run, axes, new)
-            surface = _assemble(done, axes, fabric, size, friction, provenance)
+            axes = _add_lines(lines, axes, new)
+            surface = _assemble(lines, axes, provenance)
             new = _missing(surface, tolerance)
             if not any(axis.size for axis in new):
                 break
-    lines = done.lines
+    found = lines.found.values()
     return Sampled(
         surface,
         errors(surface),
-        {name: float(line.seconds) for name, line in lines.items()},
-        int(sum(line.iterations for line in lines.values())),
-        int(sum(len(line.along) for line in lines.values())),
+        {case.name: line.seconds for case, line in found},
+        sum(line.iterations for _, line in found),
+        sum(len(line.along) for _, line in found),
     )
 
 
-def _check(tolerance, friction, jobs):
+def _check(tolerance, friction):
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
     if tolerance is not None and friction:
@@ -136,8 +139,6 @@ def _check(tolerance, friction, jobs):
             "a tolerance goes without friction, with which added lines would be of other paths"
         )
     Numerics(friction=friction)  # refuses what is not allowed
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
 
 
 def _axis(name, span, n):
@@ -149,38 +150,30 @@ def _axis(name, span, n):
     return np.linspace(low, high, n)
 
 
-def _silent(share, text):
-    pass
-
-
-def _add_lines(run, axes, new):
+def _add_lines(lines, axes, new):
     """Solve the lines `new` (d1, d2) beside the lines `axes` there are; returns all lines."""
+    friction = lines.friction
     if axes[0].size == 0:  # the first: a stem along d2 and rows
         x1, x2 = new
-        stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
+        total = 1 + x2.size
+        [stem] = lines.solve([Case(1, x1[0], x2, keep=True, friction=friction)], total)
         stuck = [None] * x2.size
-        if len(stem.stick_state):
+        if friction:
             stuck = stem.stick_state
         cases = []
         for d, q, stick_state in zip(x2, stem.states, stuck):
-            start = (x1[0], d)
-            cases.append(Case(0, d, x1, start, q, stick_state, keep=d == x2[0]))
-        run(cases, 1 + x2.size)
+            keep = d == x2[0]
+            cases.append(Case(0, d, x1, (x1[0], d), q, stick_state, keep, friction))
+        lines.solve(cases, total)
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
-    stem = run.kept(Case(1, x1[0], x2))
-    row = run.kept(Case(0, x2[0], x1))
-    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]]
-    cases += [Case(1, d, rows, *_below(row, d)) for d in new[0]]
-    run(cases, len(run.done.lines) + len(cases))
+    stem = Case(1, x1[0], x2)
+    row = Case(0, x2[0], x1)
+    cases = [Case(0, d, x1, *lines.state_before(stem, d)) for d in new[1]]
+    cases += [Case(1, d, rows, *lines.state_before(row, d)) for d in new[0]]
+    lines.solve(cases, len(lines.found) + len(cases))
     return [np.union1d(x1, new[0]), rows]
-
-
-def _below(line, place):
-    """Last state of a line before a place: ((d1, d2), unknowns)."""
-    i = int(np.searchsorted(line.along, place)) - 1
-    return Case(int(line.axis), line.fixed, line.along).at(line.along[i]), line.states[i]
 
 
 def _missing(surface, tolerance):
@@ -204,60 +197,51 @@ def _missing(surface, tolerance):
     return new
 
 
-def _assemble(done, axes, fabric, size, friction, provenance):
+def _assemble(lines, axes, provenance):
     values = {}
-    for line in done.lines.values():
-        case = Case(int(line.axis), line.fixed, line.along)
+    for case, line in lines.found.values():
         values |= {case.at(place): row for place, row in zip(line.along, line.values)}
     table = np.array([[values[float(a), float(b)] for b in axes[1]] for a in axes[0]])
-    made = f"3D crossover of {fabric.name}, {size} mesh"
-    if friction:
-        made += f", friction {friction:g}, weft stretched first"
+    fabric = lines.fabric.name
+    made = f"3D crossover of {fabric}, {lines.size} mesh"
+    if lines.friction:
+        made += f", friction {lines.friction:g}, weft stretched first"
     if provenance:
         made += f"; {provenance}"
     columns = {name: np.ascontiguousarray(table[:, :, i]) for i, name in enumerate(QUANTITIES)}
-    return ResponseSurface(*axes, **columns, fabric=fabric.name, provenance=made)
+    return ResponseSurface(*axes, **columns, fabric=fabric, provenance=made)
 
 
-class _Run:
-    """Solves the cases that are not done yet and keeps them."""
+@dataclass
+class _Lines:
+    """Solves the lines of a surface; `found` has those that are done: {name: (Case, Line)}."""
 
-    def __init__(self, fabric, size, friction, done, workers, on_progress):
-        self.done = done
-        self._fabric = fabric
-        self._size = size
-        self._friction = friction
-        self._workers = workers
-        self._on_progress = on_progress
+    fabric: Fabric
+    size: Size
+    friction: float
+    folder: Path
+    pool: Executor
+    on_progress: Callable[[float], object] | None
+    found: dict[str, tuple[Case, Line]] = field(default_factory=dict)
 
-    def kept(self, case):
-        """The line of a case that is done."""
-        return self.done.lines[case.name]
-
-    def __call__(self, cases, total):
+    def solve(self, cases, total):
         """Lines of the cases; `total` is how many there will be in all, for the progress."""
-        open_cases = [case for case in cases if case.name not in self.done.lines]
-        problems = []
-        for case, outcome in self._outcomes(open_cases):
-            try:
-                self.done.add(case.name, outcome())
-            except UnstableError as problem:
-                problems.append(problem)
-            self._on_progress(len(self.done.lines) / total, case.name)
-        if problems:
-            raise problems[0]
-        return [self.kept(case) for case in cases]
+        before = len(self.found)
 
-    def _outcomes(self, cases):
-        """(case, function that returns its line or raises) as they come."""
-        wanted = {case.name: replace(case, friction=self._friction) for case in cases}
-        futures = {
-            self._workers.submit(solve_line, self._fabric, self._size, wanted[case.name]): case
-            for case in cases
-        }
-        try:
-            for future in as_completed(futures):
-                yield futures[future], future.result
-        finally:
-            for future in futures:
-                future.cancel()
+        def tell(done, _):
+            if self.on_progress is not None:
+                self.on_progress((before + done) / total)
+
+        tasks = [(self.fabric, self.size, case) for case in cases]
+        lines = run_cache.results(
+            solve_line, tasks, folder=self.folder, executor=self.pool, report=tell
+        )
+        for case, line in zip(cases, lines):
+            self.found[case.name] = (case, line)
+        return lines
+
+    def state_before(self, case, place):
+        """Last state of a solved line before a place: ((d1, d2), unknowns)."""
+        case, line = self.found[case.name]
+        i = int(np.searchsorted(line.along, place)) - 1
+        return case.at(line.along[i]), line.states[i]

@@ -72,7 +72,8 @@ def fit(
         raise InputError("the shear stress does not rise with the shear angle")
     stiffens = rise > _ROUNDING * G1
     if not stiffens:
-        a, b = 0.5 * gamma[-1], gamma[-1]
+        a = 0.5 * gamma[-1]
+        b = gamma[-1]
     if not (stiffens or any_curve):
         raise InputError("the curve of shear stress does not stiffen: it has no gamma1 and gamma2")
     law = TrellisShear(G1, G1 + rise, float(a), float(b))

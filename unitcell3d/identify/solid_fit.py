@@ -3,7 +3,9 @@
 
 What the platens of a crossover close is compared with the curve at `POINTS` of its pressures. No
 test gives the thickness at rest or the moment of first touch well, so the curve is free to be moved
-as a whole: the mean of the misfit is taken out. Least squares over the logarithms
+as a whole: the mean of the misfit is taken out. The closures have weights 1 / sqrt(s^2 +
+RESOLUTION^2), s being the closure that a `PRESSURE_ERROR` stands for, so that relative errors in
+pressure count about equally. Least squares over the logarithms
 
     x = (ln E_c, ln (V_c - Vf0), ln K_r)
 
@@ -32,7 +34,7 @@ from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
-from meshing.inputs import Size, one_of
+from meshing.inputs import Size
 from unitcell3d.identify import least_squares
 from unitcell3d.identify.platen_misfit import POINTS
 from unitcell3d.identify.platen_states import PlatenSolver
@@ -41,10 +43,8 @@ from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record
 BOUNDS = np.log([1e6, 1e-3, 1e-4]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
-SEARCH, NEAR_LIMIT = (
-    5,
-    0.2,
-)  # trials on each side of a direction; relative error of the sum of squares that is enough
+SEARCH = 5  # trials on each side of a direction
+NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
 
 
 def fit_solid(
@@ -52,7 +52,6 @@ def fit_solid(
     curve: PlateCurve,
     size: Size = (4, 3, 2),
     check_size: Size | None = "coarse",
-    measure: str = "pressure",
     on_progress: Callable[[int, float], object] | None = None,
 ) -> SolidFit:
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
@@ -63,9 +62,6 @@ def fit_solid(
     curve : fabrics.plate_curve.PlateCurve
     size : mesh size of the fit (`meshing.crossover.build`)
     check_size : mesh size on which the result is computed once more, or None
-    measure : "closure": equal weights of the closures; "pressure": weights 1 / sqrt(s^2 +
-        RESOLUTION^2), s the closure that a `PRESSURE_ERROR` stands for, so that relative errors in
-        pressure count about equally
     on_progress : called as on_progress(trials so far, rms misfit [m]) after each trial
 
     Returns
@@ -78,7 +74,7 @@ def fit_solid(
     UnstableError : the crossover of the file's own solids does not reach half of the curve's
         pressures
     """
-    fit = _Fit(fabric, curve, size, measure, on_progress)
+    fit = _Fit(fabric, curve, size, on_progress)
     try:
         first = fit.states(fit.start())
         if first.failed and first.pressure[-1] < 0.5 * fit.pressure[-1]:
@@ -90,7 +86,9 @@ def fit_solid(
         computed = fit.closures(last)
     finally:
         fit.solver.close()
-    checked = None if check_size is None else _on_mesh(fit, check_size, found.x)
+    checked = None
+    if check_size is not None:
+        checked = _on_mesh(fit, check_size, found.x)
     return record(
         fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed
     )
@@ -99,8 +97,7 @@ def fit_solid(
 class _Fit:
     """Trials of one fabric on one mesh, their closures and their misfit to a curve."""
 
-    def __init__(self, fabric, curve, size, measure="closure", on_progress=None):
-        one_of("measure", measure, ("closure", "pressure"))
+    def __init__(self, fabric, curve, size, on_progress=None):
         mesh = mesher.build(fabric, size=size)
         assert fabric.solid_laws is not None  # else the mesher has refused it
         self.fabric = fabric
@@ -111,9 +108,7 @@ class _Fit:
         self.measured = curve.at(self.pressure)
         # d closure / d ln P of the curve: the closure that a relative error of the pressure stands
         # for
-        slope = np.zeros(POINTS)
-        if measure == "pressure":
-            slope = np.gradient(self.measured, np.log(self.pressure))
+        slope = np.gradient(self.measured, np.log(self.pressure))
         self.weight = 1 / np.hypot(PRESSURE_ERROR * slope, RESOLUTION)
         self.solver = PlatenSolver(mesh, fabric, self.with_constants, self.pressure)
         self.trials = 0

@@ -190,7 +190,8 @@ def record(
     loose = half[0] * np.hypot.reduce((directions[:, 0] + directions[:, 2]) / scale)
     loose /= np.hypot.reduce(directions[:, 0] / scale)
     # e^50 is as good as unknown
-    half, loose = np.minimum(half, 50), min(float(loose), 50.0)
+    half = np.minimum(half, 50)
+    loose = min(float(loose), 50.0)
     low = np.exp(found.x - half)
     high = np.exp(found.x + half)
     value = np.exp(found.x)

@@ -16,13 +16,34 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing import crossover as mesher
 from meshing.inputs import Size
-from unitcell3d.identify.surface_cache import Line
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 # share of the way from rest to the first place of a line in one step
 FROM_REST = 0.02
+
+
+@dataclass(frozen=True)
+class Line:
+    """A solved line of the grid.
+
+    Parameters
+    ----------
+    along : (n,) [m] places
+    values : (n, 5) T1, T2, F_c [N], h1, h2 [m]
+    states : (n, size) unknowns [m], or (0, 0) where no other line starts from this one
+    stick_state : (n, s) where the points of contact stick with friction, or (0, 0) like the states
+    seconds : [s] wall time
+    iterations : tangents factorised
+    """
+
+    along: np.ndarray
+    values: np.ndarray
+    states: np.ndarray
+    stick_state: np.ndarray
+    seconds: float
+    iterations: int
 
 
 @dataclass(frozen=True)
@@ -59,7 +80,7 @@ class Case:
 
 
 def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
-    """Solve one line; returns surface_cache.Line.
+    """Solve one line.
 
     Raises
     ------
@@ -93,18 +114,8 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
         kept = np.array(states)
         if case.friction:
             kept_sticks = np.array(stick_states)
-    along = np.asarray(case.along, float)
     seconds = time.perf_counter() - begun
-    return Line(
-        case.axis,
-        float(case.fixed),
-        along,
-        np.array(values),
-        kept,
-        kept_sticks,
-        seconds,
-        iterations + spent,
-    )
+    return Line(case.along, np.array(values), kept, kept_sticks, seconds, iterations + spent)
 
 
 def _begin(model, solver, case):

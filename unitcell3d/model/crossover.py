@@ -127,11 +127,6 @@ class YarnsModel:
         """Number of unknowns."""
         return self.constraints.size
 
-    @property
-    def bar_yarn(self) -> IntArray:
-        """(b,) number of the yarn of each bar."""
-        return self.fibres.yarn
-
     def _solid(self, mesh, fabric, integration):
         family = np.asarray(mesh.families)[mesh.yarn]
         self.hexes = np.where(

@@ -187,7 +187,9 @@ class CellModel(YarnsModel):
         ties = Ties(len(images.points), 12)
         ties.drive[:] = images.drive()
         for grid in mesh.grids:
-            end = grid[-1] if self.parity > 0 else grid[-1][:, ::-1]
+            end = grid[-1]
+            if self.parity <= 0:
+                end = end[:, ::-1]
             ties.follow_image(end, grid[0], self.parity)
             # crossings are centres of two-fold axes: they stay where the trellis takes them
             nx, ny, nz = grid.shape

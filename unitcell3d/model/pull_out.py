@@ -163,7 +163,9 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
 def _odd(ties, face, component, through):
     """Let a displacement of a face (j, k) have no mean: odd through the thickness, or across the
     yarn."""
-    lines = face.T if through else face
+    lines = face
+    if through:
+        lines = face.T
     count = len(lines)
     for line in range(count // 2):
         ties.follow(lines[count - 1 - line], lines[line], component, -1.0)

@@ -57,7 +57,9 @@ def line_numbers(across: int, through: int) -> list[int]:
 
 def _spread(across, through, lines):
     """Numbers (j through + k) of `lines` fibre lines of a section, one of `line_numbers`."""
-    middle = min(lines, across) if through % 2 else 0
+    middle = 0
+    if through % 2:
+        middle = min(lines, across)
     places = [(j, through // 2) for j in _evenly(across, middle)]
     pairs = (lines - middle) // 2
     half = through // 2

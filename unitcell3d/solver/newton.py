@@ -231,7 +231,9 @@ class Newton:
 
     def _at(self, state, load):
         """The state, evaluated again unless it was the last one that was."""
-        return state if state is self._latest else self._evaluate(state.q, load)
+        if state is self._latest:
+            return state
+        return self._evaluate(state.q, load)
 
     def _factor(self, state, load, shift):
         model = self.model
@@ -326,12 +328,16 @@ class Newton:
         cell, ratio = self.model.worst_element(x)
         mesh = self.model.crossover
         yarn = mesh.names[mesh.yarn[cell]]
-        inverted = ", inverted" if ratio <= 0 else ""
+        inverted = ""
+        if ratio <= 0:
+            inverted = ", inverted"
+        when = f"d1 = {load.d[0] * 1e3:.5g} mm, d2 = {load.d[1] * 1e3:.5g} mm"
+        if np.isfinite(load.plates):
+            when += f", plates {2e3 * load.plates:.5g} mm apart"
         raise UnstableError(
             f"the crossover found no equilibrium: {what}",
             where=f"{yarn} element {cell} (least volume ratio {ratio:.3g}{inverted})",
-            when=f"d1 = {load.d[0] * 1e3:.5g} mm, d2 = {load.d[1] * 1e3:.5g} mm"
-            + (f", plates {2e3 * load.plates:.5g} mm apart" if np.isfinite(load.plates) else ""),
+            when=when,
         )
 
 

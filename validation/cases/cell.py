@@ -43,7 +43,10 @@ def newton(*, d1: float, d2: float) -> Values:
     model = printed(FABRIC)
     if not found.converged:
         many = found.steps >= thesis.MOST
-        raise UnstableError(f"no convergence in {thesis.MOST} steps" if many else "ran off")
+        why = "ran off"
+        if many:
+            why = f"no convergence in {thesis.MOST} steps"
+        raise UnstableError(why)
     root = float(model.solve(*_stretches(catalogue.load(FABRIC), d1, d2))["F"])
     return {
         "F": found.F,

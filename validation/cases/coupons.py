@@ -60,10 +60,11 @@ def bias(
     if factor is not None:
         shear = fabric.shear
         trellis = factor > 0
+        locked = shear.G1
+        if locking:
+            locked = shear.G2
         if trellis:
-            fabric = variants.with_shear(
-                fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1)
-            )
+            fabric = variants.with_shear(fabric, G1=factor * shear.G1, G2=factor * locked)
     of_cell = _table(fabric, model or own, law, table, crossovers)
     return measured(quasistatic.bias_extension(of_cell, trellis=trellis, **options))
 

@@ -93,7 +93,10 @@ def targets(*, number: int, seed: int) -> Values:
     draw = np.random.default_rng((seed, number, 1))
     names = draw.choice(sorted(set(QUANTITIES.values())), int(draw.integers(1, 3)), replace=False)
     wanted = {str(name): float(draw.choice(TARGETS)) for name in names}
-    scene: Any = (drawn_shots.drawn_pack if number % 3 == 2 else drawn_shots.drawn)(number, seed)
+    draw_shot = drawn_shots.drawn
+    if number % 3 == 2:
+        draw_shot = drawn_shots.drawn_pack
+    scene: Any = draw_shot(number, seed)
     opening: Any = tuple(SMALLER[scene.plies > 1] * side for side in scene.opening)
     scene = replace(
         scene, opening=opening, end_time=END, numerics=replace(scene.numerics, threads=1)
@@ -104,11 +107,10 @@ def targets(*, number: int, seed: int) -> Values:
     def shoot(setup: ImpactSetup, table: Any, _: str = "") -> Any:
         began = time.process_time()
         result, problem = simulation.fired(setup, table=table)
-        shots.append(
-            mesh_uncertainty.Shot(
-                result, UnstableError(problem) if problem else None, window.about(result)
-            )
-        )
+        failure = None
+        if problem:
+            failure = UnstableError(problem)
+        shots.append(mesh_uncertainty.Shot(result, failure, window.about(result)))
         seconds.append(time.process_time() - began)
         return shots[-1]
 

@@ -123,7 +123,9 @@ def setup(
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
     """
-    cloth: Any = fabric if not change or fabric is None else changed(wc.fabric(fabric), **change)
+    cloth: Any = fabric
+    if change and fabric is not None:
+        cloth = changed(wc.fabric(fabric), **change)
     own = {name: keywords.pop(name) for name in NOT_IN_A_FILE if name in keywords}
     if (
         contact is not None
@@ -183,6 +185,9 @@ def found(result: ImpactResult, keywords: Values) -> Values:
     late = result.t > 0.5 * result.t[-1]
     stored = energies["yarn_strain"] + energies["shear"]
     late &= stored > 0
+    kinetic = nan
+    if late.any():
+        kinetic = float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
     speeds = {
         f"{front.kind} {front.family}": front.speed if front.r2 >= STRAIGHT else nan
         for history in result.histories[:1]
@@ -203,9 +208,7 @@ def found(result: ImpactResult, keywords: Values) -> Values:
             "fronts": speeds,
             "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
             "flags": flags(result.checks),
-            "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
-            if late.any()
-            else nan,
+            "kinetic": kinetic,
         }
     )
 
@@ -224,7 +227,7 @@ def ends(result: ImpactResult) -> Values:
     found |= {"place_warp": Y[-1], "place_weft": X[:, -1]}
     for family in ("warp", "weft"):
         moved = found[f"place_{family}"][found[f"slip_{family}"] > SLIPPED]
-        found[f"width_{family}"] = 2 * float(moved.max()) if moved.size else 0.0
+        found[f"width_{family}"] = 2 * float(moved.max(initial=0.0))
     return found
 
 

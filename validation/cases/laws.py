@@ -176,7 +176,9 @@ def card(
     setup, table = _cell(fabric, velocity, cell)
     if law:
         table = _card_table(setup, LAWS[law].of(Cloth(setup.cell()), match))  # type: ignore[arg-type]
-    result = simulation.run(mesh_uncertainty.finer(setup, table) if finer else setup, table=table)
+    if finer:
+        setup = mesh_uncertainty.finer(setup, table)
+    result = simulation.run(setup, table=table)
     return {
         "t": result.t,
         "v": result.v,

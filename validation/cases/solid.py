@@ -12,6 +12,8 @@ import numpy as np
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.record import Record
+from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_solids
@@ -131,12 +133,14 @@ def bars(*, bars: int, reduced: bool) -> Values:
     ------
     UnstableError : the path ends early
     """
-    lines = len(_yarn().bar_area[0])
+    chosen = None
+    if bars < len(_yarn().bar_area[0]):
+        chosen = bars
     record = single_yarn.pull(
         _yarn(),
         catalogue.load(FABRIC),
         0,
-        bars=None if bars >= lines else bars,
+        bars=chosen,
         rows=12,
         integration=INTEGRATION[reduced],
     )
@@ -145,6 +149,12 @@ def bars(*, bars: int, reduced: bool) -> Values:
     thickness = 2 * catalogue.load(FABRIC).weave.h01
     checks = quality.of_yarn(record["astray"], thickness)
     return {"astray": float(max(record["astray"])) / thickness, "flags": flags(checks)}
+
+
+def pressed(mesh: crossover.Crossover, fabric: Fabric, numerics: Numerics | None = None) -> Record:
+    """A crossover between platens, to a fifth of their first distance, in steps that resolve the lowest pressures."""
+    steps = Steps(first=0.004, largest=0.02)
+    return plate_compression(mesh, fabric, min_plate_gap=0.2, numerics=numerics, steps=steps)
 
 
 def platens(
@@ -173,13 +183,7 @@ def platens(
         file, **{name: tuple(np.broadcast_to(value, 2)) for name, value in (solids or {}).items()}
     )
     built = crossover.build(fabric, **{"size": (6, 4, 2)} | dict(mesh or {}))
-    history = plate_compression(
-        built,
-        fabric,
-        min_plate_gap=0.2,
-        numerics=replace(Numerics(), **dict(numerics or {})),
-        steps=Steps(first=0.004, largest=0.02),
-    )
+    history = pressed(built, fabric, replace(Numerics(), **dict(numerics or {})))
     assert file.areal_density_measured is not None
     target = PlateCurve.pressure_law(file.areal_density_measured)
     area = file.weave.cell_area
@@ -248,14 +252,18 @@ def pull_out(
     if len(F_c) > 1:
         law = PullOutLaw.fit(F_c, T_f, friction=friction)
     each = [record["load"] == number for number in np.unique(record["load"])]
+    c0 = mu_eff = np.nan
+    if law is not None:
+        c0 = law.c0
+        mu_eff = law.mu_eff
     return {
         "F_c": F_c,
         "T_f": T_f,
         "P": largest(record["P"]),
         "largest": [largest(record["P_geometric"][of]) for of in each],
         "mobilised": [float(record["mobilised"][of].max()) for of in each],
-        "c0": np.nan if law is None else law.c0,
-        "mu_eff": np.nan if law is None else law.mu_eff,
+        "c0": c0,
+        "mu_eff": mu_eff,
         "tangents": float(record["iterations"].sum() / len(record["path"])),
         "seconds": float(record["seconds"].sum()),
     }

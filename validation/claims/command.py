@@ -6,29 +6,31 @@ A missed claim is a result, not an error; a result other than the recorded one e
 on shots at one ply are judged as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
 elements per crossover, elastic-plastic bored projectile.
 
-The folder
-    ledger.csv     every claim with its verdict, our number beside the thesis's
-    runs/          what is done, from which --resume goes on
+claims.csv has every claim with its verdict, our number beside the thesis's. `--out docs/reports/data` renews that of
+the documentation; then `python tools/pages.py`. What is computed is kept in results/claims, and taken from there by the
+same code.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.base.errors import InputError
-from validation import study
+from validation import program, study
 from validation.claims import claims as data
-from validation.claims import judge, runner
-from validation.claims import page as pages
+from validation.claims import judge, runner, table
 from weavecell.cli.from_signature import CORES
-from weavecell.results import out_folder, progress, provenance
+from weavecell.results import progress
 
 NOTES = {
     "topics": "those to judge; all if none is given",
     "slow": "also those that take minutes each",
     "no_variants": "as computed alone, not in the variants",
+    "out": "folder of the CSV",
 }
+KEPT = Path("results/claims")
 
 
 def main(
@@ -38,46 +40,33 @@ def main(
     no_variants: bool = False,
     jobs: int = CORES,
     executor: str = "local",
-    resume: bool = False,
-    out: Path = Path("results/validate"),
-    page: Path | None = None,
+    out: Path = KEPT,
 ) -> int:
     """Run the ledger; returns the exit code: 1 where a verdict is not the recorded one, else 0, for a miss is a result.
 
     Raises
     ------
-    InputError : an unknown topic, or a page of some topics; nothing has been written
+    InputError : an unknown topic; nothing has been written
     """
     for topic in set(topics) - set(data.topics()):
         raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
-    if page is not None and topics:
-        raise InputError(
-            key="--page",
-            value=page,
-            allowed="without --topics: the page has the claims of all topics",
-        )
     claims = [claim for claim in data.load() if not topics or claim.topic in topics]
-    out_folder.claim(out, resume)
     with progress.bar(f"{len(claims)} claims") as advance:
         records = runner.validate(
             claims,
-            out / "runs",
+            KEPT / "runs",
             slow=slow,
             vary=not no_variants,
             jobs=jobs,
             executor=executor,
-            resume=resume,
             report=lambda done, total: advance(done / max(total, 1)),
         )
-    table = pages.rows(claims, records)
-    stamp = provenance.stamp()
-    study.write(out / "ledger.csv", table)
-    if page is not None:
-        options = " --slow" * slow + " --no-variants" * no_variants
-        command = f"python -m validation claims{options} --page {page}"
-        pages.write(page, table, command=command, commit=stamp["commit"], date=stamp["date"])
-    print(", ".join(f"{count} {verdict}" for verdict, count in pages.counts(table).items()))
-    print(f"written to {out}/ledger.csv", flush=True)
+    options = " --slow" * slow + " --no-variants" * no_variants
+    made = program.made(f"claims{options}")
+    study.write(out / "claims.csv", table.rows(claims, records), made)
+    counts = Counter(record.verdict for record in records)
+    print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
+    print(f"written to {out}/claims.csv", flush=True)
     code = 0
     for claim, record in zip(claims, records):
         if judge.changed(claim, record.verdict):

@@ -270,10 +270,13 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values
     offset, profile = np.array(sorted(ends.items())).T
     plateau = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
     below = np.flatnonzero(profile < plateau + level * (profile[0] - plateau))
+    width = np.nan
+    if below.size:
+        width = 2 * float(offset[below[0]])
     return {
         "middle": profile[0],
         "plateau": plateau,
-        "width": 2 * float(offset[below[0]]) if below.size else np.nan,
+        "width": width,
     }
 
 

@@ -188,7 +188,10 @@ def _varied(run, changes):
 
 def _flat(specs: Values) -> Iterator[Run]:
     for spec in specs.values():
-        yield from spec.values() if isinstance(spec, dict) else (spec,)
+        if isinstance(spec, dict):
+            yield from spec.values()
+        else:
+            yield spec
 
 
 def _is_long(run):

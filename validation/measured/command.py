@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from validation import study
+from validation import program, study
 from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
@@ -40,8 +40,8 @@ def main(
         folder = out or KEPT
     parts = parts or PARTS
     options: Values = {"folder": KEPT / "runs", "jobs": jobs}
-    stamp = provenance.stamp()
-    made = f"python -m validation measured {' '.join(parts)}, commit {stamp['commit']}, {stamp['date']}"
+    made = program.made(f"measured {' '.join(parts)}")
+    commit = provenance.stamp()["commit"]
     rows = read()
     cases = {}
     for row in rows:
@@ -51,7 +51,7 @@ def main(
     found = compute_each(compute, filter(None, chain(*cases.values())), **options)
     known = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
     for id, pair in cases.items():
-        known[id] = _ran(found, *pair, stamp["commit"])
+        known[id] = _ran(found, *pair, commit)
     table = [held(row, known.get(row.id, {})) for row in rows]
     study.write(folder / "measured.csv", table, made)
     quantities = summary(table)

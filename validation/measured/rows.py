@@ -23,18 +23,14 @@ import weavecell as wc
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
-from unitcell3d.cases.biaxial_and_platens import plate_compression
 from unitcell3d.identify.platen_misfit import closures
-from unitcell3d.solver.load_stepping import Steps
+from validation.cases.solid import PACKING, pressed
 from validation.models.bare_impact import Strike, strike
 from validation.values import Values, largest
 from weavecell.scenes import honoured, target
 from weavecell.studies import ballistic_limit
 
 HERE = Path(__file__).parent
-PACKING = 1e6  # [Pa] between the parts of a compression
-STEPS = Steps(first=0.004, largest=0.02)  # of a compression, which resolve the lowest pressures
-MIN_PLATE_GAP = 0.2  # of the platens' first distance
 V50_INTERVAL = 2 * 1.96  # standard errors that the interval of a V50 is wide
 
 
@@ -217,5 +213,5 @@ def _closure(case, fabric):
     law = PlateCurve.pressure_law(fabric.areal_density_measured)  # pressures of the test
     ends = np.array([law.pressure[0], PACKING, law.pressure[-1]])
     mesh = mesher.build(fabric, size=tuple(map(int, case.options.get("size", "6 4 2").split())))
-    history = plate_compression(mesh, fabric, min_plate_gap=MIN_PLATE_GAP, steps=STEPS)
+    history = pressed(mesh, fabric)
     return (1e6 * np.diff(closures(history, fabric.weave.cell_area, ends, law.at(ends)))).tolist()

@@ -53,7 +53,10 @@ def iterate(
             if abs(f[0]) <= TOLERANCE * np.abs(F).mean() and abs(f[1]) <= TOLERANCE * abs(h.sum()):
                 return Iteration(float(F.mean()), step, True)  # type: ignore[attr-defined]
             J = np.array([[slope[0], -slope[1]], 1 + compliance * slope])
-            h = h - (np.linalg.solve(J, f) if invert else J @ f)
+            step_of_heights = J @ f
+            if invert:
+                step_of_heights = np.linalg.solve(J, f)
+            h = h - step_of_heights
             if largest(h) > 1e3 * full:
                 return Iteration(float("nan"), step, False)
     return Iteration(float(F.mean()), MOST, False)  # type: ignore[attr-defined]

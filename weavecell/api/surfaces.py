@@ -5,7 +5,7 @@ The folder of `weavecell surface`
     surface.json    settings, estimated errors, comparison with the unit cell, times, provenance
     pictures/       surfaces, contours, slices beside the unit cell, what the interpolant misses
     report.html
-    partial.h5      finished lines, while the run goes on: `--resume` begins with them
+    runs/           finished lines, while the run goes on: `--resume` begins with them
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.executors import InProcess
+from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure
@@ -60,7 +61,7 @@ def surface(
 ) -> SurfaceResult:
     """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
 
-    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5. With
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, runs/. With
     friction the response depends on the path: the surface is that of stretching the weft first and the warp then. The
     fabric has the linear density of its data sheet. Needs dolfinx and PETSc.
 
@@ -98,7 +99,6 @@ def surface(
     size = meshes.size(mesh)
     inputs = (fabric, [span1, span2], points, tolerance, size, friction)
     with out_folder.held(out, resume, [inputs]) as folder:
-        partial = folder and folder / "partial.h5"
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
@@ -108,7 +108,7 @@ def surface(
                 tolerance=tolerance,
                 size=size,
                 friction=friction,
-                partial=partial,
+                folder=folder and folder / "runs",
                 resume=resume,
                 jobs=jobs,
                 executor=InProcess() if executor == "local" and jobs == 1 else executor,
@@ -127,7 +127,7 @@ def surface(
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)
-            (folder / "partial.h5").unlink(missing_ok=True)
+            RunCache(folder / "runs").clear()
     return result
 
 
@@ -219,7 +219,7 @@ class SurfaceResult(Result):
         return figure(pictures_surface.surfaces, Interpolant(self.surface))
 
     def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder, but partial.h5."""
+        """Write the files that stand at the top of this module to a folder, but runs/."""
         from weavecell.report import chapters, page
 
         folder = Path(out)

@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from equations import end_forces
 
-from fabrics.base import run_cache
-from fabrics.base.errors import InputError
 from fabrics.surface import ResponseSurface
 from unitcell3d.identify.interpolant import QUANTITIES, Interpolant, errors
 from unitcell3d.identify.response_surface import sample
-from unitcell3d.identify.surface_cache import Line, Partial
 
 TINY = (4, 3, 2)
 END = 12e-6
@@ -30,8 +27,6 @@ def test_bicubic_surfaces_are_met_exactly():
     x, y = np.random.default_rng(0).uniform(0, 1, (2, 50))
     ours = Interpolant(surface)("T1", 30e-6 * x, 30e-6 * y)
     assert np.allclose(ours, 1 + x**3 * y**2 - 2 * x * y**3, atol=1e-12)
-    slope = Interpolant(surface)("T1", 30e-6 * x, 30e-6 * y, dd1=1) * 30e-6
-    assert np.allclose(slope, 3 * x**2 * y**2 - 2 * y**3, atol=1e-10)
     assert errors(surface)["T1"].largest < 1e-12
 
 
@@ -87,30 +82,20 @@ def test_surface_rises_from_rest(whole):
 
 
 def test_interrupted_and_resumed_is_the_same_to_the_last_bit(whole, s720, pool, tmp_path):
-    kept = {"executor": pool, "partial": tmp_path / "partial.h5"}
-    done, again = [], []
+    kept = {"executor": pool, "folder": tmp_path / "runs"}
+    resumed_at = []
 
-    def stop_after_three(share, text):
-        done.append(text)
-        if len(done) == 3:
+    def stop_at_half(share):
+        if share >= 0.5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sample(s720, **SMALL, **kept, on_progress=stop_after_three)
-    resumed = sample(
-        s720,
-        **SMALL,
-        **kept,
-        resume=True,
-        on_progress=lambda share, text: again.append((share, text)),
-    )
-    assert len(again) == 3
-    assert again[-1][0] == 1
-    assert not set(done) & {text for _, text in again}
+        sample(s720, **SMALL, **kept, on_progress=stop_at_half)
+    assert len(list(kept["folder"].iterdir())) == 3
+    resumed = sample(s720, **SMALL, **kept, resume=True, on_progress=resumed_at.append)
+    assert resumed_at == pytest.approx([1 / 6, 1 / 2, 2 / 3, 5 / 6, 1])
     for name in QUANTITIES:
         assert np.array_equal(getattr(resumed.surface, name), getattr(whole.surface, name)), name
-    with pytest.raises(InputError, match="another surface"):
-        sample(s720, **(SMALL | {"points": (6, 5)}), **kept, resume=True)
 
 
 @pytest.mark.slow
@@ -158,18 +143,3 @@ def test_friction_is_taken_over_from_line_to_line(whole, s720, tiny, pool):
     assert "friction 0.3" in found.provenance
     run = end_forces(tiny, s720, [(0.0, END), (END, END)], friction=0.3, step=3e-6)
     assert run == pytest.approx(corner(found), rel=1e-5)
-
-
-def test_partial_file_keeps_lines(tmp_path):
-    stamp, path = run_cache.stamp("this", "unitcell3d.identify.surface_cache"), tmp_path / "p.h5"
-    line = Line(
-        0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7
-    )
-    Partial(path, stamp, False).add("a line", line)
-    again = Partial(path, stamp, True).lines["a line"]
-    assert np.array_equal(again.values, line.values)
-    assert again.iterations == 7
-    assert Partial(path, stamp, False).lines == {}
-    path.write_text("no")
-    with pytest.raises(InputError, match=r"p\.h5"):
-        Partial(path, stamp, True)

@@ -7,14 +7,12 @@ from equations import assert_tangent
 from scipy.spatial.transform import Rotation
 
 from fabrics.solid import SolidLaw
+from tests.meshing.hexahedra import CUBE
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.material.solid_law import LOOSE_WIDTH, PACKED_WIDTH, forms, transverse_modulus
 
 LAW = SolidLaw(E_a=1e6, E_c=2e9, K_r=0.02, K_G=1e-3, V_c=1.0, Vf0=0.7)
 PARAMETERS = np.array([[LAW.E_a, LAW.a_E, LAW.b_E, LAW.Vf0, LAW.V_c, LAW.G]])
-CUBE = np.array(
-    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
-)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from equations import assert_tangent, dense, matrix
 
-from fabrics.trellis import TrellisShear
 from meshing import crossover as mesher
 from meshing import patch
 from unitcell3d.cases import biaxial_and_platens, periodic_cell
@@ -185,16 +184,6 @@ def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
     assert np.allclose(K, K.T, atol=1e-12)
     direction = np.random.default_rng(1).standard_normal(crossing.shape)
     assert_tangent(K, lambda x: touch(x)[0], crossing, direction, 1e-4)
-
-
-def test_fit_finds_the_law_that_made_the_curve():
-    law = TrellisShear(2e5, 6e7, 0.25, 0.6)
-    gamma = np.linspace(0, 0.9, 30)
-    found = shear_fit.fit(gamma, law.stress(gamma))
-    assert found.locked
-    assert found.rms < 1e-3 * law.stress(0.9)
-    for key in ("G1", "G2", "gamma1", "gamma2"):
-        assert getattr(found.law, key) == pytest.approx(getattr(law, key), rel=0.05), key
 
 
 def test_sheared_weave_stiffens_and_its_work_is_its_moment(whole, s720):

@@ -1,14 +1,13 @@
 """The ledger: each claim ends with its recorded verdict, conditions hold at their edges, and outcomes are recorded."""
 
-import csv
 from pathlib import Path
 
 import pytest
 
 from fabrics.base.errors import InputError, UnstableError
+from validation import study
 from validation.claims import claims as data
-from validation.claims import command, judge, readers, runner, runs
-from validation.claims import page as pages
+from validation.claims import command, judge, readers, runner, runs, table
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
 TIMED = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1")
@@ -37,8 +36,7 @@ def test_claim_has_its_recorded_verdict(folder, claim):
 
 
 def test_recorded_verdicts_are_those_of_the_page():
-    with open(RECORDED, encoding="utf-8") as file:
-        page = {row["id"]: row["verdict"] for row in csv.DictReader(file)}
+    page = {row["id"]: row["verdict"] for row in study.read(RECORDED)[1]}
     assert set(page) == {claim.id for claim in data.load()}
     compared = [
         claim for claim in data.load() if claim.conditions and page[claim.id] != judge.LEFT_OUT
@@ -189,22 +187,22 @@ def test_runs_of_a_list_and_in_a_variant(computed, tmp_path, monkeypatch):
     )
     assert runner.runs_of(many)["square"] == {n: data.Run("shot", str(n)) for n in (1, 2)}
     monkeypatch.setattr(runner, "VARIANTS", {"two elements": {"elements_per_crossover": 2}})
-    monkeypatch.setattr(pages, "VARIANTS", runner.VARIANTS)
+    monkeypatch.setattr(table, "VARIANTS", runner.VARIANTS)
     (record,) = runner.validate([many], tmp_path, vary=True)
     assert record.verdict == judge.REPRODUCED
     assert record.variants == {"two elements": judge.MISSED}
     assert (
-        pages.rows([many], [record])[0]["variants"] == "holds in 1 of 2; missed with two elements"
+        table.rows([many], [record])[0]["variants"] == "holds in 1 of 2; missed with two elements"
     )
 
 
 def test_the_command_ends_well_and_a_turned_verdict_ends_with_1(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     chosen = {"topics": ["biaxial"], "no_variants": True, "jobs": 1}
-    assert command.main(out=tmp_path / "ledger", **chosen) == 0
-    assert {row["verdict"] for row in pages.read(tmp_path / "ledger" / "ledger.csv")} >= {
-        judge.REPRODUCED,
-        judge.MISSED,
-    }
+    assert command.main(out=tmp_path, **chosen) == 0
+    made, rows = study.read(tmp_path / "claims.csv")
+    assert made.startswith("python -m validation claims --no-variants, commit ")
+    assert {row["verdict"] for row in rows} >= {judge.REPRODUCED, judge.MISSED}
     monkeypatch.setattr(judge, "REPRODUCED", judge.MISSED)
-    assert command.main(out=tmp_path / "turned", **chosen) == 1
+    assert command.main(out=tmp_path, **chosen) == 1
     assert "biaxial-balanced-free: missed, where reproduced is recorded" in capsys.readouterr().out

@@ -16,7 +16,6 @@ from shellfabric.output.histories import EDGES
 from tests.weavecell.session_runs import SCENES, fired, set_up
 from weavecell.results import json_file, keys, vtk
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.impact_shapes import Shape
 from weavecell.results.wave_fronts import fronts
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
@@ -183,49 +182,11 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
             ]
             assert failed == [bool(np.any(part[f"failed_{family}"])) for family in ("warp", "weft")]
             assert any(failed) == (record.plies["cut_yarns"][sample, ply] > 0)
+    for ply, shape in enumerate(record.final):
+        part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
+        assert_array_equal(part["tension_warp_N"], shape.tension[:, 0])
+        assert_array_equal(part["tension_weft_N"], shape.tension[:, 1])
+        assert_array_equal(part["failed_yarns"], vtk.failed_yarns(shape.failed))
+    assert grid.field_data["projectile_z_m"] == [record.final[0].nose_position]
     pressures = vtk.PRESSURES[: 3 if name == "pack" else 1]
     assert tuple(key for key in vtk.PRESSURES if key in grid.point_data) == pressures
-
-
-def test_vtk_reads_what_was_written(tmp_path):
-    random = np.random.default_rng(1)
-    nodes = random.normal(size=(12, 3))
-    quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]])
-    tension = random.normal(size=(3, 2))
-    failed = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
-    pressure = random.normal(size=(12, 4)).astype(np.float32)
-    segments = random.normal(size=(12, 2))
-    front, rear = (
-        Shape(
-            1e-6,
-            0.25,
-            np.zeros(3),
-            nodes[part],
-            tension[cells],
-            failed[cells],
-            pressure[part],
-            np.ones(6),
-            segments[part],
-            np.empty((6, 0)),
-        )
-        for part, cells in ((slice(6), slice(2)), (slice(6, 12), slice(2, 3)))
-    )
-    vtk.write_panel(tmp_path, [[front, rear]], [quads[:2], quads[2:] - 6])
-    ((path, time),) = vtk.read_series(tmp_path / "panel.pvd")
-    assert path == tmp_path / "panel" / "panel-0000.vtu"
-    assert time == 1e-6
-    grid = pyvista.read(path)
-    assert grid.points.dtype == float
-    assert set(grid.celltypes) == {pyvista.CellType.QUAD}
-    for found, given in (
-        (grid.points, nodes),
-        (grid.cells.reshape(-1, 5)[:, 1:], quads),
-        (grid["tension_weft_N"], tension[:, 1]),
-        (grid["failed_yarns"], [0, 1, 2]),
-        (grid["failed_warp"], [0, 1, 1]),
-        (grid["ply"], [1, 1, 2]),
-        (grid["rear_pressure_Pa"], pressure[:, 2]),
-        (grid["failed_segments_weft"], segments[:, 1]),
-        (grid.field_data["projectile_z_m"], [0.25]),
-    ):
-        assert np.array_equal(found, given)

@@ -6,83 +6,17 @@ material cards.
 """
 
 import re
+import tomllib
 from collections import defaultdict
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
-EVERY = slice(None)
-FIRST = slice(1)
-SECOND = slice(1, 2)
-BELOW = slice(1, None)
-TEN = (10,) * 8
-REAL5 = (20,) * 5
-# word: columns of the cards below its title, the last one repeated; TEN of words that are not named
-DYNA = {"*NODE": [(8, 16, 16, 16)], "*ELEMENT_SHELL": [(8,) * 6], "*DEFINE_CURVE": [TEN, (20, 20)]}
-RADIOSS = {
-    "MAT/LAW58": [
-        (20, 20),
-        REAL5,
-        (20, 20, 20, 20, 10, 10),
-        REAL5,
-        (10, 10, 20, 20, 20, 20),
-        (10, 10, 20),
-    ],
-    "MAT/LAW1": [(20, 20), (20, 20)],
-    "PROP/TYPE16": [
-        (10,) * 3,
-        REAL5,
-        (10, 10, 20, 20, 10, 10),
-        (20, 20, 20, 10, 10, 10, 10),
-        (20, 20, 20, 20, 10),
-    ],
-    "PROP/TYPE1": [(10,) * 5, REAL5, (10, 10, 20, 20, 10, 10, 10)],
-    "PART": [(10, 10)],
-    "FUNCT": [(20, 20)],
-    "GRNOD/NODE": [(10,) * 10],
-    "GRNOD/PART": [(10,) * 10],
-    "SURF/PART": [(10,) * 10],
-    "INIVEL/TRA": [(20, 20, 20, 10, 10)],
-    "RBODY": [(10, 10, 10, 10, 20, 10, 10, 10, 10), (20,) * 3, (20,) * 3, (10,)],
-    "INTER/TYPE7": [
-        (10,) * 10,
-        (20, 20, 20, 20, 10),
-        (20, 20, 20, 20, 10, 10),
-        REAL5,
-        (7, 1, 1, 1, 20, 10, 20, 20, 20),
-        (10, 10, 20, 10, 10, 10, 20, 10),
-    ],
-    "NODE": [(10, 20, 20, 20)],
-    "SHELL": [(10,) * 5],
-    "FAIL/FABRIC": [(20, 20, 20, 20, 10, 10), (20,)],
-}
+TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+RADIOSS = TABLES["radioss"]
+TEN = [10] * 8
 CONTACT = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
-REFERENCES = (  # word, its cards, fields of these, kind of the ids among which they are
-    ("*ELEMENT_SHELL", EVERY, SECOND, "PART"),
-    ("*ELEMENT_SHELL", EVERY, slice(2, None), "NODE"),
-    ("*PART", FIRST, SECOND, "SECTION"),
-    ("*PART", FIRST, slice(2, 3), "MAT"),
-    ("*PART_INERTIA", FIRST, SECOND, "SECTION"),
-    ("*PART_INERTIA", FIRST, slice(2, 3), "MAT"),
-    ("*PART_INERTIA", SECOND, slice(5, 6), "NODE"),
-    ("*SET_NODE_LIST", BELOW, EVERY, "NODE"),
-    ("*SET_PART_LIST", BELOW, EVERY, "PART"),
-    ("*BOUNDARY_SPC_SET", FIRST, FIRST, "SET_NODE"),
-    ("*MAT_FABRIC", slice(5, 6), slice(3), "DEFINE"),
-    (CONTACT, FIRST, FIRST, "SET_PART"),
-    (CONTACT, FIRST, SECOND, "PART"),
-    ("SHELL", EVERY, BELOW, "NODE"),
-    ("PART", EVERY, FIRST, "PROP"),
-    ("PART", EVERY, SECOND, "MAT"),
-    ("GRNOD/NODE", EVERY, EVERY, "NODE"),
-    ("GRNOD/PART", EVERY, EVERY, "PART"),
-    ("SURF/PART", EVERY, EVERY, "PART"),
-    ("INTER/TYPE7", FIRST, FIRST, "GRNOD"),
-    ("INTER/TYPE7", FIRST, SECOND, "SURF"),
-    ("INIVEL/TRA", FIRST, slice(3, 4), "GRNOD"),
-    ("RBODY", FIRST, FIRST, "NODE"),
-    ("RBODY", FIRST, slice(5, 6), "GRNOD"),
-)
 
 
 def columns(line, widths):
@@ -137,11 +71,13 @@ def defined_in(cards, ids, words):
     for kind, numbers in ids.items():
         assert len(defined[kind]) == len(numbers), kind
         assert min(defined[kind]) > 0
-    for word, rows, fields, kind in REFERENCES:
+    for reference in TABLES["reference"]:
+        word = reference["word"]
         if word.startswith("*") == words.startswith("*"):
+            rows, fields = slice(*reference["cards"]), slice(*reference["fields"])
             named = {field for block in cards[word] for row in block[rows] for field in row[fields]}
             assert named, word
-            assert named <= defined[kind], word
+            assert named <= defined[reference["kind"]], word
     return defined
 
 
@@ -157,7 +93,7 @@ def dyna(text):
     for word, body in blocks(lines[1:-1], "*", "$"):
         titled = word.endswith("_TITLE") or word in ("*TITLE", "*PART", "*PART_INERTIA")
         word = word.removesuffix("_TITLE")
-        rows = rows_of(body, DYNA.get(word, [TEN]), titled)
+        rows = rows_of(body, TABLES["lsdyna"].get(word, [TEN]), titled)
         cards[word].append(rows)
         kind = re.match(r"\*(NODE|ELEMENT|PART|SECTION|MAT|DEFINE|SET_NODE|SET_PART)", word)
         if kind:

@@ -1,6 +1,7 @@
 """Decks for LS-DYNA and OpenRadioss of all fabrics and units, read back; none is run in its code."""
 
 import re
+import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from weavecell.decks.model import UNITS
 
 ROOT = Path(__file__).parents[3]
 SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
+UNIT_FACTORS = tomllib.loads(Path(__file__).with_name("unit_factors.toml").read_text("utf-8"))
 
 
 @cache
@@ -261,50 +263,13 @@ def test_units_are_consistent():
     assert (small.density(7800.0), small.stress(2e11)) == pytest.approx((7.8e-3, 2e5))
 
 
-@pytest.mark.parametrize(
-    "to, factors",
-    [
-        (
-            "lsdyna",
-            {
-                "*CONTROL_TERMINATION": {"ENDTIM": 1e3},
-                "*DATABASE_GLSTAT": {"DT": 1e3},
-                "*SECTION_SHELL_TITLE": {"T4": 1e3},
-                "*NODE": {"NID": 1, "X": 1e3},
-                "*PART_INERTIA": {"ZC": 1e3, "TM": 1e3, "IYY": 1e9, "VTZ": 1, "NODEID": 1},
-                "*MAT_FABRIC_TITLE": {
-                    "RO": 1e-6,
-                    "EA": 1e-6,
-                    "EB": 1e-6,
-                    "GAB": 1e-6,
-                    "CSE": 1,
-                    "FORM": 1,
-                    "A1": 1,
-                },
-                "*DEFINE_CURVE_TITLE": {"DATTYP": 1, "O1": 1e-6},
-                "*MAT_RIGID_TITLE": {"RO": 1e-6, "E": 1e-6, "PR": 1},
-            },
-        ),
-        (
-            "radioss",
-            {
-                "/NODE": {"node_ID": 1, "X": 1e3},
-                "/MAT/LAW58": {"RHO_I": 1e-6, "E1": 1e-6, "E2": 1e-6, "Gsh": 1e-6, "S2": 1},
-                "/PROP/TYPE16": {"Thick": 1e3, "Alpha": 1, "T": 1e3, "mat_ID": 1},
-                "/MAT/LAW1": {"E": 1e-6, "nu": 1},
-                "/RBODY": {"Mass": 1e3, "ICoG": 1, "J33": 1e9},
-                "/INIVEL/TRA": {"Vz": 1, "grnd_ID": 1},
-                "/INTER/TYPE7": {"Idel": 1, "Stfac": 1, "Gapmin": 1e3, "Iform": 1},
-            },
-        ),
-    ],
-)
-def test_units_go_into_every_number_of_a_deck(to, factors):
+@pytest.mark.parametrize("to", UNIT_FACTORS)
+def test_units_go_into_every_number_of_a_deck(to):
     """The same deck in two systems: a field, found by its name above it, differs by the factor of its quantity."""
     made = deck("S-720", to)
     decks = (replace(made, units=UNITS[units]) for units in ("kg-m-s", "g-mm-ms"))
     si, small = (deck_readers.named(next(iter(text(units, to).values()))) for units in decks)
-    for keyword, fields in factors.items():
+    for keyword, fields in UNIT_FACTORS[to].items():
         for name, factor in fields.items():
             ours, theirs = (float(deck[keyword][name]) for deck in (si, small))
             assert ours or name == "X", (keyword, name)

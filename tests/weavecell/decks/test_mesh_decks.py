@@ -5,7 +5,7 @@ no titles of sets: they are read in the same way.
 """
 
 import re
-from itertools import pairwise
+from itertools import chain
 from types import SimpleNamespace
 
 import meshio
@@ -16,7 +16,7 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from meshing import patch
 from tests.meshing.hexahedra import volumes
-from tests.weavecell.decks.deck_readers import blocks
+from tests.weavecell.decks.deck_readers import blocks, columns
 from weavecell.decks import mesh_files
 from weavecell.decks.linear_material import linearise
 from weavecell.decks.mesh_abaqus import SIDES
@@ -30,19 +30,19 @@ def check_elements(mesh, read):
     """
     assert np.allclose(read.points, mesh.points, rtol=1e-9, atol=1e-18)
     assert np.array_equal(read.hexes, mesh.hexes + 1)
-    assert read.parts == [mesh.names[number] for number in mesh.yarn]
-    assert np.array_equal(
-        read.shells, [quad + 1 for quads in mesh.shells.values() for quad in quads]
-    )
-    pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
+    assert read.parts == list(np.array(mesh.names)[mesh.yarn])
+    shells = np.ravel([*chain(*mesh.shells.values())]) + 1
+    assert np.array_equal(np.ravel(read.shells), shells)
+    pairs = np.concatenate(mesh.bars) + 1
+    areas = np.concatenate(mesh.bar_area)
     numbers = sorted(read.bars)
     assert numbers == list(range(len(mesh.hexes) + 1, len(mesh.hexes) + 1 + len(pairs)))
-    assert np.array_equal([read.bars[number][0] for number in numbers], pairs)
-    assert [read.bars[number][1] for number in numbers] == pytest.approx(areas, rel=6e-5)
+    nodes, area = zip(*map(read.bars.get, numbers))
+    assert np.array_equal(nodes, pairs)
+    assert area == pytest.approx(areas, rel=6e-5)
     for name, bars in zip(mesh.names, mesh.bars):
-        assert np.array_equal(
-            [read.bars[number][0] for number in read.bar_sets[f"{name}_fibre"]], bars + 1
-        )
+        nodes, _ = zip(*map(read.bars.get, read.bar_sets[f"{name}_fibre"]))
+        assert np.array_equal(nodes, bars + 1)
 
 
 def check_sets(mesh, sets, unions):
@@ -66,43 +66,37 @@ def written(mesh, path):
     return text
 
 
-def columns(text, widths):
-    """Fields of a line in fixed columns, as numbers; the line has just this length, every field is right-aligned."""
-    assert len(text) == sum(widths), text
-    bounds = np.cumsum([0, *widths])
-    fields = [text[a:b] for a, b in pairwise(bounds)]
-    assert all(field == field.rstrip() for field in fields), text
-    return [float(f) if re.search(r"[.E]", f) else int(f) for f in fields]
-
-
 def integers(line, width=10):
-    return columns(line, [width] * (len(line) // width))
+    return list(map(int, columns(line, [width] * (len(line) // width))))
 
 
 def members(lines):
-    return [number for line in lines for number in integers(line)]
+    return list(chain(*map(integers, lines)))
 
 
 def dyna_elements(path):
     """Points, hexahedra, shells, and the names of their parts, as dynakw reads them."""
     dynakw = pytest.importorskip("dynakw")
-    names, found = {}, {}
+    names = {}
+    found = {}
     with dynakw.DynaKeywordReader(str(path)) as reader:
         for keyword in reader.keywords():
             found[keyword.full_keyword] = cards = keyword.cards
             if keyword.full_keyword == "*PART":
                 names[int(cards["Card 2"]["PID"][0])] = cards["Card 1"]["HEADING"][0].strip()
-    nodes, solids = found["*NODE"]["Card 1"], found["*ELEMENT_SOLID"]
+    nodes = found["*NODE"]["Card 1"]
+    solids = found["*ELEMENT_SOLID"]
     assert np.array_equal(nodes["NID"], np.arange(len(nodes["NID"])) + 1)
-    shells = found["*ELEMENT_SHELL"]["Card 1"] if "*ELEMENT_SHELL" in found else {"PID": []}
+    corners = []
+    shells = found.get("*ELEMENT_SHELL", {}).get("Card 1", {"PID": []})
+    if len(shells["PID"]):
+        corners = np.stack([shells[f"N{i}"] for i in range(1, 5)], axis=1)
     return SimpleNamespace(
         points=np.stack([nodes[k] for k in "XYZ"], axis=1),
         hexes=np.stack([solids["nodes"][f"N{i}"] for i in range(1, 9)], axis=1),
-        shells=np.stack([shells[f"N{i}"] for i in range(1, 5)], axis=1)
-        if len(shells["PID"])
-        else [],
-        parts=[names[number] for number in solids["Card 1"]["PID"]],
-        shell_parts=[names[number] for number in shells["PID"]],
+        shells=corners,
+        parts=list(map(names.get, solids["Card 1"]["PID"])),
+        shell_parts=list(map(names.get, shells["PID"])),
     )
 
 
@@ -129,10 +123,9 @@ def test_dyna_is_read_back(mesh, tmp_path):
             else:
                 sets[name] = np.reshape(rest, (-1, 4)) if kind == "SEGMENT" else rest
         elif header == "*ELEMENT_BEAM":
-            bars |= {
-                number: (nodes, part)
-                for number, part, *nodes in (integers(line, 8) for line in lines)
-            }
+            for line in lines:
+                number, part, *nodes = integers(line, 8)
+                bars[number] = nodes, part
     read.bars = {number: (nodes, areas[section[part]]) for number, (nodes, part) in bars.items()}
     check_elements(mesh, read)
     check_sets(mesh, sets, unions)
@@ -185,14 +178,17 @@ def test_abaqus_is_read_back(mesh, tmp_path):
     read, node_sets = abaqus_elements(tmp_path / "a.inp")
     bars, areas, axes, sides, read.bar_sets = {}, {}, {}, {}, {}
     for header, lines in found:
-        name, fields = header.split("=")[-1], [line.rstrip(",").split(",") for line in lines]
-        assert all(len(field) <= 20 for line in fields for field in line if header != "*HEADING")
+        name = header.split("=")[-1]
+        fields = [line.rstrip(",").split(",") for line in lines]
+        if header != "*HEADING":
+            assert max(map(len, chain(*fields)), default=0) <= 20
         if header.startswith("*ELEMENT, TYPE=T3D2"):
-            bars |= {int(number): ([int(a), int(b)], name) for number, a, b in fields}
+            for number, *ends in np.array(fields, int):
+                bars[number] = ends, name
         elif header.startswith("*SOLID SECTION") and lines:
             areas[re.search(r"ELSET=([^,]+)", header)[1]] = float(fields[0][0])
         elif header.startswith("*ELSET"):
-            read.bar_sets[name] = [int(number) for line in fields for number in line]
+            read.bar_sets[name] = list(map(int, chain(*fields)))
         elif header.startswith("*DISTRIBUTION,"):
             axes = {int(number): numbers for number, *numbers in fields[1:]}
         elif header.startswith("*SURFACE"):
@@ -205,11 +201,11 @@ def test_abaqus_is_read_back(mesh, tmp_path):
     for name, quads in surfaces.items():
         assert np.array_equal(np.sort(sides[name]), np.sort(quads)), name
         # C3D8 lists the nodes of a side as seen from inside the element; so it is the right element's side.
-        inward, outward = vector_area(mesh.points[sides[name]]), vector_area(mesh.points[quads])
-        assert np.allclose(inward, -outward, rtol=1e-9, atol=1e-20)
+        inward = vector_area(mesh.points[sides[name]])
+        assert np.allclose(inward, -vector_area(mesh.points[quads]), rtol=1e-9, atol=1e-20)
     for name in set(mesh.groups) - set(surfaces):
         assert np.array_equal(np.unique(node_sets[name]), mesh.groups[name]), name
-    axes = np.array([axes[n + 1] for n in range(len(mesh.hexes))], float)
+    axes = np.array([*map(axes.get, range(1, len(mesh.hexes) + 1))], float)
     assert np.allclose(axes[:, :3], mesh.fibre, rtol=0, atol=1e-9)
     assert np.linalg.norm(np.cross(axes[:, :3], axes[:, 3:]), axis=1).min() > 0.5
 
@@ -230,10 +226,12 @@ def radioss(text):
 
 def elements(found, keyword):
     """{number: (nodes, part)}"""
-    lines = (
-        (part, integers(line)) for part, block in found.get(keyword, {}).items() for line in block
-    )
-    return {number: (nodes, part) for part, (number, *nodes) in lines}
+    read = {}
+    for part, lines in found.get(keyword, {}).items():
+        for line in lines:
+            number, *nodes = integers(line)
+            read[number] = nodes, part
+    return read
 
 
 def test_radioss_is_read_back(mesh, tmp_path):
@@ -243,8 +241,10 @@ def test_radioss_is_read_back(mesh, tmp_path):
     assert np.array_equal(nodes[:, 0], np.arange(len(nodes)) + 1)
     part = {number: (lines[0], *integers(lines[1])) for number, lines in found["PART"].items()}
     area = {number: columns(lines[1], [20, 20])[0] for number, lines in found["PROP/TYPE2"].items()}
-    bricks, bars, shells = (elements(found, keyword) for keyword in ("BRICK", "TRUSS", "SHELL"))
-    hexes, of = zip(*(bricks[number] for number in sorted(bricks)))
+    bricks = elements(found, "BRICK")
+    bars = elements(found, "TRUSS")
+    shells = elements(found, "SHELL")
+    hexes, of = zip(*map(bricks.get, sorted(bricks)))
     read = SimpleNamespace(
         points=nodes[:, 1:], hexes=hexes, shells=[quad for quad, _ in shells.values()]
     )

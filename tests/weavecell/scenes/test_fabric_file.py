@@ -7,7 +7,6 @@ from typer.testing import CliRunner
 from fabrics import catalogue
 from fabrics.trellis import TrellisShear
 from weavecell.cli import app
-from weavecell.scenes import fabric_file
 
 VALUES = """key,warp,weft,source
 linear_density,1100 dtex,1100 dtex,data sheet
@@ -56,68 +55,56 @@ def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(command, valu
     assert ("with wider ranges for another fibre" in out) == bool(family)
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
-@pytest.mark.parametrize("separator", [",", ";", " ; "])
-def test_files_of_excel_are_read(tmp_path, values, encoding, separator):
-    """With a byte order mark, semicolons, empty cells and lines to the right and below."""
-    plain = fabric_file.read_values(values)
-    text = '"measured, own"'.join(
-        part.replace(",", separator) for part in VALUES.split('"measured, own"')
-    )
-    values.write_text(
-        text.replace("\n", f"{separator}{separator}\n", 3) + separator * 4 + "\n", encoding=encoding
-    )
-    assert fabric_file.read_values(values) == plain
-
-
-def prompted(tmp_path, *words):
-    """The fabric of what is typed at the prompts."""
-    words = ["fabrics", "new", str(tmp_path / "own.toml")], "\n".join(words) + "\n"
-    done = CliRunner().invoke(app.program(), words[0], input=words[1])
+def prompted(tmp_path, typed):
+    """The fabric of the lines that are typed at the prompts."""
+    words = ["fabrics", "new", str(tmp_path / "own.toml")]
+    done = CliRunner().invoke(app.program(), words, input=typed)
     assert done.exit_code == 0, done.output
     return catalogue.load(tmp_path / "own.toml")
 
 
+TYPED = """data sheet
+930 dtex
+
+1.44 g/cm^3
+
+95 GPa
+
+
+2350 mN/tex
+
+
+0.30 mm
+11 / cm
+
+"""
+
+
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
-    fabric = prompted(
-        tmp_path,
-        "data sheet",
-        "930 dtex",
-        "",
-        "1.44 g/cm^3",
-        "",
-        "95 GPa",
-        "",
-        "",
-        "2350 mN/tex",
-        "",
-        "",
-        "0.30 mm",
-        "11 / cm",
-        "",
-    )
+    fabric = prompted(tmp_path, TYPED)
     assert fabric.assumed == ("crimp", "failure_length")
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 
+TYPED_AGAIN = """data sheet
+1100 mm
+1100 dtex
+
+1.44 g/cm^3
+
+90 GPa
+
+0.033
+
+1.2 %
+0.8 %
+8.5 / cm
+
+"""
+
+
 def test_a_wrong_unit_is_asked_for_again_and_an_empty_line_takes_the_value_of_the_warp(tmp_path):
-    fabric = prompted(
-        tmp_path,
-        "data sheet",
-        "1100 mm",
-        "1100 dtex",
-        "",
-        "1.44 g/cm^3",
-        "",
-        "90 GPa",
-        "",
-        "0.033",
-        "",
-        "1.2 %",
-        "0.8 %",
-        "8.5 / cm",
-        "",
-    )
+    fabric = prompted(tmp_path, TYPED_AGAIN)
     assert fabric.weave.weft.failure_strain == pytest.approx(0.033)
     assert fabric.weave.weft.crimp == pytest.approx(0.008)
 

@@ -14,13 +14,13 @@ from weavecell.scenes import build
 
 BASES = tomllib.loads((Path(__file__).parents[2] / "refusals" / "bases.toml").read_text())
 SHEET = BASES["sheet"] | {"name": "mine"}
-CHANGES = {
-    "crimp": {"warp": {"crimp": "1.5 %"}, "weft": {"crimp": "1.6 %"}},
-    "modulus": {"warp": {"modulus": "99 GPa"}},
-    "strength": {"weft": {"tenacity": "2300 mN/tex"}},
-    "width": {"warp": {"width": "0.8 mm"}},
-    "section": {"section": "ellipse"},
-}
+CHANGES = tomllib.loads("""
+crimp = { warp.crimp = "1.5 %", weft.crimp = "1.6 %" }
+modulus = { warp.modulus = "99 GPa" }
+strength = { weft.tenacity = "2300 mN/tex" }
+width = { warp.width = "0.8 mm" }
+section = { section = "ellipse" }
+""")
 
 
 def fabric_of(change):

@@ -1,9 +1,11 @@
 """Options of a shot together: each shows in its record, whatever the others are."""
 
+import tomllib
 from functools import cache
 
 import numpy as np
 import pytest
+from test_keys_reach import read
 
 import weavecell as wc
 from tests.scene_text import merged
@@ -11,10 +13,34 @@ from tests.weavecell.session_runs import SCENES, set_up
 
 FAST = {"projectile": {"strike_velocity": "400 m/s"}, "panel": {"opening": "26 mm"}}
 SHOT = merged(SCENES["small"], FAST | {"run": {"end_time": "12 us", "elements_per_crossover": 1}})
-BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "2 mm", "growth": 1.5}
-PULL = {"pull_in": "0.2 mm", "start": "0 us", "end": "10 us"}
-NAMED = {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}
-WHOLE = {"panel": {"symmetry": "whole"}}
+# option: what the scene says; "" takes a key away
+OPTIONS = read(
+    tomllib.loads("""
+pack = { panel = { plies = 2, ply_gap = "0.05 mm" } }
+turned = { panel = { stacking = "alternating" } }
+"ply friction" = { panel = { ply_friction = 0.3 } }
+backing = { backing = { size = ["60 mm", "60 mm", "30 mm"], min_size = "2 mm", growth = 1.5 } }
+oblique = { panel = { symmetry = "whole" }, projectile = { obliquity = "30 deg" } }
+named = { projectile = { name = "FSP 1.10 g", mass = "", diameter = "", edge_radius = "" } }
+bar = { projectile = { body = "elastic_bar" } }
+"nose friction" = { projectile = { friction = 0.3, shape = "hemisphere" } }
+grip = { panel = { boundary = { weft = { clamp_force = "2 N" } } } }
+"pull-in" = { panel = { boundary = { weft = { pull_in = "0.2 mm", start = "0 us", end = "10 us" } } } }
+free = { panel = { boundary = "free" } }
+"weave angle" = { panel = { symmetry = "whole", weave_angle = "30 deg" } }
+round = { panel = { opening_shape = "round" } }
+"off the middle" = { panel = { symmetry = "whole", impact_point = ["4 mm", "0 mm"] } }
+whole = { panel = { symmetry = "whole" } }
+"yarns hold" = { panel = { yarn_failure = false } }
+graded = { panel = { grading = [[8, 1], [inf, 2]], opening = "60 mm" } }
+elements = { run = { elements_per_crossover = 2 } }
+measure = { history = { warp = ["0 mm", "2.6 mm"] } }
+cfl = { numerics = { cfl = 0.1 } }
+viscosity = { numerics = { stretch_viscosity = 0.2 } }
+law = { fabric = { law = { a = "0.01 mm", b = "0.02 mm N^(1/3)" } } }
+bending = { fabric = { bending = "1e-6 N m^2" } }
+""")
+)
 
 
 def energy(name, least=1e-9):
@@ -34,72 +60,40 @@ def nine_times_the_steps(shot, plain):
     return shot.steps / shot.time[-1] == pytest.approx(9 * plain.steps / plain.time[-1], rel=0.025)
 
 
+def another_velocity(shot, plain):
+    return shot.velocity[-1] != plain.velocity[-1]
+
+
 def far_edge(shot):
     """[m] place of the edge across the warp, whose clamped nodes stay where they are."""
     return shot.final[0].nodes[:, 0].max()
 
 
-# option -> (what the scene says, whether a shot shows it, given the shot and the plain one)
-OPTIONS = {
-    "pack": (
-        {"panel": {"plies": 2, "ply_gap": "0.05 mm"}},
-        lambda shot, _: shot.count == 2 and shot.gaps == pytest.approx([5e-5]),
-    ),
-    "turned": (
-        {"panel": {"stacking": "alternating"}},
-        lambda shot, _: shot.pack["stacking"] == "alternating",
-    ),
-    "ply friction": ({"panel": {"ply_friction": 0.3}}, energy("ply_friction")),
-    "backing": ({"backing": BLOCK}, energy("backing", 1e-6)),
-    "oblique": (
-        merged(WHOLE, {"projectile": {"obliquity": "30 deg"}}),
-        lambda shot, _: shot.velocity[0] == pytest.approx(400 * np.cos(np.radians(30))),
-    ),
-    "named": ({"projectile": NAMED}, lambda shot, _: shot.mass == pytest.approx(1.1e-3)),
-    "bar": ({"projectile": {"body": "elastic_bar"}}, energy("elastic_projectile", 1e-6)),
-    "nose friction": ({"projectile": {"friction": 0.3, "shape": "hemisphere"}}, energy("friction")),
-    "grip": ({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, energy("clamp_friction")),
-    "pull-in": ({"panel": {"boundary": {"weft": PULL}}}, energy("boundary_work")),
-    "free": (
-        {"panel": {"boundary": "free"}},
-        lambda shot, plain: far_edge(shot) < far_edge(plain) - 1e-6,
-    ),
-    "weave angle": (
-        merged(WHOLE, {"panel": {"weave_angle": "30 deg"}}),
-        elements(4.01, float("inf")),
-    ),
-    "round": (
-        {"panel": {"opening_shape": "round"}},
-        lambda shot, plain: shot.velocity[-1] != plain.velocity[-1],
-    ),
-    "off the middle": (
-        merged(WHOLE, {"panel": {"impact_point": ["4 mm", "0 mm"]}}),
-        elements(4.01, float("inf")),
-    ),
-    "whole": (WHOLE, elements(4, 4)),
-    "yarns hold": (
-        {"panel": {"yarn_failure": False}},
-        lambda shot, plain: shot.cut_yarns[-1] == 0 < plain.cut_yarns[-1],
-    ),
-    "graded": (
-        {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
-        lambda shot, _: shot.elements < 23**2 * shot.count,
-    ),
-    "elements": ({"run": {"elements_per_crossover": 2}}, elements(4, 4)),
-    "measure": (
-        {"history": {"warp": ["0 mm", "2.6 mm"]}},
-        lambda shot, _: len(shot.measured[0].yarns) == 3,
-    ),
-    "cfl": ({"numerics": {"cfl": 0.1}}, nine_times_the_steps),
-    "viscosity": (
-        {"numerics": {"stretch_viscosity": 0.2}},
-        lambda shot, plain: shot.energies["viscous"][-1] > plain.energies["viscous"][-1],
-    ),
-    "law": (
-        {"fabric": {"law": {"a": "0.01 mm", "b": "0.02 mm N^(1/3)"}}},
-        lambda shot, plain: shot.velocity[-1] != plain.velocity[-1],
-    ),
-    "bending": ({"fabric": {"bending": "1e-6 N m^2"}}, energy("bending")),
+# option: whether a shot shows it, given the shot and the plain one
+SHOWN = {
+    "pack": lambda shot, _: shot.count == 2 and shot.gaps == pytest.approx([5e-5]),
+    "turned": lambda shot, _: shot.pack["stacking"] == "alternating",
+    "ply friction": energy("ply_friction"),
+    "backing": energy("backing", 1e-6),
+    "oblique": lambda shot, _: shot.velocity[0] == pytest.approx(400 * np.cos(np.radians(30))),
+    "named": lambda shot, _: shot.mass == pytest.approx(1.1e-3),
+    "bar": energy("elastic_projectile", 1e-6),
+    "nose friction": energy("friction"),
+    "grip": energy("clamp_friction"),
+    "pull-in": energy("boundary_work"),
+    "free": lambda shot, plain: far_edge(shot) < far_edge(plain) - 1e-6,
+    "weave angle": elements(4.01, np.inf),
+    "round": another_velocity,
+    "off the middle": elements(4.01, np.inf),
+    "whole": elements(4, 4),
+    "yarns hold": lambda shot, plain: shot.cut_yarns[-1] == 0 < plain.cut_yarns[-1],
+    "graded": lambda shot, _: shot.elements < 23**2 * shot.count,
+    "elements": elements(4, 4),
+    "measure": lambda shot, _: len(shot.measured[0].yarns) == 3,
+    "cfl": nine_times_the_steps,
+    "viscosity": lambda shot, plain: shot.energies["viscous"][-1] > plain.energies["viscous"][-1],
+    "law": another_velocity,
+    "bending": energy("bending"),
 }
 # chosen so that each option of the panel stands beside each of the shot that it may
 TOGETHER = [
@@ -133,7 +127,7 @@ def record(together):
     """The record of the shot with options, by name."""
     table = SHOT
     for name in together.split(", ") if together else ():
-        table = merged(table, OPTIONS[name][0])
+        table = merged(table, OPTIONS[name])
     return wc.sweep([set_up(table)])[0]
 
 
@@ -141,8 +135,12 @@ def record(together):
 @pytest.mark.parametrize("together", TOGETHER)
 def test_options_show_together(together):
     shot = record(together)
-    assert [name for name in together.split(", ") if not OPTIONS[name][1](shot, record(""))] == []
+    assert [name for name in together.split(", ") if not SHOWN[name](shot, record(""))] == []
 
 
 def test_every_option_is_shot():
-    assert {name for together in TOGETHER for name in together.split(", ")} == set(OPTIONS)
+    assert (
+        {name for together in TOGETHER for name in together.split(", ")}
+        == set(OPTIONS)
+        == set(SHOWN)
+    )

@@ -1,5 +1,6 @@
 """Scenes: laws and surfaces, what need not be said, and a shot in words."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -11,17 +12,12 @@ from tests.scene_text import merged
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
 
-TABLE = {
-    "fabric": {"name": "S-720"},
-    "projectile": {
-        "mass": "3 g",
-        "diameter": "5.5 mm",
-        "edge_radius": "0.3 mm",
-        "strike_velocity": "92.5 m/s",
-    },
-    "panel": {"opening": "203 mm"},
-    "run": {"end_time": "250 us"},
-}
+TABLE = tomllib.loads("""
+fabric.name = "S-720"
+projectile = { mass = "3 g", diameter = "5.5 mm", edge_radius = "0.3 mm", strike_velocity = "92.5 m/s" }
+panel.opening = "203 mm"
+run.end_time = "250 us"
+""")
 
 
 def with_change(table, key, value):
@@ -70,43 +66,31 @@ def test_what_a_lay_up_and_a_limit_need_not_say():
     assert written.end_time == given.end_time == 800e-6
 
 
-CHISEL = {
-    "shape": "chisel",
-    "flat_width": "2.5 mm",
-    "flat_angle": "35 deg",
-    "obliquity": "30 deg",
-    "friction": 0.2,
-}
-ENDS = {
-    "warp": ["clamped", {"clamp_force": "20 N"}],
-    "weft": {"pull_in": "5 mm", "start": "200 us", "end": "650 us"},
-}
-SIDES = {"opening": ["203 mm", "100 mm"], "boundary": ENDS}
+SAID = tomllib.loads("""
+[[shot]]
+projectile = { shape = "chisel", flat_width = "2.5 mm", flat_angle = "35 deg", obliquity = "30 deg", friction = 0.2 }
+said = "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"
+[[shot]]
+projectile.body = "elastic_bar"
+said = "a cylinder of 3 g and 5.5 mm, elastic-plastic along its axis"
+[[shot]]
+panel.opening = ["203 mm", "100 mm"]
+panel.boundary.warp = ["clamped", { clamp_force = "20 N" }]
+panel.boundary.weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
+said = "clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
+[[shot]]
+panel.weave_angle = "45 deg"
+said = "203 mm square, its weave turned by 45° and clamped"
+""")["shot"]
 
 
-@pytest.mark.parametrize(
-    ("projectile", "panel", "said"),
-    [
-        (
-            CHISEL,
-            {},
-            "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2",
-        ),
-        (
-            {"body": "elastic_bar"},
-            {},
-            "a cylinder of 3 g and 5.5 mm, elastic-plastic along its axis",
-        ),
-        ({}, SIDES, "clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"),
-        ({}, {"weave_angle": "45 deg"}, "203 mm square, its weave turned by 45° and clamped"),
-    ],
-)
-def test_a_shot_in_words(projectile, panel, said):
-    table = merged(TABLE, {"projectile": projectile, "panel": {"symmetry": "whole"} | panel})
-    asked = scenes_impact.check(table, "s")
-    assert (
-        words.panel_in_words(asked.panel) if panel else words.shot_in_words(asked.projectile)
-    ).endswith(said)
+@pytest.mark.parametrize("shot", SAID, ids=[shot["said"] for shot in SAID])
+def test_a_shot_in_words(shot):
+    said = shot["said"]
+    table = merged(TABLE, {key: part for key, part in shot.items() if key != "said"})
+    asked = scenes_impact.check(merged(table, {"panel": {"symmetry": "whole"}}), "s")
+    told = words.panel_in_words(asked.panel), words.shot_in_words(asked.projectile)
+    assert told["projectile" in shot].endswith(said)
 
 
 def test_every_shape_of_the_solver_is_a_shape_of_scenes():

@@ -1,6 +1,7 @@
 """STL files of projectiles: what is read of them, what is refused in one line, and runs that go on bit for bit."""
 
 import json
+import tomllib
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -15,23 +16,22 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
 from tests.scene_text import datasets, merged, toml
 from tests.stl_noses import NOSES, errors, triangles, write
-from tests.weavecell.session_runs import SCENES
 from weavecell.scenes import impact, stl_file
 
 CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
 EDGE = 0.4e-3
-SHOT = SCENES["small"] | {
-    "projectile": {
-        "shape": "stl",
-        "stl": "body.stl",
-        "stl_unit": "mm",
-        "mass": "1.1 g",
-        "edge_radius": "0.4 mm",
-        "strike_velocity": "150 m/s",
-    },
-    "panel": {"opening": "50 mm"},
-    "run": {"end_time": "40 us", "checkpoint_interval": "10 us", "outputs": []},
-}
+SHOT = tomllib.loads("""
+fabric.name = "S-720"
+panel.opening = "50 mm"
+run = { end_time = "40 us", checkpoint_interval = "10 us", outputs = [] }
+[projectile]
+shape = "stl"
+stl = "body.stl"
+stl_unit = "mm"
+mass = "1.1 g"
+edge_radius = "0.4 mm"
+strike_velocity = "150 m/s"
+""")
 
 
 def facets():

@@ -4,7 +4,6 @@ import hashlib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import gamma
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -130,17 +129,6 @@ def test_shots_that_determine_no_v50_say_why(velocities, outcomes, told):
         assert told in curve.reason
         assert np.isnan([curve.V50, curve.s, curve.V0, curve.V100]).all()
     assert protocol.series(curve).share == 0
-
-
-@pytest.mark.parametrize(
-    ("name", "v50", "s"),
-    [("set1", 108.535, 11.008), ("set2", 244.369, 12.583), ("set3", 403.700, 15.816)],
-)
-def test_the_probits_of_three_sets_that_statsmodels_found(name, v50, s):
-    """Drawn sets of 12, 20 and 40 shots, answers by its generalised linear model."""
-    rows = np.genfromtxt(Path(__file__).with_name(f"{name}.csv"), str, delimiter=",", skip_header=1)
-    curve = probit.fit(rows[:, 0].astype(float), np.char.strip(rows[:, 1]) == "CP")
-    assert (curve.V50, curve.s) == (pytest.approx(v50, abs=1e-3), pytest.approx(s, abs=1e-3))
 
 
 def test_separated_shots_have_the_interval_of_a_public_answer():

@@ -77,7 +77,9 @@ def warp_pull(model: CellModel, n: int = 161) -> tuple[FloatArray, States]:
     strain = np.linspace(0, stretch_at_failure(model.fabric.weave.warp) - 1, n)
     found = model.solve(1 + strain, 1.0)
     safe = unfailed(model, found)
-    last = n if safe.all() else int(np.argmin(safe))
+    last = n
+    if not safe.all():
+        last = int(np.argmin(safe))
     return strain[:last], {name: values[:last] for name, values in found.items()}
 
 
@@ -293,7 +295,10 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
     given = catalogue.load(fabric)
     d = path["d1"]
     T = path["T1"]
-    cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
+    laws = None
+    if law is not None:
+        laws = (law, law)
+    cell = CellModel(given, laws).solve(1 + d / given.weave.w1, 1.0)
     work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
     return {
         "warp": largest(cell["T1"] - T) / T.max(),

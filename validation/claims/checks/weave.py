@@ -111,7 +111,10 @@ def limit_angles(fabric: str, K_s: float) -> Values:
         except InputError:
             continue  # wider than its spacing
     locking = locking_angle(weave.warp.A_s, K_s, weave.thickness, 1 / weave.warp_count)
-    return {"gamma1": touching[0] if touching else None, "gamma2": locking}
+    first = None
+    if touching:
+        first = touching[0]
+    return {"gamma1": first, "gamma2": locking}
 
 
 def law_shape() -> Values:

@@ -103,17 +103,13 @@ class CableNet:
         mass = weave.areal_density * const.dx * const.dy
         self.dt, self.cv = time_step(2 * (sum(stiffness) / mass) ** 0.5, cfl, viscosity)
         law = contact.constants(const.points_per_side, mass, self.dt, penalty, CONTACT_DAMPING)
-        self.const, self.state = (
-            const._replace(dt=self.dt, **law),
-            panel.state(setup.strike_velocity),
-        )
+        self.const = const._replace(dt=self.dt, **law)
+        self.state = panel.state(setup.strike_velocity)
         shape = (const.ni + 1, const.row_stride)
         slots = self.state.mass.size
         n = shape[0] * shape[1]
-        self.stiffness, self.kick = (
-            np.zeros((2, slots)),
-            np.tile(self.dt * self.state.inverse_mass, (3, 1)),
-        )
+        self.stiffness = np.zeros((2, slots))
+        self.kick = np.tile(self.dt * self.state.inverse_mass, (3, 1))
         warp, weft = self.stiffness[:, :n].reshape(2, *shape)
         warp[:-1], weft[:, :-1] = stiffness
         warp[:, 0] *= 0.5  # planes of symmetry cut the bars that lie in them, and keep their nodes
@@ -121,7 +117,8 @@ class CableNet:
         free = self.kick[:, :n].reshape(3, *shape)
         free[0, 0] = free[1, :, 0] = 0.0
         self.length = np.repeat([[const.dx], [const.dy]], slots, axis=1)
-        self.drag, self.spent = np.zeros((2, slots)), np.zeros(2)
+        self.drag = np.zeros((2, slots))
+        self.spent = np.zeros(2)
         self.clamped = np.flatnonzero(free[2] == 0)
         self.ends = const.ni * const.row_stride, const.nj
         self.room = np.zeros((2, 3, n + const.row_stride)), contact.scratch(const)
