@@ -39,7 +39,7 @@ def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
         PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run()
         for panel in (ply, forced(replace(ply)))
     )
-    assert other.consts[0].line_offset1.size > 0
+    assert np.ndim(one.consts[0].inv_dx) == 0 and np.ndim(other.consts[0].inv_dx) == 1
     assert (one.sample("cut_yarns")[-1] > 0) == (strike_velocity > 200)
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):

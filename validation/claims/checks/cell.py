@@ -185,7 +185,7 @@ def stress_resultant_error() -> float:
     worst = 0.0
     for name in ("S-720", "S-726", "S-731"):
         weave = catalogue.load(name).weave
-        coupon = rectangle(name, 8.000001 * np.array(weave.w), 201)
+        coupon = rectangle(name, 8.000001 * np.array(weave.w), 801)
         stretch = [1 + 0.6 * (stretch_at_failure(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
         state = coupon.table.model.solve(*stretch)
