@@ -11,8 +11,8 @@ The folder of `weavecell impact`
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
     window/         finished shots of `--uncertainty` at other velocities, as long
 
-Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
-summary.json and the report then tell which, and whether the targets were met.
+If the input file has a table [accuracy], finer and finer meshes are run (`studies.mesh_uncertainty`): summary.json and
+the report then name them, and say whether the target was met.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
@@ -70,8 +70,8 @@ def impact(
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
-    [accuracy] says how well it wants to know something: it is run on finer and finer meshes, until two of them agree so
-    far. A key of the input file that cannot be honoured is rejected.
+    [accuracy] is run on finer and finer meshes, until the uncertainty of one quantity is within its target. A key of
+    the input file that cannot be honoured is rejected.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``, pictures/ and
     scene.toml; while the run goes on, checkpoint.h5.
@@ -109,8 +109,8 @@ def impact(
     from weavecell.studies import inputs
 
     panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
-    climbs = panel.case is not None and panel.case.scene.accuracy is not None
-    if climbs and uncertainty:
+    accuracy = panel.case and panel.case.scene.accuracy
+    if accuracy and uncertainty:
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
@@ -128,8 +128,8 @@ def impact(
         return before  # type: ignore[return-value]
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
-            result, failure = _answer(panel, key, folder, resume, uncertainty)
-            if failure is None and not climbs and panel.setup.plies == 1:
+            result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
+            if failure is None and accuracy is None and panel.setup.plies == 1:
                 result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
         if folder is not None:
             with progress.bar("Writing results"):
@@ -144,22 +144,19 @@ def impact(
     return result
 
 
-# keys of an input file that [accuracy] would change; what is given there stays
-_BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
-
-
-def _answer(panel, key, folder, resume, uncertainty):
-    """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
-    there is one, or of a pair of meshes."""
+def _answer(panel, key, folder, resume, uncertainty, accuracy):
+    """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes if their
+    `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
     from weavecell.studies import mesh_uncertainty
 
-    scene, setup = None if panel.case is None else panel.case.scene, panel.setup
+    setup = panel.setup
 
     def shoot(setup, table=None, mesh=""):
         if folder is None:
             return _run(panel, setup, table=table)
         name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
-        return _run(panel, setup, folder / name, scene.run.checkpoint_interval, resume, table)
+        interval = panel.case.scene.run.checkpoint_interval
+        return _run(panel, setup, folder / name, interval, resume, table)
 
     def shoot_window(setup, table, mesh=""):
         shot = shoot(setup, table, mesh)
@@ -175,21 +172,15 @@ def _answer(panel, key, folder, resume, uncertainty):
             return replace(shot, window=window.about(shot.result, folder=runs, report=report))
 
     try:
-        if scene is None or scene.accuracy is None:
-            shot, pair = (
-                mesh_uncertainty.run_pair(setup, shoot_window)
-                if uncertainty
-                else (shoot(setup), None)
+        if accuracy:
+            shot, pair = mesh_uncertainty.refine(
+                setup, accuracy.quantity, accuracy.uncertainty, shoot_window
             )
+        elif uncertainty:
+            shot, pair = mesh_uncertainty.run_pair(setup, shoot_window)
         else:
-            fixed = {
-                field
-                for (table, key), field in _BY_HAND.items()
-                if key in getattr(scene, table).model_fields_set
-            }
-            shot, pair = mesh_uncertainty.climb(
-                setup, scene.accuracy.targets, shoot_window, fixed=fixed
-            )
+            shot = shoot(setup)
+            pair = None
     except KeyboardInterrupt:
         kept = folder is not None and bool(run_folder.checkpoints(folder))
         raise run_folder.Interrupted(

@@ -289,30 +289,22 @@ def _share(meaning):
 
 
 class AccuracyTable(Table):
-    """Largest errors that the results may have; the command refines the mesh until they are met.
+    """How well one quantity is to be known: `weavecell impact` refines the mesh until it is.
 
     [accuracy]
-    residual_velocity = "2 %"
-    deflection = "5 %"
+    quantity = "residual_velocity"
+    uncertainty = "2 %"
     """
 
-    residual_velocity: _share("target: error at most, over the strike velocity") = None
-    absorbed_energy: _share("target: error at most, over the strike energy") = None
-    deflection: _share("target: relative error of the maximum deflection at most") = None
-    peak_tension: _share("target: relative error of the peak tension at most") = None
-
-    @property
-    def targets(self) -> dict[str, float]:
-        """{quantity: [-] error at most} of those that are given."""
-        return {name: share for name, share in self if share is not None}
-
-    @model_validator(mode="after")
-    def _of_one_target(self):
-        if not self.targets:
-            raise InputError(
-                "has no target", allowed=f"at least one of {', '.join(type(self).model_fields)}"
-            )
-        return self
+    quantity: one_of(
+        "what is to be known; uncertainties of velocity and energy are shares of those of the strike, of deflection "
+        "and tension of the value itself",
+        "residual_velocity",
+        "absorbed_energy",
+        "deflection",
+        "peak_tension",
+    ) = "residual_velocity"
+    uncertainty: _share("largest discretisation uncertainty of the quantity")
 
 
 class NumericsTable(Table):
