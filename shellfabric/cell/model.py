@@ -44,46 +44,54 @@ class CellModel:
     ----------
     fabric : Fabric
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
-    gap : [m] play g between the yarns, closed before they touch (erratum E-16)
-    model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
-    form : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis; forces T).
-        The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
-        form's forces are no gradient, and do work that nothing stores
-    profile : "cosine" (of the thesis), or "straight" segments from crossing to crossing (Kawabata's)
-    toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
-        the linear yarn of the thesis. See `yarn_kernels`
+    crossover_gap : [m] play g between the yarns, closed before they touch (erratum E-16)
+    cell_model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
+    cell_formulation : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis;
+        forces T). The default is the variational one for its energy: what its forces do is what the cell stores. The
+        forces of equilibrium are no gradient, and do work that nothing stores
+    cell_profile : "cosine" (of the thesis), or "straight" segments from crossing to crossing (Kawabata's)
+    fibre_slack : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes;
+        0 is the linear yarn of the thesis. See `yarn_kernels`
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
         not fail, since forces beyond a table follow its last cell and may grow without bound
 
     Raises
     ------
-    InputError : unknown model, form or profile, negative gap, a toe outside [0, 0.1], or a compressible cell without
-        laws
+    InputError : unknown model, formulation or profile, negative gap, a slack outside [0, 0.1], or a compressible cell
+        without laws
     """
 
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    gap: float = 0.0
-    model: str = "compressible"
-    form: str = "variational"
-    profile: str = "cosine"
-    toe: float | tuple[float, ...] = 0.0
+    crossover_gap: float = 0.0
+    cell_model: str = "compressible"
+    cell_formulation: str = "variational"
+    cell_profile: str = "cosine"
+    fibre_slack: float | tuple[float, ...] = 0.0
     reach: float = 1.0
 
     def __post_init__(self):
-        for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
+        for key, known in (
+            ("cell_model", MODELS),
+            ("cell_formulation", FORMS),
+            ("cell_profile", PROFILES),
+        ):
             if getattr(self, key) not in known:
                 raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
-        if np.shape(self.toe) not in ((), (2,)) or not all(
+        if np.shape(self.fibre_slack) not in ((), (2,)) or not all(
             0 <= toe <= _LONGEST_TOE for toe in self.toes
         ):
             allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
-            raise InputError(key="toe", value=self.toe, allowed=allowed)
+            raise InputError(key="fibre_slack", value=self.fibre_slack, allowed=allowed)
         if not 1 <= self.reach < np.inf:
             raise InputError(key="reach", value=self.reach, allowed="at least 1")
-        if not 0 <= self.gap <= sum(self.h0):
-            raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
-        if self.laws is None and self.fabric.laws is None and self.model == "compressible":
+        if not 0 <= self.crossover_gap <= sum(self.h0):
+            raise InputError(
+                key="crossover_gap",
+                value=self.crossover_gap,
+                allowed="at least 0 and at most h01 + h02",
+            )
+        if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":
             raise InputError(
                 f"fabric {self.fabric.name} has no compression law", allowed="given one"
             )
@@ -91,23 +99,24 @@ class CellModel:
     @property
     def used_laws(self) -> tuple[CompressionLaw, ...]:
         """The laws that the cell is solved with."""
-        if self.model != "compressible":
+        if self.cell_model != "compressible":
             return CompressionLaw.incompressible(), CompressionLaw.incompressible()
         return self.laws or self.fabric.laws or ()
 
     @property
     def toes(self) -> tuple[float, ...]:
         """[-] of warp and weft."""
-        return tuple(float(toe) for toe in np.broadcast_to(self.toe, 2))
+        return tuple(float(toe) for toe in np.broadcast_to(self.fibre_slack, 2))
 
     @property
     def h0(self) -> tuple[float, ...]:
         """[m] heights at rest of warp and weft, of the profile."""
         weave = self.fabric.weave
-        if self.profile == "cosine":
+        if self.cell_profile == "cosine":
             return weave.h0
         return tuple(
-            kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0)
+            kernels.free_height(w, S0, PROFILES[self.cell_profile])
+            for w, S0 in zip(weave.w, weave.S0)
         )
 
     @property
@@ -127,7 +136,7 @@ class CellModel:
     @property
     def yarn_tuples(self) -> tuple[tuple[float, ...], ...]:
         """The two yarns as `crossover_kernels` takes them."""
-        weave, profile = self.fabric.weave, PROFILES[self.profile]
+        weave, profile = self.fabric.weave, PROFILES[self.cell_profile]
         rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
         return tuple(
             (
@@ -190,12 +199,12 @@ class CellModel:
 
         A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no greater one.
         """
-        full = sum(self.h0) - self.gap
+        full = sum(self.h0) - self.crossover_gap
         if not full > 0:
             return 1.0
         if full >= S0 / 2:
             return 0.0
-        if self.profile == "straight":
+        if self.cell_profile == "straight":
             return np.sqrt((S0 / 2) ** 2 - full**2) / w
         straight = S0 / (2 * w)
         too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
@@ -211,7 +220,13 @@ class CellModel:
 
     def _arguments(self):
         warp, weft = self.yarn_tuples
-        return warp, weft, self.gap, FORMS[self.form], self.model != "decoupled"
+        return (
+            warp,
+            weft,
+            self.crossover_gap,
+            FORMS[self.cell_formulation],
+            self.cell_model != "decoupled",
+        )
 
 
 @dataclass(frozen=True)
@@ -284,7 +299,7 @@ class CellTable:
     ) -> CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
-        if model.form == "variational":
+        if model.cell_formulation == "variational":
             fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
         else:
             fx, fy = np.gradient(values["W"], edge_order=2)

@@ -86,7 +86,7 @@ class PullOut:
             "free",
             self.numerics,
             trellis=False,
-            failure=False,
+            yarn_failure=False,
             friction=self.friction,
         )
 

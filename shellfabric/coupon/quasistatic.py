@@ -195,7 +195,7 @@ def inextensible_shear(length: float, width: float, elongation: float) -> float:
 def picture_frame(
     table: CellTable,
     *,
-    cells: int = 8,
+    crossovers: int = 8,
     shear_angle: float = 0.6,
     steps: int = 12,
     elements_per_crossover: int = 1,
@@ -204,14 +204,14 @@ def picture_frame(
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
-    half = [cells * w for w in table.model.fabric.weave.w]
+    half = [crossovers * w for w in table.model.fabric.weave.w]
     slack = 1e-6 * min(half)
     coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
         max(half),
         elements_per_crossover=elements_per_crossover,
-        offset=_about((cells, cells), elements_per_crossover),
+        offset=_about((crossovers, crossovers), elements_per_crossover),
     )
     x, y = coupon.points.T
     grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)

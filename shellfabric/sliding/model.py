@@ -107,7 +107,9 @@ class SlidingPanel(Panel):
         super().__post_init__()
         words = "with sliding crossovers"
         led = any(
-            isinstance(side, boundary.PullIn) for pair in boundary.sides(self.edge) for side in pair
+            isinstance(side, boundary.PullIn)
+            for pair in boundary.sides(self.boundary)
+            for side in pair
         )
         for key, value, met, allowed in (
             (
@@ -119,10 +121,15 @@ class SlidingPanel(Panel):
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
             ("opening_shape", "round", not self.round, "rectangular"),
-            ("edge", self.edge, not led, "clamped, free or gripped"),
+            ("boundary", self.boundary, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
             ("backing", "a block", self.backing is None, "left out"),
-            ("form", self.table.model.form, self.table.model.form == "variational", "variational"),
+            (
+                "cell_formulation",
+                self.table.model.cell_formulation,
+                self.table.model.cell_formulation == "variational",
+                "variational",
+            ),
             ("surface", "a response surface", "F" in self.table.values, "left out"),
         ):
             if not met:
@@ -214,7 +221,7 @@ class SlidingPanel(Panel):
             mine[:] = stretch
         removed = tuple(np.zeros(slots, np.uint8) for _ in range(2))
         counter = np.array(
-            [0, 0, any("free" in pair for pair in boundary.sides(self.edge))], np.int64
+            [0, 0, any("free" in pair for pair in boundary.sides(self.boundary))], np.int64
         )
         return Slip(
             active=not pins,

@@ -25,7 +25,9 @@ FINER = ((7, 1 / 3), (13, 1), (INF, 2))
 @cache
 def table(form="variational", size=121):
     """A table of S-720."""
-    return CellModel(catalogue.load("S-720").with_effective_density(), form=form).table(size)
+    return CellModel(catalogue.load("S-720").with_effective_density(), cell_formulation=form).table(
+        size
+    )
 
 
 def make_panel(side=0.03048, *, form="variational", **changes):

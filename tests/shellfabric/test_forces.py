@@ -129,9 +129,9 @@ def elements(
 ):
     """The elements of a ply, unevenly stretched, sheared and crumpled, in several blocks."""
     changes = {
-        "edge": "free",
+        "boundary": "free",
         "numerics": Numerics(block=150, threads=1),
-        "failure": False,
+        "yarn_failure": False,
     } | changes
 
     def make(seed, symmetry):
@@ -157,7 +157,12 @@ def elements(
             )
 
         return Case(
-            [x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel
+            [x],
+            forces,
+            energy,
+            np.eye(3)[: 3 * (changes["boundary"] == "free")],
+            panel.mirrors,
+            panel,
         )
 
     return make
@@ -165,7 +170,7 @@ def elements(
 
 def grips(seed, symmetry):
     """What clamps take of fabric that has partly slipped out of them."""
-    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, edge=Grip(15.0))(
+    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, boundary=Grip(15.0))(
         seed, symmetry
     )
     const = panel.constants()
@@ -338,7 +343,7 @@ FORCES = {
     "torn, finer": elements(torn=TORN, **GRADED),
     "torn, out of plane": elements(torn=TORN, **BENDING | PACKED, **GRADED),
     "bending": elements(**BENDING),
-    "bending, clamped": elements(**BENDING, edge="clamped"),
+    "bending, clamped": elements(**BENDING, boundary="clamped"),
     "bending, finer": elements(**BENDING, **GRADED),
     "packing": elements(**PACKED),
     "packing, folded": elements(**PACKED | {"stretch": (0.1, 0.08), "noise": 0.05}),

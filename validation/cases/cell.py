@@ -64,7 +64,9 @@ def _miss(model, F, d1, d2):
     w1, w2 = (w + d for w, d in zip(model.fabric.weave.w, (d1, d2)))
     free = [kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
     return abs(
-        kernels.residual(F, w1, w2, *free, warp, weft, model.gap, FORMS[model.form])[0]
+        kernels.residual(
+            F, w1, w2, *free, warp, weft, model.crossover_gap, FORMS[model.cell_formulation]
+        )[0]
     ) / sum(model.h0)
 
 
@@ -140,7 +142,7 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> di
     ----------
     test : "k = 1" or another ratio of strains, or "free", with the cross yarns free
     yarn : "warp" or "weft"
-    options : of CellModel, beside the equilibrium form: fibre slack `toe`, `profile`
+    options : of CellModel, beside the equilibrium form: `fibre_slack`, `cell_profile`
 
     Returns
     -------
@@ -150,7 +152,7 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> di
     weave = catalogue.load(fabric)
     curves = []
     for changes in ({}, options):
-        cell = CellModel(weave, form="equilibrium", **changes)
+        cell = CellModel(weave, cell_formulation="equilibrium", **changes)
         ratio: tuple[float, ...] = ()
         if test != "free":
             ratio = (float(test.removeprefix("k = ")), 1.0)

@@ -53,7 +53,7 @@ def biaxial(
     *,
     ratio: list[str] | None = None,
     compare_3d: str | float | tuple[int, int, int] | None = None,
-    profile: Literal["cosine", "straight"] = "cosine",
+    cell_profile: Literal["cosine", "straight"] = "cosine",
     fibre_slack: float | str | tuple[float, float] = "0",
     law: FilePath | CompressionLaw | None = None,
     out: FilePath | None = None,
@@ -67,7 +67,7 @@ def biaxial(
     fabric : as of `mesh`; a named one has the linear densities of `weavecell.fabric`
     ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a yarn
     compare_3d : solve the 3D crossover too, with this mesh, as of `mesh`, and compare; needs dolfinx
-    profile : centre line of the yarns: the thesis's cosine, or Kawabata's straight segments
+    cell_profile : centre line of the yarns: the thesis's cosine, or Kawabata's straight segments
     fibre_slack : mean slack of the fibres of a yarn (toe of its tensile curve): of both, or of warp and weft
     law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python also a CompressionLaw
     out : folder of the results; in Python None writes nothing
@@ -90,8 +90,8 @@ def biaxial(
     from shellfabric.cell.biaxial_path import to_strength
     from shellfabric.cell.model import CellModel
 
-    if profile not in ("cosine", "straight"):
-        raise InputError(key="profile", value=profile, allowed="cosine or straight")
+    if cell_profile not in ("cosine", "straight"):
+        raise InputError(key="cell_profile", value=cell_profile, allowed="cosine or straight")
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
     fabric = targets.as_fabric(fabric) if compare_3d is None else meshes.of_3d(fabric)
@@ -104,8 +104,10 @@ def biaxial(
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
-    toe: Any = quantities.pair(fibre_slack, "", "fibre_slack")
-    options: dict[str, Any] = {"profile": profile, "toe": toe[0] if toe[0] == toe[1] else toe}
+    slack: Any = quantities.pair(fibre_slack, "", "fibre_slack")
+    if slack[0] == slack[1]:
+        slack = slack[0]
+    options: dict[str, Any] = {"cell_profile": cell_profile, "fibre_slack": slack}
     model, began = CellModel(fabric, **options), time.perf_counter()
     with out_folder.held(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
@@ -156,7 +158,7 @@ class BiaxialResult(Result):
     model : CellModel, with its fabric
     paths : {ratio: `shellfabric.cell.biaxial_path.CellPath`}
     solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
-    options : profile and toe of the cell
+    options : profile and fibre slack of the cell
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None
     seconds : [s] it took
@@ -186,7 +188,7 @@ class BiaxialResult(Result):
         beside the 3D crossover the rms difference of the tensions [N]."""
         settings = {
             "fabric": self.fabric.name,
-            "form": self.model.form,
+            "cell_formulation": self.model.cell_formulation,
             "law": self.source,
             **self.options,
         }

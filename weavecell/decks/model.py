@@ -77,7 +77,7 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     ),
     "panel.boundary": (
         "clamped or free: no side that slips is exported",
-        lambda ply: boundary.slips(ply.edge),
+        lambda ply: boundary.slips(ply.boundary),
     ),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),
 }

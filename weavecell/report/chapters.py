@@ -121,7 +121,7 @@ def cell(
         main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
         for label, pair in laws.items():
-            state = CellModel(fabric, pair, model=model, **options).solve(
+            state = CellModel(fabric, pair, cell_model=model, **options).solve(
                 1 + share * ends[0], 1 + share * ends[1]
             )
             curves[label] = (state["N1"], state["N2"])
@@ -142,7 +142,7 @@ def cell(
 
 def options(table: Any) -> dict[str, Any]:
     """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
-    return {"profile": table.cell_profile, "toe": table.fibre_slack}
+    return {"cell_profile": table.cell_profile, "fibre_slack": table.fibre_slack}
 
 
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:

@@ -55,8 +55,7 @@ def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: A
     """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
     from shellfabric.coupon import quasistatic
 
-    named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
-    return getattr(quasistatic, test)(table, **named, **options)
+    return getattr(quasistatic, test)(table, **inputs, **options)
 
 
 def record(inputs: Any, solved: Result, **facts: Any) -> Record:

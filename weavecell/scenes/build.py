@@ -30,15 +30,6 @@ if TYPE_CHECKING:
 LOG = logging.getLogger("weavecell")  # the command line prints its lines
 Laws = tuple[CompressionLaw, CompressionLaw]  # of warp and weft
 CHANGED = "was fitted to other data of {} than it has now"
-# keys whose field in the objects of shellfabric has another name
-FIELDS = {
-    "fabric.cell_formulation": "form",
-    "fabric.crossover_gap": "gap",
-    "fabric.cell_profile": "profile",
-    "panel.boundary": "edge",
-    "panel.yarn_failure": "failure",
-    "picture_frame.crossovers": "cells",
-}
 
 
 @dataclass(frozen=True)
@@ -327,30 +318,27 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     scene, panel = case.scene, case.scene.panel
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
-    for name in ("fabric", "panel", "run"):
-        given |= {
-            key: value
-            for key, value in _given(getattr(scene, name), name).items()
-            if key in of_setup
-        }
-    history = scene.history and HistoryRequest(
-        **_given(scene.history, "history", but=("report_positions",))
-    )
+    for table in (scene.fabric, panel, scene.run):
+        given |= {key: value for key, value in _given(table).items() if key in of_setup}
     try:
         # in place of texts and tables the objects that they describe
-        given |= {name: getattr(case, name) for name in ("fabric", "laws", "surface", "lay_up")}
         given |= {
+            "fabric": case.fabric,
+            "laws": case.laws,
+            "surface": case.surface,
+            "lay_up": case.lay_up,
             "strike_velocity": scene.projectile.strike_velocity,
             "projectile": _projectile(scene.projectile),
-        }
-        given |= {
-            "edge": _edge(panel.boundary),
+            "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
-            "history": history,
+            "crossovers": _crossovers(panel),
+            "backing": _backing(scene.backing),
+            "strength": panel.strength and YarnStrength(**panel.strength.model_dump()),
+            "history": scene.history
+            and HistoryRequest(**_given(scene.history, "report_positions")),
+            "numerics": Numerics(**_given(scene.numerics)),
         }
-        given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
-        given |= {"strength": panel.strength and YarnStrength(**panel.strength.model_dump())}
-        made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
+        made = ShortSetup(**given)
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():
@@ -358,13 +346,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     return made
 
 
-def _given(table, name, but=()):
-    """{field: value} of the keys that a table sets."""
-    return {
-        FIELDS.get(f"{name}.{key}", key): value
-        for key, value in table
-        if value is not None and key not in but
-    }
+def _given(table, *but):
+    """{key: value} of the keys that a table sets, without some."""
+    return {key: value for key, value in table if value is not None and key not in but}
 
 
 def _crossovers(table):
@@ -380,8 +364,7 @@ def _crossovers(table):
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
-    of_stl = ("stl", "stl_unit", "density")
-    given = _given(table, "projectile", but=("name", "diameter", "strike_velocity", *of_stl))
+    given = _given(table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density")
     if table.shape != "stl":
         return Projectile(radius=table.diameter / 2, **given)
     solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
@@ -394,7 +377,7 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table, "backing")
+    given = _given(table)
     given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(
@@ -403,8 +386,8 @@ def _backing(table):
     return Backing(material=material, **given)
 
 
-def _edge(boundary):
-    """The panel's edge as the solver has it, from a text or a table of sides."""
+def _boundary(boundary):
+    """The panel's boundary as the solver has it, from a text or a table of sides."""
     if isinstance(boundary, str):
         return boundary
     return tuple(
@@ -427,7 +410,7 @@ def _side(side):
 
 def of_file(problem: InputError) -> bool:
     """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
-    known = {key.rpartition(".")[2] for key in entries(Scene)} | {"model", *FIELDS.values()}
+    known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
 
 
@@ -443,12 +426,12 @@ def in_file(
     if problem.file is not None:
         return problem
     if of_scene is None:
-        of_scene = {
-            name: table for name, table in tables(Scene).items() if name and "." not in name
-        }
-    keys = {key: f"{name}.{key}" for name, table in of_scene.items() for key in table.model_fields}
-    keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
-    key = keys.get(problem.key or "", problem.key)
+        of_scene = tables(Scene)
+        of_scene = {name: table for name, table in of_scene.items() if name and "." not in name}
+    key = problem.key
+    for name, table in of_scene.items():
+        if problem.key in table.model_fields:
+            key = f"{name}.{problem.key}"
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)

@@ -172,7 +172,7 @@ def _with_laws(ply, end):
 def _of_setup(setup, name, value):
     """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
     match name:
-        case "strength after weaving" if setup.failure and not setup.surface:
+        case "strength after weaving" if setup.yarn_failure and not setup.surface:
             return _of_each_ply(_with_woven_strength, value, setup)
         case "friction of the projectile":
             return replace(setup, projectile=replace(setup.projectile, friction=value))
@@ -183,7 +183,7 @@ def _of_setup(setup, name, value):
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
         case "clamp force":
-            return replace(setup, edge=_gripped(setup.edge, value))
+            return replace(setup, boundary=_gripped(setup.boundary, value))
     return setup
 
 

@@ -179,7 +179,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
         or setup.elements_per_crossover is not None
         or setup.crossovers is not None
     )
-    clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
+    clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
     if setup.plies > 1 or named:
         return setup

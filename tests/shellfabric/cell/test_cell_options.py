@@ -22,10 +22,10 @@ WIDER = [
     (1.04, 1.03),
 ]
 OPTIONS = {
-    "toe": {"toe": 1e-3},
-    "toes": {"toe": (5e-4, 2e-3)},
-    "straight": {"profile": "straight"},
-    "both": {"profile": "straight", "toe": (5e-4, 2e-3)},
+    "toe": {"fibre_slack": 1e-3},
+    "toes": {"fibre_slack": (5e-4, 2e-3)},
+    "straight": {"cell_profile": "straight"},
+    "both": {"cell_profile": "straight", "fibre_slack": (5e-4, 2e-3)},
 }
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 S720 = catalogue.load("S-720").with_effective_density()
@@ -52,29 +52,36 @@ def plain_cell(model, *stretches):
 
     def bisect_length(m, S, least):
         return brentq(
-            lambda h: length(model.profile, w[m], h) - S, least, 2 * w[m], xtol=1e-16, rtol=1e-14
+            lambda h: length(model.cell_profile, w[m], h) - S,
+            least,
+            2 * w[m],
+            xtol=1e-16,
+            rtol=1e-14,
         )
 
     lowest = [
         bisect_length(m, weave.S0[m], 0.0) if weave.S0[m] > 2 * w[m] else 0.0 for m in range(2)
     ]
     rest = [
-        brentq(lambda h, m=m: length(model.profile, weave.w[m], h) - weave.S0[m], 0, weave.w[m])
+        brentq(
+            lambda h, m=m: length(model.cell_profile, weave.w[m], h) - weave.S0[m], 0, weave.w[m]
+        )
         for m in range(2)
     ]
 
     def tension(m, h):
-        e = max(length(model.profile, w[m], h) / weave.S0[m] - 1, 0.0)
+        e = max(length(model.cell_profile, w[m], h) / weave.S0[m] - 1, 0.0)
         return bundle(e, weave.yarns[m].EA, model.toes[m])
 
     def force(m, h):
-        if model.form == "variational":
+        if model.cell_formulation == "variational":
             step = 1e-6 * w[m]
             slope = (
-                length(model.profile, w[m], h + step) - length(model.profile, w[m], h - step)
+                length(model.cell_profile, w[m], h + step)
+                - length(model.cell_profile, w[m], h - step)
             ) / (2 * step)
-            return tension(m, h) * slope * (SPREAD if model.profile == "cosine" else 1.0)
-        tangent = h / w[m] if model.profile == "straight" else np.pi * h / (2 * w[m])
+            return tension(m, h) * slope * (SPREAD if model.cell_profile == "cosine" else 1.0)
+        tangent = h / w[m] if model.cell_profile == "straight" else np.pi * h / (2 * w[m])
         return 2 * tension(m, h) * np.sin(np.arctan(tangent))
 
     def height(m, F):
@@ -82,17 +89,17 @@ def plain_cell(model, *stretches):
 
     def gap(F):
         squeezed = sum(float(law.d(F)) for law in model.used_laws)
-        return height(0, F) + height(1, F) + squeezed + model.gap - sum(rest)
+        return height(0, F) + height(1, F) + squeezed + model.crossover_gap - sum(rest)
 
     printed = model.used_laws[0].form == "printed"
-    if not printed and sum(lowest) + model.gap >= sum(rest):
+    if not printed and sum(lowest) + model.crossover_gap >= sum(rest):
         return *(tension(m, 0.0) for m in range(2)), 0.0
     F = brentq(gap, 1e-9, 1e4, rtol=1e-13)
     return tension(0, height(0, F)), tension(1, height(1, F)), F
 
 
 CELLS = {name: (UNBALANCED, options, PAIRS) for name, options in OPTIONS.items()} | {
-    f"{law}, gap {gap:g}": (fabric, {"gap": gap}, pairs)
+    f"{law}, gap {gap:g}": (fabric, {"crossover_gap": gap}, pairs)
     for law, fabric, pairs in (("regularised", S720, WIDER[1:]), ("printed", PRINTED, WIDER))
     for gap in (0.0, 2e-5)
 }
@@ -102,7 +109,7 @@ CELLS = {name: (UNBALANCED, options, PAIRS) for name, options in OPTIONS.items()
 @pytest.mark.parametrize("name", CELLS)
 def test_against_plain_twin(name, form):
     fabric, options, pairs = CELLS[name]
-    model = CellModel(fabric, form=form, **options)
+    model = CellModel(fabric, cell_formulation=form, **options)
     close = 2e-6 if form == "variational" else 1e-7
     for pair in pairs if fabric is not UNBALANCED else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]
@@ -136,9 +143,9 @@ def test_incompressible_balanced_weave_in_closed_form(toe):
     weave = BALANCED.weave
     stretch = 1.006
     h0 = weave.w1 * np.sqrt((1 + weave.warp.crimp) ** 2 - 1)
-    state = CellModel(BALANCED, model="incompressible", profile="straight", toe=toe).solve(
-        stretch, stretch
-    )
+    state = CellModel(
+        BALANCED, cell_model="incompressible", cell_profile="straight", fibre_slack=toe
+    ).solve(stretch, stretch)
     S = 2 * np.hypot(stretch * weave.w1, h0)
     T = bundle(S / weave.S01 - 1, weave.warp.EA, toe)
     assert float(state["h1"]) == pytest.approx(h0, rel=1e-9)
@@ -148,7 +155,7 @@ def test_incompressible_balanced_weave_in_closed_form(toe):
 
 def test_kawabata_free_edge():
     """A straightened warp yarn leaves the whole height to the weft, which draws in its cell in closed form."""
-    model = CellModel(UNBALANCED, profile="straight")
+    model = CellModel(UNBALANCED, cell_profile="straight")
     weave = UNBALANCED.weave
     heights = [w * np.sqrt((1 + yarn.crimp) ** 2 - 1) for w, yarn in zip(weave.w, weave.yarns)]
     assert model.h0 == pytest.approx(heights, rel=1e-12)
@@ -163,7 +170,7 @@ def test_kawabata_free_edge():
 
 
 def test_strength_lies_beyond_the_toe():
-    model = CellModel(UNBALANCED, toe=(1e-3, 5e-4))
+    model = CellModel(UNBALANCED, fibre_slack=(1e-3, 5e-4))
     for m, (yarn, ultimate) in enumerate(zip(UNBALANCED.weave.yarns, model.ultimate_strains)):
         assert bundle(ultimate, yarn.EA, model.toes[m]) == pytest.approx(yarn.strength, rel=1e-9)
         assert float(model.alone(m, (1 + yarn.crimp) * (1 + ultimate))) == pytest.approx(

@@ -29,14 +29,14 @@ def difference(model, n):
 @pytest.mark.parametrize(
     "options",
     [
-        {"form": "equilibrium"},
-        {"profile": "straight"},
-        {"toe": 0.005},
-        {"gap": 2e-5},
-        {"model": "incompressible"},
-        {"model": "decoupled"},
+        {"cell_formulation": "equilibrium"},
+        {"cell_profile": "straight"},
+        {"fibre_slack": 0.005},
+        {"crossover_gap": 2e-5},
+        {"cell_model": "incompressible"},
+        {"cell_model": "decoupled"},
         {"reach": 20.0},
-        {"form": "equilibrium", "profile": "straight", "toe": (0.0, 0.01)},
+        {"cell_formulation": "equilibrium", "cell_profile": "straight", "fibre_slack": (0.0, 0.01)},
     ],
     ids=str,
 )
@@ -66,7 +66,12 @@ def test_random_cells(seed):
 def test_every_fabric_file(name, model, law):
     fabric = comparison.with_law_form(catalogue.load(name), law)
     for form, profile in itertools.product(FORMS, PROFILES):
-        assert difference(CellModel(fabric, model=model, form=form, profile=profile), 21) < ROUNDING
+        assert (
+            difference(
+                CellModel(fabric, cell_model=model, cell_formulation=form, cell_profile=profile), 21
+            )
+            < ROUNDING
+        )
 
 
 CRIMPED = [
@@ -87,7 +92,10 @@ def test_extreme_crimps(crimps, counts):
         laws=laws,
     )
     for model, form in itertools.product(MODELS, FORMS):
-        assert difference(CellModel(fabric, laws, model=model, form=form), 31) < ROUNDING
+        assert (
+            difference(CellModel(fabric, laws, cell_model=model, cell_formulation=form), 31)
+            < ROUNDING
+        )
 
 
 def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_nested_iterations():

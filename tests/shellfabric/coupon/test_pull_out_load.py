@@ -36,7 +36,7 @@ def test_the_peak_is_that_of_any_velocity(table, velocity):
 
 
 def test_yarns_without_crimp_do_not_ring(straight):
-    table = CellModel(straight(1.0), model="decoupled").table(41)
+    table = CellModel(straight(1.0), cell_model="decoupled").table(41)
     assert follow(table, 8.0).peak == pytest.approx(2.0, rel=0.01)
 
 

@@ -70,7 +70,7 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
     square of that share. Points off the middles, of which 2 x 2 are an element's, reach two nodes beyond its border: a
     64th of their force in either direction."""
-    free = replace(graded, symmetry="whole", edge="free", grading=zones)
+    free = replace(graded, symmetry="whole", boundary="free", grading=zones)
     pack = Pack.stacked(free, 2, gap=0.0, contact=PlyContact(damping=0.0, points=points))
     pressed = Pressed(pack)
     X, Y = free.coordinates()

@@ -14,7 +14,7 @@ from shellfabric.solver.pack_solver import PackSolver
 
 def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     force = 30.0
-    run = PackSolver(sliding(0.1, edge=Grip(force), failure=False), 80.0, 80e-6).run()
+    run = PackSolver(sliding(0.1, boundary=Grip(force), yarn_failure=False), 80.0, 80e-6).run()
     last = run.const.ni
     through = grid(run.slips[0].passed[0], run.panel)
     assert through[last].min() < -1e-4  # [m] towards the middle
@@ -26,13 +26,13 @@ def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     assert slips.sum() > 5
     assert pull[slips] == pytest.approx(np.full(slips.sum(), force), rel=0.03)
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
-    free = PackSolver(sliding(0.1, failure=False), 80.0, 80e-6).run()
+    free = PackSolver(sliding(0.1, yarn_failure=False), 80.0, 80e-6).run()
     assert run.sample("v")[-1] > free.sample("v")[-1]
 
 
 def test_the_ends_of_yarn_in_a_weak_clamp_are_never_used_up(sliding):
     run = PackSolver(
-        sliding(0.0, edge=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6
+        sliding(0.0, boundary=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6
     ).run()
     assert np.abs(grid(run.slips[0].passed[0], run.panel)[-1]).max() > run.const.dx
     assert np.all(grid(run.state.intact_fraction[0], run.panel)[:-1] == 1.0)
@@ -45,7 +45,7 @@ def test_a_ply_is_struck_beside_a_crossover(sliding):
 
     def shot(places, end):
         point = tuple(np.array(places) * side)
-        panel = sliding(0.1, symmetry="whole", edge=Grip(20.0), impact_point=point)
+        panel = sliding(0.1, symmetry="whole", boundary=Grip(20.0), impact_point=point)
         for line, x, n, place in zip(panel.lines(), point, panel.nearest_lines, places):
             np.testing.assert_allclose(line[[0, -1]] + x, [-0.0153, 0.0153], atol=side.max())
             np.testing.assert_allclose(line[[0, -1]].sum(), -2 * x, atol=1e-12)

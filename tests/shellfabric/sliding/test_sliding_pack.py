@@ -70,7 +70,7 @@ def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
 def test_yarns_that_have_left_count_as_failures(ply, plies):
     """A shot that perforates: the neighbour's contact looks for edges where a yarn has gone, the nose for a way out."""
     run = PackSolver(
-        Pack.stacked(sliding(ply, mu=0.1, edge="free"), plies, gap=GAP), 350.0, 60e-6
+        Pack.stacked(sliding(ply, mu=0.1, boundary="free"), plies, gap=GAP), 350.0, 60e-6
     ).run()
     gone = [summary.pulled_out_segments for summary in run.slip_summaries()]
     counted = [int(state.counter[2]) for state in run.states]

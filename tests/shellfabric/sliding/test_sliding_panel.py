@@ -36,7 +36,7 @@ def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
 
 
 def test_yarn_is_neither_made_nor_lost(sliding):
-    run = PackSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
+    run = PackSolver(sliding(0.1, yarn_failure=False), 80.0, 60e-6).run()
     warp, weft = (grid(share, run.panel) for share in run.slips[0].share)
     assert warp[:-1].sum(axis=0) == pytest.approx(
         np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12
@@ -176,7 +176,7 @@ def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(
     straight, cohesion, share
 ):
     """The crossing yarns, as heavy, move with a stuck yarn."""
-    table = CellModel(straight(1.0), model="decoupled").table(41)
+    table = CellModel(straight(1.0), cell_model="decoupled").table(41)
     panel = SlidingPanel(
         table,
         (0.2, 0.02),
@@ -246,14 +246,14 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
         ("elements_per_crossover", 2),
         ("grading", ((8, 1), (np.inf, 2))),
         ("bending", (1e-8, 1e-8)),
-        ("edge", PullIn(1e-3, 0.0, 1e-4)),
+        ("boundary", PullIn(1e-3, 0.0, 1e-4)),
         ("impact_point", (15e-3, 0.0)),
-        ("form", None),
+        ("cell_formulation", None),
         ("mu", -0.1),
         ("cohesion", -1.0),
     ],
 )
 def test_what_is_not_supported_is_refused(sliding, tables, key, value):
-    changes = {"table": tables["equilibrium"]} if key == "form" else {key: value}
+    changes = {"table": tables["equilibrium"]} if key == "cell_formulation" else {key: value}
     with pytest.raises(InputError, match={"mu": "crossover_friction"}.get(key, key)):
         sliding(projectile=Projectile(radius=1e-3), symmetry="whole", **changes)

@@ -8,7 +8,7 @@ from validation.models.cell_scaling import QUANTITIES, errors, scaled, solved
 
 
 def test_a_straight_yarn_that_presses_on_nothing_is_exact(straight):
-    model = CellModel(straight(1.0), model="decoupled")
+    model = CellModel(straight(1.0), cell_model="decoupled")
     found = errors(model, [0.5, 0.9, 1.0, 1.2], np.linspace(0.001, 0.03, 7))
     assert found == pytest.approx(np.zeros_like(found), abs=1e-12)
 

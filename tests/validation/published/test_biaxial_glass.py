@@ -11,7 +11,7 @@ from validation.published.biaxial_glass import free_edge
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (
-    CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED)
+    CellModel(fabric, cell_formulation="equilibrium") for fabric in (BALANCED, UNBALANCED)
 )
 
 
@@ -22,25 +22,27 @@ def changed(test, yarn, **options):
 def test_profile_does_nothing_to_a_free_edge():
     """A yarn that crosses nothing is straight, whatever its profile was; its slack it keeps."""
     for name, yarn in zip(("warp", "weft"), UNBALANCED.weave.yarns):
-        slack = changed("free", name, toe=1e-3)
-        assert changed("free", name, profile="straight")["rms"] == 0
-        assert changed("free", name, toe=1e-3, profile="straight") == slack
+        slack = changed("free", name, fibre_slack=1e-3)
+        assert changed("free", name, cell_profile="straight")["rms"] == 0
+        assert changed("free", name, fibre_slack=1e-3, cell_profile="straight") == slack
         assert slack["largest"] == pytest.approx(-yarn.EA * 1e-3, rel=0.01), "its asymptote"
 
 
 def test_slack_softens_and_straight_segments_stiffen():
     for test in ("k = 0.5", "k = 1", "k = 2"):
         assert (
-            changed(test, "warp", toe=1e-3)["largest"]
+            changed(test, "warp", fibre_slack=1e-3)["largest"]
             < 0
-            < changed(test, "warp", profile="straight")["largest"]
+            < changed(test, "warp", cell_profile="straight")["largest"]
         )
 
 
 def test_free_edge_of_a_yarn_with_a_toe_ends_at_its_strength():
-    curve = free_edge(CellModel(UNBALANCED, form="equilibrium", toe=(1e-3, 2e-3)), "weft")
+    curve = free_edge(
+        CellModel(UNBALANCED, cell_formulation="equilibrium", fibre_slack=(1e-3, 2e-3)), "weft"
+    )
     assert curve.tension[-1, 1] == pytest.approx(UNBALANCED.weave.weft.strength, rel=1e-9)
-    linear = free_edge(CellModel(UNBALANCED, form="equilibrium"), "weft")
+    linear = free_edge(CellModel(UNBALANCED, cell_formulation="equilibrium"), "weft")
     assert curve.strain[-1, 1] - linear.strain[-1, 1] == pytest.approx(2e-3, rel=0.02)
 
 

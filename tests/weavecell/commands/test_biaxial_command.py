@@ -15,7 +15,7 @@ from tests.weavecell.written import rows_of, table_of
 
 @pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])
 def test_a_path_ends_at_the_strength(ratio):
-    model = CellModel(catalogue.load("S-731"), form="variational")
+    model = CellModel(catalogue.load("S-731"), cell_formulation="variational")
     path = to_strength(model, ratio, 11)
     yarns = model.fabric.weave.yarns
     k = ("warp", "weft").index(path.failed)
@@ -30,7 +30,7 @@ def test_a_path_ends_at_the_strength(ratio):
 @pytest.mark.parametrize("ratio", [(0, 0), (1, -1), (1, np.nan), (1,)])
 def test_paths_that_lead_nowhere(ratio):
     with pytest.raises(InputError, match="ratio"):
-        to_strength(CellModel(catalogue.load("S-720"), form="variational"), ratio)
+        to_strength(CellModel(catalogue.load("S-720"), cell_formulation="variational"), ratio)
 
 
 def test_a_path_ends_at_the_strength_of_the_runs(results):
@@ -45,13 +45,15 @@ def test_a_path_ends_at_the_strength_of_the_runs(results):
 
 
 def test_options_of_the_cell(command, tmp_path):
-    options = "--ratio 1:1 --profile straight --fibre-slack '0.1 %,0.05 %'"
+    options = "--ratio 1:1 --cell-profile straight --fibre-slack '0.1 %,0.05 %'"
     code, _, err = command(f"biaxial glass-unbalanced {options} --out b")
     assert code == 0, err
     told = table_of(tmp_path / "b", "biaxial.json")
-    assert told["profile"] == "straight"
-    assert told["toe"] == [1e-3, 5e-4]
-    model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
+    assert told["cell_profile"] == "straight"
+    assert told["fibre_slack"] == [1e-3, 5e-4]
+    model = CellModel(
+        catalogue.load("glass-unbalanced"), cell_profile="straight", fibre_slack=(1e-3, 5e-4)
+    )
     expected = to_strength(model, (1, 1))
     assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
     linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))

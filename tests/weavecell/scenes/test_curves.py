@@ -30,7 +30,7 @@ def table(**law):
     """Straight yarns, thin: their shear stiffness is that of the fabric at its own thickness."""
     fabric = with_straight_yarns(catalogue.load("S-728").with_effective_density())
     fabric = replace(fabric, shear=TrellisShear(**law))
-    return CellModel(fabric, model="decoupled", form="variational").table(61)
+    return CellModel(fabric, cell_model="decoupled", cell_formulation="variational").table(61)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_a_yarn(write):
     fabric = catalogue.load("S-728")
     yarn = fabric.weave.warp
     stretch = np.linspace(1.0, (1 + yarn.crimp) * (1 + yarn.failure_strain), 80)
-    force = CellModel(fabric, model="decoupled", toe=5e-4).alone(0, stretch)
+    force = CellModel(fabric, cell_model="decoupled", fibre_slack=5e-4).alone(0, stretch)
     found = curves.yarn_tension(write("strain [%], force [N]", 100 * (stretch - 1), force))
     assert found.EA == pytest.approx(yarn.EA, rel=0.02)
     assert found.failure_strain == pytest.approx(yarn.failure_strain, rel=0.02)

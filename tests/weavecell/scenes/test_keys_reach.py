@@ -68,7 +68,7 @@ def of_sides(key, value, field, found):
         first = table_of(f"panel.boundary{side}", GRIP if key == "clamp_force" else PULL)
         yield (
             f"panel.boundary{side}.{key}",
-            (first, value, {f"edge.{k}.{field}": found for k in held}),
+            (first, value, {f"boundary.{k}.{field}": found for k in held}),
         )
 
 
@@ -117,9 +117,9 @@ ROWS = {
         "decoupled",
         {"cell_model": "decoupled"},
     ),
-    "fabric.cell_formulation": ({}, "equilibrium", {"form": "equilibrium"}),
-    "fabric.cell_profile": ({}, "straight", {"profile": "straight"}),
-    "fabric.crossover_gap": ({}, "0.01 mm", {"gap": 1e-5}),
+    "fabric.cell_formulation": ({}, "equilibrium", {"cell_formulation": "equilibrium"}),
+    "fabric.cell_profile": ({}, "straight", {"cell_profile": "straight"}),
+    "fabric.crossover_gap": ({}, "0.01 mm", {"crossover_gap": 1e-5}),
     "fabric.surface": ({}, SURFACE, {"surface.fabric": "S-720", "surface.": ...}),
     "projectile.name": (
         {"projectile": {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}},
@@ -155,9 +155,17 @@ ROWS = {
         {"projectile.bore_diameter": 4.5e-3},
     ),
     "panel.opening_shape": ({}, "round", {"round": True}),
-    "panel.boundary": ({}, "free", {"edge": "free"}),
-    "panel.boundary.warp": (table_of("panel.boundary", {}), "free", {"edge": ("free", "clamped")}),
-    "panel.boundary.weft": (table_of("panel.boundary", {}), "free", {"edge": ("clamped", "free")}),
+    "panel.boundary": ({}, "free", {"boundary": "free"}),
+    "panel.boundary.warp": (
+        table_of("panel.boundary", {}),
+        "free",
+        {"boundary": ("free", "clamped")},
+    ),
+    "panel.boundary.weft": (
+        table_of("panel.boundary", {}),
+        "free",
+        {"boundary": ("clamped", "free")},
+    ),
     "panel.stacking": (PACK, "alternating", {"stacking": "alternating"}),
     "panel.ply_gap": (PACK, "0.1 mm", {"ply_gap": 1e-4}),
     "panel.ply_friction": (PACK, 0.2, {"ply_friction": 0.2}),
@@ -166,7 +174,8 @@ ROWS = {
         "pressure_law",
         {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...},
     ),
-    "panel.yarn_failure": ({}, False, {"failure": False, "fabric.assumed": ()}),
+    "accuracy.quantity": ({"accuracy": {"uncertainty": "2 %"}}, "deflection", {}),
+    "panel.yarn_failure": ({}, False, {"yarn_failure": False, "fabric.assumed": ()}),
     "panel.strength.weibull_shape": (DRAWN, 7.0, {"strength.weibull_shape": 7.0}),
     "panel.strength.seed": (DRAWN, 3, {"strength.seed": 3}),
     "panel.strength.gauge_length": (DRAWN, "50 mm", {"strength.gauge_length": 0.05}),
@@ -339,8 +348,9 @@ def about(value):
     "key", [key for key in ENTRIES if key in OF_THE_RUN or key.startswith("accuracy.")]
 )
 def test_a_key_that_the_run_reads_stands_in_the_scene(key):
-    _, value, _ = row(key)
-    assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
+    context, value, _ = row(key)
+    scene = with_value(merged(SHOT, context), key, value)
+    assert attrgetter(key)(check(scene, None)) == in_si(key, value)
 
 
 @pytest.mark.parametrize("name", ["IMPACT", "LIMITS", "V50", "SWEEP", "COUPON"])
@@ -375,8 +385,12 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.form, cell.profile) == ("incompressible", "variational", "straight")
-    assert (cell.gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
+    assert (cell.cell_model, cell.cell_formulation, cell.cell_profile) == (
+        "incompressible",
+        "variational",
+        "straight",
+    )
+    assert (cell.crossover_gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
 
 
 def test_keys_of_a_pull_out_reach_its_model(monkeypatch):

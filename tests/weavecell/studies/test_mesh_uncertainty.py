@@ -57,7 +57,7 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
         ((near, side / 2), *((2 * until, side) for until, side in zones)),
     )
     gripped = mesh_uncertainty.finer(
-        replace(setup, edge=Grip(50.0)), table
+        replace(setup, boundary=Grip(50.0)), table
     )  # which no graded panel has
     assert (gripped.grading, gripped.elements_per_crossover) == (None, 2)
     with pytest.raises(InputError, match="--uncertainty"):

@@ -151,7 +151,7 @@ def cost(record: ImpactRecord, setup: ImpactSetup) -> tuple[Table, ...]:
     caption = "Cost. Formulation residual: work of the cell's forces that the yarns do not store, of the strike energy."
     settings = {
         "cell model": setup.cell_model,
-        "cell formulation": setup.form,
+        "cell formulation": setup.cell_formulation,
         "stretches along each side of the cell table": setup.table_size,
         "time between energy audits": text(setup.audit_interval, "s"),
         **{name.replace("_", " "): value for name, value in vars(setup.numerics).items()},
@@ -297,7 +297,7 @@ def assumptions(
     )
     rows = [
         ("crossovers", pinned),
-        ("failure of yarns", fails if setup.failure else "Yarns do not fail."),
+        ("failure of yarns", fails if setup.yarn_failure else "Yarns do not fail."),
         ("strain rate", "Stiffness and strength of the yarns do not depend on it."),
         ("projectile", projectile),
     ]
