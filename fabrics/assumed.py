@@ -167,7 +167,9 @@ def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None
     )
     crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (first, second), share)
     other = fabric.with_yarns(crimp=crimp)
-    return with_shear(replace(other, shear=None)) if "shear" in fabric.assumed else other
+    if "shear" in fabric.assumed:
+        return with_shear(replace(other, shear=None))
+    return other
 
 
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
@@ -195,9 +197,9 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
     one = entries()["failure_length"]
-    usual = (
-        (one.low / one.value, one.high / one.value) if "failure_length" in fabric.assumed else ()
-    )
+    usual = ()
+    if "failure_length" in fabric.assumed:
+        usual = (one.low / one.value, one.high / one.value)
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
     return {
         f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends
@@ -249,16 +251,20 @@ def family_of(fabric: Fabric) -> Family | None:
     if fabric.family is None:
         return next((family for family in list_families() if all(map(family.holds, yarns))), None)
     named = next(family for family in list_families() if family.name == fabric.family)
-    return named if all(map(named.holds, yarns)) else named.for_other_yarns()
+    if all(map(named.holds, yarns)):
+        return named
+    return named.for_other_yarns()
 
 
 def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
     family = family_of(fabric)
-    name = family.name if family is not None else "unknown"
-    wider = (
-        ", with wider ranges for another fibre" if family is not None and family.of_others else ""
-    )
+    name = "unknown"
+    if family is not None:
+        name = family.name
+    wider = ""
+    if family is not None and family.of_others:
+        wider = ", with wider ranges for another fibre"
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
@@ -278,8 +284,12 @@ def _own_lines(fabric):
         if low < high and key.partition(".")[0] not in fabric.assumed
     ]
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
-    lines = [f"assumed: {', '.join(ranged)}"] if ranged else []
-    return [*lines, f"guessed, without a range: {guessed}; give low and high"] if guessed else lines
+    lines = []
+    if ranged:
+        lines = [f"assumed: {', '.join(ranged)}"]
+    if guessed:
+        return [*lines, f"guessed, without a range: {guessed}; give low and high"]
+    return lines
 
 
 def _crimp_line(fabric):
@@ -295,7 +305,9 @@ def _crimp_line(fabric):
         )
     )
     made = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
-    more = f" and a warp share of the yarn heights of {share.written}" if all(made) else ""
+    more = ""
+    if all(made):
+        more = f" and a warp share of the yarn heights of {share.written}"
     return (
         f"assumed: crimp {crimp} % of warp / weft ({low} .. {high} %), from the thickness "
         f"{1e3 * (fabric.thickness or 0):g} mm (times {factor.low:g} .. {factor.high:g}){more}"
@@ -317,11 +329,10 @@ def _family(fabric, table):
 
 
 def _missing(fabric, table, why):
-    lacking = (
-        {"shear": fabric.shear, "solid": fabric.solid_laws}
-        if table in ("shear", "solid")
-        else {table: None}
-    )
+    if table in ("shear", "solid"):
+        lacking = {"shear": fabric.shear, "solid": fabric.solid_laws}
+    else:
+        lacking = {table: None}
     tables = " and ".join(
         f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None
     )
@@ -344,7 +355,9 @@ def _solid_laws(fabric, family, end="nominal"):
 
 def _completed(fabric, table, law_of):
     """The fabric with law_of(its family) where its file gives none, and where that comes from."""
-    field = "solid_laws" if table == "solid" else table
+    field = table
+    if table == "solid":
+        field = "solid_laws"
     if getattr(fabric, field) is not None:
         return fabric
     family = _family(fabric, table)

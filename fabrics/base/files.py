@@ -80,7 +80,9 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
 @contextmanager
 def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     """Open a file for writing that appears under `path` complete, or not at all."""
-    encoding = None if "b" in mode else "utf-8"
+    encoding = "utf-8"
+    if "b" in mode:
+        encoding = None
     with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:
         yield file
 
@@ -164,7 +166,8 @@ def read_text(path: FilePath) -> str:
         text = content.decode("utf-16" if utf_16 else "utf-8-sig")
         good = content.partition(b"\0")[0]
     except UnicodeDecodeError as problem:
-        good, text = content[: problem.start], "\0"
+        good = content[: problem.start]
+        text = "\0"
     if "\0" in text:
         number = len(good.splitlines()) + good.endswith((b"\n", b"\r"))
         advice = (
@@ -231,7 +234,9 @@ def _point_decimals(rows, words, path):
     numbers = []
     for line, cells in rows[1:]:
         for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
-            found = None if heading in words else _QUANTITY.fullmatch(cell)
+            found = None
+            if heading not in words:
+                found = _QUANTITY.fullmatch(cell)
             if found:
                 numbers.append((line, cells, column, found))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
@@ -280,7 +285,9 @@ def read_columns(
 
 def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
     """The finite number of a cell; else InputError."""
-    number = float(text) if NUMBER.fullmatch(text) else nan
+    number = nan
+    if NUMBER.fullmatch(text):
+        number = float(text)
     if not isfinite(number):
         raise refused(text, allowed, file=file, key=key)
     return number
@@ -297,7 +304,9 @@ def _heading(cell, units, allowed, path):
 def _row(number, cells, names, path):
     line = f"line {number}"
     if len(cells) != len(names):
-        allowed = "two numbers" if len(names) == 2 else f"{len(names)} numbers"
+        allowed = "two numbers"
+        if len(names) != 2:
+            allowed = f"{len(names)} numbers"
         message = decimal_comma(cells)
         if len(cells) == 2 * len(names):
             message = "if these are decimal commas, separate the columns by semicolons"

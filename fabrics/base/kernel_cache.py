@@ -136,7 +136,9 @@ def one_compiler_a_node() -> None:
     class Lock(event.Listener):
         """Held by one thread of one process while numba holds its own lock, which is that of a process."""
 
-        thread, depth, file = threading.RLock(), 0, None
+        thread = threading.RLock()
+        depth = 0
+        file = None
 
         def on_start(self, _):
             self.thread.acquire()

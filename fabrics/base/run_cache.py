@@ -105,7 +105,9 @@ def _feed(found, value):
     if isinstance(value, np.generic):
         value = value.item()
     if value is None or isinstance(value, (bool, int, float, complex, str, bytes, Path)):
-        text = str(value) if isinstance(value, Path) else value
+        text = value
+        if isinstance(value, Path):
+            text = str(value)
         _mark(found, type(text).__name__, repr(text))
     elif isinstance(value, np.ndarray) and value.dtype != object:
         _mark(found, "array", f"{value.dtype.str} {value.shape}")
@@ -158,7 +160,8 @@ class RunCache:
     """
 
     def __init__(self, folder: FilePath, form: Format = PICKLE) -> None:
-        self.folder, self._form = Path(folder), form
+        self.folder = Path(folder)
+        self._form = form
 
     def file(self, key: str) -> Path:
         """File of a result."""

@@ -94,12 +94,18 @@ def biaxial(
         raise InputError(key="cell_profile", value=cell_profile, allowed="cosine or straight")
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
-    fabric = targets.as_fabric(fabric) if compare_3d is None else meshes.of_3d(fabric)
+    if compare_3d is None:
+        fabric = targets.as_fabric(fabric)
+    else:
+        fabric = meshes.of_3d(fabric)
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
     source = "published"
     if law is not None:
-        source = law.provenance if isinstance(law, CompressionLaw) else str(law)
+        if isinstance(law, CompressionLaw):
+            source = law.provenance
+        else:
+            source = str(law)
         fabric = replace(fabric, laws=build.laws_of(fabric, law))
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
@@ -108,10 +114,13 @@ def biaxial(
     if slack[0] == slack[1]:
         slack = slack[0]
     options: dict[str, Any] = {"cell_profile": cell_profile, "fibre_slack": slack}
-    model, began = CellModel(fabric, **options), time.perf_counter()
+    model = CellModel(fabric, **options)
+    began = time.perf_counter()
     with out_folder.held(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
-        solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
+        solved = {}
+        if compare_3d is not None:
+            solved = _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
         return saved(
             BiaxialResult(model, paths, solved, options, source, compare_3d, seconds), folder
@@ -139,7 +148,9 @@ def _crossovers(fabric, paths, size):
     from meshing import crossover
     from unitcell3d.cases import biaxial_and_platens
 
-    built, solved, (w1, w2) = crossover.build(fabric, size=size), {}, fabric.weave.w
+    built = crossover.build(fabric, size=size)
+    solved = {}
+    (w1, w2) = fabric.weave.w
     with progress.bar(f"3D crossover of {fabric.name}") as advance:
         for number, (text, path) in enumerate(paths.items()):
             advance(number / len(paths), text)
@@ -199,7 +210,8 @@ class BiaxialResult(Result):
         }
 
     def _end(self, text):
-        path, history = self.paths[text], self.solved.get(text)
+        path = self.paths[text]
+        history = self.solved.get(text)
         end = {
             "failed": path.failed,
             "strain": path.strain[-1],
@@ -230,7 +242,8 @@ class BiaxialResult(Result):
         from weavecell.report import chapters, page
         from weavecell.results import provenance
 
-        out, fabric = Path(out), self.fabric
+        out = Path(out)
+        fabric = self.fabric
         stamp = provenance.stamp("", fabric)
         files.write(
             out / "biaxial.csv", self.to_dataframe().to_csv(index=False, float_format="%.8g")
@@ -240,10 +253,8 @@ class BiaxialResult(Result):
         json_file.write(out / "biaxial.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], out / "pictures")
-        title, card = (
-            f"{fabric.name}: biaxial response",
-            chapters.law_card(self.model.used_laws[0], source=self.source),
-        )
+        title = f"{fabric.name}: biaxial response"
+        card = chapters.law_card(self.model.used_laws[0], source=self.source)
         lead = "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first "
         report = chapters.report(
             title, lead + "yarn.", (fabric,), (card,), (section,), stamp, {"all": self.seconds}
@@ -256,7 +267,8 @@ class BiaxialResult(Result):
         from weavecell.report import chapters
         from weavecell.report.page import Table
 
-        strains, (w1, w2) = {}, self.fabric.weave.w
+        strains = {}
+        (w1, w2) = self.fabric.weave.w
         for text, path in self.paths.items():
             history = self.solved.get(text)
             strains[f"strains {text}"] = tuple(path.strain.T)
@@ -267,7 +279,9 @@ class BiaxialResult(Result):
                     history["T1"],
                     history["T2"],
                 )
-        label = "published law" if self.source == "published" else "law given"
+        label = "law given"
+        if self.source == "published":
+            label = "published law"
         drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains, **self.options)
         ends = {text: self._end(text) for text in self.paths}
         table = {
@@ -287,7 +301,8 @@ class BiaxialResult(Result):
         lines = []
         for text in self.paths:
             end = self._end(text)
-            strains, tensions = _pair(100 * end["strain"], ".2f"), _pair(end["tension"], ".1f")
+            strains = _pair(100 * end["strain"], ".2f")
+            tensions = _pair(end["tension"], ".1f")
             lines.append(
                 f"{text:<8}{end['failed']} at its strength at strains {strains} %, tensions {tensions} N, "
                 f"contact {end['contact_force']:.1f} N"

@@ -98,12 +98,19 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    size, named, solid = meshes.size(mesh), not isinstance(fabric, Fabric), None
+    size = meshes.size(mesh)
+    named = not isinstance(fabric, Fabric)
+    solid = None
     fabric = meshes.of_3d(fabric)
     digest = data_digest(fabric)
-    curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
+    curve = None
+    if platen_curve is not None or fit_solid:
+        curve = curve_of(fabric, platen_curve)
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
-    choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
+    if executor == "local" and jobs == 1:
+        choices["executor"] = InProcess()
+    else:
+        choices["executor"] = executor
     place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
     with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
         if curve is not None:
@@ -129,8 +136,12 @@ def calibrate(
                     fabric, done, size=size, on_progress=watch, **choices
                 )
         done = replace(done, law=replace(done.law, fitted_data=digest))
-        interval = None if solid is None else _interval(solid, runs, choices)
-        shot_at = with_linear_density(fabric, "effective") if named else fabric
+        interval = None
+        if solid is not None:
+            interval = _interval(solid, runs, choices)
+        shot_at = fabric
+        if named:
+            shot_at = with_linear_density(fabric, "effective")
         result = CalibrationResult(
             replace(shot_at, laws=(done.law, done.law)),
             done,
@@ -310,11 +321,14 @@ class CalibrationResult(Result):
     def _around(self):
         """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} where there are none."""
         known = self.interval is not None and not isinstance(self.interval, Exception)
-        return self.interval.around(self.law) if known else {}
+        if known:
+            return self.interval.around(self.law)
+        return {}
 
     def _laws(self):
         """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread, what it leaves out."""
-        done, law = self.calibration, self.law
+        done = self.calibration
+        law = self.law
         pairs = [("fitted", law), ("published", done.published)]
         rows = [
             _row(name, pair.a, pair.b, pair.residual_rms)
@@ -344,7 +358,9 @@ class CalibrationResult(Result):
         return DataFrame(self._laws(), columns=("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"))
 
     def __str__(self) -> str:
-        done, law, lines = self.calibration, self.law, []
+        done = self.calibration
+        law = self.law
+        lines = []
         if done.friction:
             lines.append(("friction", f"{done.friction:g}"))
         if self.solid is not None:
@@ -364,9 +380,9 @@ class CalibrationResult(Result):
                 f"{1e6 * (law.residual_rms or 0):.2f} um rms over F = {low:.2g} to {high:.3g} N",
             )
         )
-        better = (
-            "" if done.chosen == "one law" else ", although the alternative fits the paths better"
-        )
+        better = ", although the alternative fits the paths better"
+        if done.chosen == "one law":
+            better = ""
         lines.append(("impacts use", f"the fitted law{better}"))
         lines += [("note", line) for line in law.outside_ends()]
         for end, why in self.failed.items():
@@ -390,7 +406,9 @@ class CalibrationResult(Result):
         from weavecell.report import chapters, page
         from weavecell.results import provenance
 
-        done, fabric, folder = self.calibration, self.mesh.fabric, Path(out)
+        done = self.calibration
+        fabric = self.mesh.fabric
+        folder = Path(out)
         if self.solid is not None:
             self.solid.write(folder / "solid.json")
         if around := self._around():
@@ -405,10 +423,8 @@ class CalibrationResult(Result):
             "the thickness that its yarns lose under their contact force."
         ) + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else "")
         card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
-        title, picture = (
-            f"{fabric.name}: compression law from the 3D crossover",
-            folder / "crossover.png",
-        )
+        title = f"{fabric.name}: compression law from the 3D crossover"
+        picture = folder / "crossover.png"
         sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
         report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         page.write(report, folder / "report.html")
@@ -418,7 +434,8 @@ class CalibrationResult(Result):
         """Chapters of the report: the fit, the solid where it was fitted, the response of the shells' cell."""
         from weavecell.report import chapters
 
-        fabric, (_, laws, _) = self.mesh.fabric, self._drawn()
+        fabric = self.mesh.fabric
+        _, laws, _ = self._drawn()
         w1, w2 = fabric.weave.w
         paths = {
             name: (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
@@ -436,7 +453,9 @@ class CalibrationResult(Result):
         from weavecell.report import pictures
         from weavecell.report.page import Figure, Section, Table
 
-        done, law, rms = self.calibration, self.law, "rms [µm]"
+        done = self.calibration
+        law = self.law
+        rms = "rms [µm]"
         low, high = law.F_range or (np.nan, np.nan)
         laws = f"Fitted laws, over F = {low:.2g} to {high:.3g} N; impacts use the fitted one"
         if (ratio := done.ratio_law) is not None:
@@ -444,8 +463,12 @@ class CalibrationResult(Result):
             laws += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
         paths = []
         for name, path in done.histories.items():
-            own, off = done.path_laws.get(name), done.residuals.get(name)
-            row = (name, "-", "-", "") if own is None else _row(name, own.a, own.b, off)
+            own = done.path_laws.get(name)
+            off = done.residuals.get(name)
+            if own is None:
+                row = (name, "-", "-", "")
+            else:
+                row = _row(name, own.a, own.b, off)
             paths.append((*row, _ended(name, path), done.seconds[name]))
         failures = [
             (
@@ -533,19 +556,22 @@ def _ended(name, path):
     if path.failed:
         return path.failed
     if name != "plates":
-        return "beyond the failure strain" if name == BOTH else "at fibre failure"
-    return (
-        "at the test's pressure"
-        if path["path"][-1] < 1
-        else "with the plates at half their distance"
-    )
+        if name == BOTH:
+            return "beyond the failure strain"
+        return "at fibre failure"
+    if path["path"][-1] < 1:
+        return "at the test's pressure"
+    return "with the plates at half their distance"
 
 
 def _known(solid, name):
     """A fitted constant with its interval, and what it was before."""
     low, high = solid.intervals[name]
-    known = "" if solid.determined[name] else ", not determined by the curve"
-    value, before = solid.values[name], _before(solid.started, name)
+    known = ", not determined by the curve"
+    if solid.determined[name]:
+        known = ""
+    value = solid.values[name]
+    before = _before(solid.started, name)
     return f"{value:.4g} ({low:.3g} .. {high:.3g}, 95 %{known}); from {before:.4g}"
 
 
@@ -563,4 +589,6 @@ def _misfit(of):
 def _before(fabric, name):
     """The value of the fabric's file, of the warp."""
     law = fabric.solid_laws[0]
-    return law.K_r * law.E_c if name == "K_r E_c" else getattr(law, name)
+    if name == "K_r E_c":
+        return law.K_r * law.E_c
+    return getattr(law, name)

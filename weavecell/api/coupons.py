@@ -100,7 +100,9 @@ def coupon(
         scene, text = scenes.load(file, honoured.COUPON)
         case = build.build(scene, file, file.stem)
     else:
-        case, text, file = _case(target, test, options), "", None
+        case = _case(target, test, options)
+        text = ""
+        file = None
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
@@ -112,7 +114,9 @@ def coupon(
     with out_folder.held(out, resume, [inputs]) as folder:
         checkpoint = folder and folder / "checkpoint.h5"
         try:
-            run = _pull_out if case.scene.test == "pull_out" else _relaxed
+            run = _relaxed
+            if case.scene.test == "pull_out":
+                run = _pull_out
             result, failure = run(case, text, key, checkpoint, resume)
         except InputError as problem:
             if file is None:
@@ -134,7 +138,8 @@ def _case(target, test, options):
     """The Case of a fabric and keywords."""
     if test not in scenes.TESTS:
         raise InputError(key="test", value=test, allowed=f"one of {', '.join(scenes.TESTS)}")
-    fabric, rest = targets.as_fabric(target), dict(options)
+    fabric = targets.as_fabric(target)
+    rest = dict(options)
     law = rest.pop("law", None)
     tables = {name: tuple(keywords.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
     tables["fabric"] = "bending", "cell_model", "cell_formulation", "cell_profile", "crossover_gap"
@@ -163,7 +168,9 @@ def _case(target, test, options):
 
 def _pull_out(case, text, key, *_):
     """(PullOutResult, the UnstableError that ended the run or None)."""
-    began, scene, failure = time.perf_counter(), case.scene, None
+    began = time.perf_counter()
+    scene = case.scene
+    failure = None
     with progress.bar(_title(case)) as advance:
         hooks = [lambda solver: advance(solver.time / solver.end_time)]
         try:
@@ -171,23 +178,23 @@ def _pull_out(case, text, key, *_):
                 _table(case), scene.pull_out, hooks, scene.fabric.bending
             )
         except UnstableError as problem:
-            failure, curve = problem, problem.result
+            failure = problem
+            curve = problem.result
     facts = _facts(case, failure, began) | {"outcome": "unstable" if failure else "complete"}
-    record, checks = (
-        coupon_results.pull_out_record(curve, **facts),
-        coupon_results.pull_out_indicators(curve),
-    )
+    record = coupon_results.pull_out_record(curve, **facts)
+    checks = coupon_results.pull_out_indicators(curve)
     return PullOutResult(record, curve, case, checks, text, key), failure
 
 
 def _relaxed(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
-    began, scene, table, failure = time.perf_counter(), case.scene, _table(case), None
-    options, inputs, fabric = (
-        scene.run.model_dump(exclude={"outputs"}),
-        scene.test_table,
-        table.model.fabric,
-    )
+    began = time.perf_counter()
+    scene = case.scene
+    table = _table(case)
+    failure = None
+    options = scene.run.model_dump(exclude={"outputs"})
+    inputs = scene.test_table
+    fabric = table.model.fabric
     stamp = run_cache.stamp(
         (
             scene.test,
@@ -200,11 +207,9 @@ def _relaxed(case, text, key, checkpoint, resume):
         ),
         "shellfabric.coupon.quasistatic",
     )
-    states = (
-        coupon_results.read_states(checkpoint, stamp)
-        if resume and checkpoint and checkpoint.exists()
-        else []
-    )
+    states = []
+    if resume and checkpoint and checkpoint.exists():
+        states = coupon_results.read_states(checkpoint, stamp)
     with progress.bar(_title(case)) as advance:
 
         def keep(state):
@@ -218,7 +223,8 @@ def _relaxed(case, text, key, checkpoint, resume):
                 table, scene.test, dict(inputs), **options, progress=keep, done=tuple(states)
             )
         except UnstableError as problem:
-            failure, solved = problem, problem.result
+            failure = problem
+            solved = problem.result
         except KeyboardInterrupt:
             kept = checkpoint is not None and checkpoint.exists()
             raise run_folder.Interrupted(
@@ -337,10 +343,13 @@ class CouponResult(Result):
     def _flag(self, name):
         """What stands beside a number that was computed."""
         prescribed = name == self.record.facts.get("prescribed_name")
-        return " (assumed law)" if self._assumed_laws() and not prescribed else ""
+        if self._assumed_laws() and not prescribed:
+            return " (assumed law)"
+        return ""
 
     def _lead(self):
-        facts, tolerance = self.record.facts, self.case.scene.run.tolerance
+        facts = self.record.facts
+        tolerance = self.case.scene.run.tolerance
         return (
             f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
             f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._assumed_laws())}"
@@ -365,7 +374,8 @@ class CouponResult(Result):
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""
-        record, tolerance = self.record, self.case.scene.run.tolerance
+        record = self.record
+        tolerance = self.case.scene.run.tolerance
         figures: dict[str, tuple[str, Callable, tuple]] = {
             "coupon": (
                 "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",
@@ -395,7 +405,8 @@ class CouponResult(Result):
         """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
         from weavecell.results import vtk
 
-        folder, times = Path(folder), {}
+        folder = Path(folder)
+        times = {}
         folder.mkdir(parents=True, exist_ok=True)
         for step, state in enumerate(self.solved.states):
             nodes = np.column_stack([state.x, np.zeros(len(state.x))])
@@ -422,12 +433,10 @@ class CouponResult(Result):
         from weavecell.report import chapters, checks, page, pictures
         from weavecell.results import json_file, provenance
 
-        out, case, facts, outputs = (
-            Path(out),
-            self.case,
-            self.record.facts,
-            self.case.scene.run.outputs,
-        )
+        out = Path(out)
+        case = self.case
+        facts = self.record.facts
+        outputs = self.case.scene.run.outputs
         stamp = provenance.stamp(self.text, case.fabric)
         if self.text:
             files.write(out / "scene.toml", self.text)
@@ -440,23 +449,26 @@ class CouponResult(Result):
             return
         figures = []
         for name, (caption, draw, arguments) in self.figures().items():
-            kind = "png" if draw is pictures_coupon.cloth else "svg"
+            kind = "svg"
+            if draw is pictures_coupon.cloth:
+                kind = "png"
             figures.append(
                 page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
             )
-        stopped = (
-            f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
-        )
-        test, tables = pictures_coupon.TESTS[facts["test"]], (page.Table.of(self.table()),)
+        stopped = ""
+        if facts["failure_message"]:
+            stopped = f"The run was stopped: {facts['failure_message']}."
+        test = pictures_coupon.TESTS[facts["test"]]
+        tables = (page.Table.of(self.table()),)
         section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
         if "pictures" in outputs:
             page.write_pictures([section], out / "pictures")
         if "report" not in outputs:
             return
-        model, tone = (
-            case.scene.fabric.cell_model,
-            "unstable" if self.outcome == "unstable" else "stopped",
-        )
+        model = case.scene.fabric.cell_model
+        tone = "stopped"
+        if self.outcome == "unstable":
+            tone = "unstable"
         lines = [" ".join(line.split()) for line in self.lines()]
         cards = page.Card(test, self.outcome, tuple(lines), tone), *chapters.law_cards(case)
         sections = (
@@ -470,11 +482,9 @@ class CouponResult(Result):
             checks.section(self.checks),
         )
         seconds = {"test": facts["wall_time_s"]}
-        title, fabrics, outcome = (
-            facts["title"],
-            (case.fabric,),
-            f"{section.title}: {self.outcome}, {lines[0]}.",
-        )
+        title = facts["title"]
+        fabrics = (case.fabric,)
+        outcome = f"{section.title}: {self.outcome}, {lines[0]}."
         report = chapters.report(
             title, self._lead(), fabrics, cards, sections, stamp, seconds, outcome, tone
         )
@@ -512,7 +522,8 @@ class PullOutResult(CouponResult):
 
     def _rows(self):
         """{what it is: text with its unit}."""
-        facts, plateau = self.record.facts, self.plateau
+        facts = self.record.facts
+        plateau = self.plateau
         return {
             "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
             "peak load": f"{self.peak:.4g} N",

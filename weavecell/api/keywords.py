@@ -214,7 +214,10 @@ def scene(
     ).items():
         if key not in known:
             raise _unknown(key, value, known)
-        of_file = value if isinstance(value, tuple) and key == "law" else plain(value)
+        if isinstance(value, tuple) and key == "law":
+            of_file = value
+        else:
+            of_file = plain(value)
         if known[key]:
             table[known[key]][key] = of_file
         else:
@@ -269,11 +272,10 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
         isinstance(one, (str, dict)) for one in objects
     ):
         return ""
-    named = (
-        {"file": str(Path(fabric).resolve())}
-        if str(fabric).endswith(".toml")
-        else {"name": str(fabric)}
-    )
+    if str(fabric).endswith(".toml"):
+        named = {"file": str(Path(fabric).resolve())}
+    else:
+        named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
     content = {
         key: _text(value, Scene.model_fields[key])
@@ -321,7 +323,9 @@ def _text(value, entry):
     unit = unit_of(entry)
     if unit is None or isinstance(value, (bool, str)):
         return value
-    return repr(value) if unit == "1" else f"{value!r} {unit}"
+    if unit == "1":
+        return repr(value)
+    return f"{value!r} {unit}"
 
 
 def _unknown(key, value, known):
@@ -334,7 +338,9 @@ def _unknown(key, value, known):
                 f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
             )
     near = nearest(key, known, 0.6)
-    hint = f", did you mean {near}?" if near else ";"
+    hint = ";"
+    if near:
+        hint = f", did you mean {near}?"
     return InputError(
         f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
     )
@@ -346,9 +352,15 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
         return together([named(one, flat) for one in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
-    short = "velocity" if key == "projectile.strike_velocity" else rest if table in flat else ""
+    short = "velocity"
+    if key != "projectile.strike_velocity":
+        short = ""
+        if table in flat:
+            short = rest
     if not short or not str(problem).startswith(key):
         return problem
     found = InputError(short + str(problem)[len(key) :])
-    found.key, found.value, found.allowed = short, problem.value, problem.allowed
+    found.key = short
+    found.value = problem.value
+    found.allowed = problem.allowed
     return found

@@ -50,13 +50,13 @@ def above_zero(value: float | str, unit: str, key: str) -> float:
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:
     """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or texts."""
-    parts = (
-        value.split(",")
-        if isinstance(value, str)
-        else value
-        if isinstance(value, (tuple, list))
-        else (value,)
-    )
+    if isinstance(value, str):
+        parts = value.split(",")
+    else:
+        if isinstance(value, (tuple, list)):
+            parts = value
+        else:
+            parts = (value,)
     return [number(part.strip() if isinstance(part, str) else part, unit, key) for part in parts]
 
 

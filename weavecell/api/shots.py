@@ -194,7 +194,8 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
     """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of its fields."""
     shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
-    fabric, lines = panel.setup.fabric, targets.assumed_of(panel.setup)
+    fabric = panel.setup.fabric
+    lines = targets.assumed_of(panel.setup)
     return ShotResult.of(
         result,
         panel.shot_title,
@@ -218,8 +219,12 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     memory.check(
         [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
     )
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
-    again = checkpoint if resume and checkpoint.exists() else None
+    hooks = ()
+    if checkpoint is not None:
+        hooks = (Checkpoints(checkpoint, every, LEAST_WALL),)
+    again = None
+    if resume and checkpoint.exists():
+        again = checkpoint
     run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
     return Shot(*progress.watched(run, panel.shot_title, hooks))
 
@@ -277,7 +282,9 @@ class ShotResult(ImpactRecord, Result):
     @property
     def window(self) -> Window | None:
         """Shots about the strike velocity, with the means over them, on the mesh that counts; None without."""
-        return None if self.pair is None else self.pair.windows[0]
+        if self.pair is None:
+            return None
+        return self.pair.windows[0]
 
     @property
     def case(self) -> Case:
@@ -303,7 +310,9 @@ class ShotResult(ImpactRecord, Result):
 
     def __repr__(self) -> str:
         laws = [line for line in self.assumed if "failure length" not in line]
-        more = f", assumed: {len(laws)} laws" if laws else ""
+        more = ""
+        if laws:
+            more = f", assumed: {len(laws)} laws"
         velocity = f"residual velocity {self.residual_velocity:.4g} m/s"
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
@@ -311,7 +320,8 @@ class ShotResult(ImpactRecord, Result):
         return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
-        histories, columns = self.histories, {}
+        histories = self.histories
+        columns = {}
         for name, values in histories.columns.items():
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
@@ -378,9 +388,12 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
-        out, scene, target = Path(out), self.case.scene, self.target
+        out = Path(out)
+        scene = self.case.scene
+        target = self.target
         assert target is not None  # since it has a case
-        outputs, projectile = scene.run.outputs, scene.projectile
+        outputs = scene.run.outputs
+        projectile = scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
         if target.text:
             files.write(out / "scene.toml", target.text)
@@ -406,7 +419,10 @@ class ShotResult(ImpactRecord, Result):
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        used = target.setup if self.pair is None else self.pair.setup
+        if self.pair is None:
+            used = target.setup
+        else:
+            used = self.pair.setup
         sections = self._sections(used)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
@@ -419,7 +435,9 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.report.page import Figure
         from weavecell.report.shot import chapters_shot, moving, view
 
-        case, scene, used = self.case, self.case.scene, setup.meshed
+        case = self.case
+        scene = self.case.scene
+        used = setup.meshed
         caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
         film = Figure(view.cut_in_motion(self), "gif", caption, "cut")
         sections = [
@@ -432,9 +450,13 @@ class ShotResult(ImpactRecord, Result):
         if self.assumed_range is not None:
             sections.append(chapters_shot.assumed(self.assumed_range))
         if self.measured:
-            places = scene.history.report_positions if scene.history else ()
+            places = ()
+            if scene.history:
+                places = scene.history.report_positions
             for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
-                number = ply + 1 if self.pack else None
+                number = None
+                if self.pack:
+                    number = ply + 1
                 sections.append(chapters_shot.measures(self.measured[ply], places, number))
         sections += chapters_shot.body(self)
         if case.surface is None:
@@ -486,10 +508,8 @@ class ShotResult(ImpactRecord, Result):
             lines.append(self.rigid_check)
         if self.backing is not None:
             lines.append(chapters_shot.dent(self))
-        share, lost = (
-            text(self.viscous_energy_fraction, "1", "share", ".1f"),
-            self.energies["failure_dissipation"][-1],
-        )
+        share = text(self.viscous_energy_fraction, "1", "share", ".1f")
+        lost = self.energies["failure_dissipation"][-1]
         if self.cut_yarns[-1]:
             lines.append(
                 f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J"

@@ -68,7 +68,8 @@ class StudyResult(Result):
         from weavecell.report import page, pictures
         from weavecell.results import json_file, provenance
 
-        out, stamp = Path(out), provenance.stamp(self.target.text, setup=self.target.setup)
+        out = Path(out)
+        stamp = provenance.stamp(self.target.text, setup=self.target.setup)
         if self.target.text:
             files.write(out / "scene.toml", self.target.text)
         for name, content in self.files().items():
@@ -85,7 +86,8 @@ class StudyResult(Result):
         from weavecell.report.page import Card, Figure, Section, Table
         from weavecell.report.shot import chapters_shot
 
-        setup, case = self.target.setup, self.target.case
+        setup = self.target.setup
+        case = self.target.case
         label, value = self.headline
         lines = self.lines()
         picture = Figure(pictures.render(self.draw), "svg", "", "result")
@@ -107,7 +109,9 @@ class StudyResult(Result):
         doubtful = [check.name for check in self.checks if check.doubtful]
         if doubtful:
             outcome += f" DOUBTFUL: {', '.join(doubtful)}."
-        seconds = {"study": self.wall_time} if hasattr(self, "wall_time") else {}
+        seconds = {}
+        if hasattr(self, "wall_time"):
+            seconds = {"study": self.wall_time}
         title = self.title
         if ":" not in title:
             title += f": {label[0].lower()}{label[1:]}"

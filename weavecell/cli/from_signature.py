@@ -143,7 +143,9 @@ def documented(function: Callable) -> tuple[str, dict[str, str]]:
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
         other = re.fullmatch(r"as of `(\w+)`", meaning)
-        known = documented(getattr(weavecell, other[1]))[1] if other else {}
+        known = {}
+        if other:
+            known = documented(getattr(weavecell, other[1]))[1]
         words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
         meanings |= {name: known.get(name, words) for name in names.split(", ")}
     return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
@@ -155,15 +157,21 @@ def _escaped(text):
 
 def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
-    name, default = parameter.name, parameter.default
-    default = None if name in LEFT_OUT and default is False else DEFAULTS.get(name, default)
+    name = parameter.name
+    default = parameter.default
+    if name in LEFT_OUT and default is False:
+        default = None
+    else:
+        default = DEFAULTS.get(name, default)
     kinds = parameter.annotation.split(" | ")
     kind = next(
         (kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds),
         str,
     )
-    kind = str if "str" in kinds or "FilePath" in kinds else kind
-    kind = list[str] if kinds[0].startswith("list[") else kind
+    if "str" in kinds or "FilePath" in kinds:
+        kind = str
+    if kinds[0].startswith("list["):
+        kind = list[str]
     choices = kind is str and re.search(r"Literal\[(.*?)\]", parameter.annotation)
     metavar = METAVARS.get(
         name, re.sub("[\"' ]", "", choices[1]).replace(",", "|") if choices else None
@@ -172,14 +180,22 @@ def _parameter(parameter, meaning):
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
         if name == "target":
-            settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
+            if "fabric" in meaning:
+                settings["metavar"] = "FILE|FABRIC"
+            else:
+                settings["metavar"] = "FILE"
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
-        left_out = None if name == "target" and default is None else parameter.empty
+        if name == "target" and default is None:
+            left_out = None
+        else:
+            left_out = parameter.empty
         return inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=left_out, annotation=annotation
         )
     if default is parameter.empty:
-        default = None if name == "out" else ...
+        default = ...
+        if name == "out":
+            default = None
     word = _option(name)
     with_no = default is True or name in LEFT_OUT
     words = [
@@ -189,7 +205,8 @@ def _parameter(parameter, meaning):
     annotation = Annotated[
         kind if default is not None else kind | None, typer.Option(*words, **settings)
     ]
-    default = parameter.empty if default is ... else default
+    if default is ...:
+        default = parameter.empty
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
     )
@@ -203,11 +220,10 @@ def _of_option(problem, names):
     """An InputError of a parameter, with the option that has its value."""
     if problem.key not in names or problem.file is not None:
         return problem
-    key = (
-        METAVARS.get(problem.key, problem.key.upper())
-        if problem.key in ARGUMENTS
-        else _option(problem.key)
-    )
+    if problem.key in ARGUMENTS:
+        key = METAVARS.get(problem.key, problem.key.upper())
+    else:
+        key = _option(problem.key)
     message = (
         str(problem)
         .removeprefix(f"{problem.key} = {problem.value!r}: ")
@@ -218,5 +234,7 @@ def _of_option(problem, names):
         if problem.value is not None
         else f"{key}: {message}"
     )
-    renamed.key, renamed.value, renamed.allowed = key, problem.value, problem.allowed
+    renamed.key = key
+    renamed.value = problem.value
+    renamed.allowed = problem.allowed
     return renamed

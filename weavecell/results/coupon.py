@@ -27,11 +27,9 @@ if TYPE_CHECKING:
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
-FORMAT, CHECKPOINT, PULL_OUT_FORMAT = (
-    "weavecell coupon 2",
-    "weavecell coupon checkpoint 3",
-    "weavecell pull-out 1",
-)
+FORMAT = "weavecell coupon 2"
+CHECKPOINT = "weavecell coupon checkpoint 3"
+PULL_OUT_FORMAT = "weavecell pull-out 1"
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
@@ -99,10 +97,8 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 def _bias(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    size, shear_angles = (
-        quasistatic.bias_size(solved),
-        [solved.shear(step) for step in range(len(solved.states))],
-    )
+    size = quasistatic.bias_size(solved)
+    shear_angles = [solved.shear(step) for step in range(len(solved.states))]
     zones = quasistatic.zones(solved.coupon, *size)
     angles = [
         np.array([0.5 * pi - gamma[zones == number].mean() for gamma in shear_angles])
@@ -128,15 +124,21 @@ def _bias(inputs, solved):
 def _frame(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    stress, law = ("Pa", quasistatic.frame_stress(solved)), solved.coupon.table.model.fabric.shear
-    known = {} if law is None else {"trellis law": ("Pa", law.stress(solved.prescribed))}
+    stress = ("Pa", quasistatic.frame_stress(solved))
+    law = solved.coupon.table.model.fabric.shear
+    known = {}
+    if law is not None:
+        known = {"trellis law": ("Pa", law.stress(solved.prescribed))}
     return {"shear stress": stress} | known
 
 
 def _uniaxial(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    weave, along = solved.coupon.weave, 0 if inputs.direction == "warp" else 1
+    weave = solved.coupon.weave
+    along = 1
+    if inputs.direction == "warp":
+        along = 0
     size = np.ptp(solved.coupon.points, axis=0)
     yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
     strain = quasistatic.middle_strain(solved, 0.2 * (size if along == 0 else size[::-1]))
@@ -219,10 +221,8 @@ def run_pull_out(
 
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """The record of a curve, a row a sample; `facts` come first."""
-    coupon, columns = (
-        curve.coupon,
-        ("time", "displacement", "load", "sliding", "left", "friction_work"),
-    )
+    coupon = curve.coupon
+    columns = ("time", "displacement", "load", "sliding", "left", "friction_work")
     return Record(
         columns={name: getattr(curve, column) for name, column in zip(PULL_OUT, columns)},
         meanings=PULL_OUT,
@@ -271,7 +271,8 @@ def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
 
 def _arrays(solved):
     """{dataset: (array, unit)} of a quasi-static test beside its record."""
-    coupon, states = solved.coupon, solved.states
+    coupon = solved.coupon
+    states = solved.states
     x = np.array([state.x for state in states])
     energies = zip(("yarns", "trellis"), np.transpose([state.energies for state in states]))
     return {

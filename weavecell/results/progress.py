@@ -58,7 +58,12 @@ def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
         return
     from tqdm import tqdm
 
-    drawn, left = "|{bar}|" if live else ",", "<{remaining}" if estimate else ""
+    drawn = ","
+    if live:
+        drawn = "|{bar}|"
+    left = ""
+    if estimate:
+        left = "<{remaining}"
     form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}{left}{{postfix}}"
     look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
     if notebook:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
 PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa")
-_FAILED, _SLIP = ("failed_segments_warp", "failed_segments_weft"), ("slip_warp_m", "slip_weft_m")
+_FAILED = ("failed_segments_warp", "failed_segments_weft")
+_SLIP = ("slip_warp_m", "slip_weft_m")
 
 
 def grid(nodes: FloatArray, quads: IntArray) -> Any:

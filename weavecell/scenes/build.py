@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, ply_laws
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
@@ -82,7 +82,8 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    panel, shot = getattr(scene, "panel", None), getattr(scene, "projectile", None)
+    panel = getattr(scene, "panel", None)
+    shot = getattr(scene, "projectile", None)
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
     if panel is None or not panel.ply:
@@ -95,12 +96,20 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     plies: list[Ply] = []
     for table in panel.ply:
         named = table.name is not None or table.file is not None
-        own = {"name": table.name, "file": table.file, "law": "published"} if named else {}
+        own = {}
+        if named:
+            own = {"name": table.name, "file": table.file, "law": "published"}
         own |= {} if table.law is None else {"law": table.law}
         if (key := repr(own)) not in materials:
-            of_ply, where = scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric"
+            of_ply = scene.fabric.model_copy(update=own)
+            where = "fabric"
+            if own:
+                where = "panel.ply"
             materials[key] = material(of_ply, where, scene, file, None if named else fabric)
-        gap = panel.ply_gap if table.gap is None else table.gap
+        if table.gap is None:
+            gap = panel.ply_gap
+        else:
+            gap = table.gap
         plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
     each = tuple(materials.values())
     return Case(**vars(each[0]), scene=scene, name=name, lay_up=tuple(plies), materials=each)
@@ -128,11 +137,10 @@ def material(
             raise InputError(
                 f"needs more: {problem}", file=file, key="panel.rate_dependence"
             ) from None
-    fails = (
-        getattr(getattr(scene, "test_table", None), "failure", False)
-        if panel is None
-        else panel.yarn_failure
-    )
+    if panel is None:
+        fails = getattr(getattr(scene, "test_table", None), "failure", False)
+    else:
+        fails = panel.yarn_failure
     fabric = (
         fabric if fails else assumed.given(fabric, "failure_length")
     )  # which is of no use without failure
@@ -146,8 +154,12 @@ def material(
         except InputError as problem:
             if problem.file is not None:
                 raise
-            key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
-            message = None if problem.key is not None else str(problem)
+            key = "panel.ply_contact"
+            if problem.key not in (None, "ply_contact"):
+                key = problem.key
+            message = None
+            if problem.key is None:
+                message = str(problem)
             raise InputError(
                 message, file=file, key=key, value=problem.value, allowed=problem.allowed
             ) from None
@@ -172,7 +184,8 @@ def _sheared(fabric, need, file):
     Of a scene's file a line is logged for each law that is assumed, or left out.
     """
     try:
-        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+        if need != "unused":
+            fabric = assumed.with_shear(fabric)
     except InputError as problem:
         if need == "needed":
             raise InputError(str(problem), file=file) from None
@@ -205,13 +218,8 @@ def _surface(surface, fabric):
         raise InputError(
             "cannot be read; must be a surface written by `weavecell surface`", file=surface
         )
-    read = ResponseSurface.read(surface)
-    try:
-        return SurfaceCell(fabric, read).surface
-    except InputError as problem:
-        raise InputError(
-            file=surface, key=problem.key, value=problem.value, allowed=problem.allowed
-        ) from None
+    with placed(surface):
+        return SurfaceCell(fabric, ResponseSurface.read(surface)).surface
 
 
 def _laws(table, key, fabric, file, given):
@@ -220,13 +228,8 @@ def _laws(table, key, fabric, file, given):
     if table.cell_model != "compressible":
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
-        try:
+        with placed(file, f"{key}.law."):
             own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
-        except InputError as problem:
-            key = f"{key}.law.{problem.key}"
-            raise InputError(
-                file=file, key=key, value=problem.value, allowed=problem.allowed
-            ) from None
         check_room((own, own), fabric.weave, file=file, key=f"{key}.law.a")
         return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
@@ -239,7 +242,10 @@ def _laws(table, key, fabric, file, given):
     laws = laws_of(fabric, law, file, f"{key}.law")
     if law != "published":
         changed = {each.fitted_data for each in laws} - {"", data_digest(fabric)}
-        name = "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
+        if isinstance(law, (str, Path)):
+            name = "fitted to the 3D crossover"
+        else:
+            name = laws[0].provenance
         return laws, f"{name}, {CHANGED.format(fabric.name)}" if changed else name
     if given is not None:
         return laws, laws[0].provenance
@@ -265,7 +271,8 @@ def laws_of(
     ------
     InputError : none of these, a law of another fabric, or None for a fabric without laws
     """
-    written, law = law, getattr(law, "law", law)
+    written = law
+    law = getattr(law, "law", law)
     if law is None or law == "published":
         if fabric.laws is None:
             raise InputError(
@@ -274,12 +281,18 @@ def laws_of(
         return fabric.laws
     if isinstance(law, (str, Path)):
         law = CompressionLaw.from_json(law)
-    warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
+    if isinstance(law, (tuple, list)) and len(law) == 2:
+        warp, weft = law
+    else:
+        warp = law
+        weft = law
     for law in (warp, weft):
         if not isinstance(law, CompressionLaw):
             allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
             raise InputError(key="law", value=written, allowed=allowed)
-        value = str(written) if isinstance(written, (str, Path)) else None
+        value = None
+        if isinstance(written, (str, Path)):
+            value = str(written)
         law.require_fabric(fabric.name, file=file, key=key, value=value)
         _warn_of_change(law.fitted_data, fabric, value or "law")
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
@@ -315,7 +328,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     from shellfabric.panel.model import Numerics
     from weavecell.scenes.short_setup import ShortSetup
 
-    scene, panel = case.scene, case.scene.panel
+    scene = case.scene
+    panel = case.scene.panel
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
     for table in (scene.fabric, panel, scene.run):

@@ -363,7 +363,9 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _of_tables_that_fit(self):
-        fabric, shot, panel = self.fabric, self.projectile, self.panel
+        fabric = self.fabric
+        shot = self.projectile
+        panel = self.panel
         if not (
             panel.ply
             and all(ply.name or ply.file for ply in panel.ply)
@@ -373,7 +375,10 @@ class Scene(Table):
                 allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
-        smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
+        if isinstance(panel.opening, tuple):
+            smallest = min(panel.opening)
+        else:
+            smallest = panel.opening
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
         if shot.shape != "stl":
@@ -437,7 +442,9 @@ def check(
     scene = validated(Scene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)
-    return scene if file is None else anchored(scene, file)
+    if file is None:
+        return scene
+    return anchored(scene, file)
 
 
 def _with_named(table, file, name, key, data):

@@ -197,7 +197,9 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     table = setup.table(kept=True)
     refined = replace(finer(setup, table), snapshot_interval=None, history=None)
     shot = shoot(setup, table)
-    other = shot if shot.failure is not None else shoot(refined, table, "finer mesh")
+    other = shot
+    if shot.failure is None:
+        other = shoot(refined, table, "finer mesh")
     return shot, compare(shot, other)
 
 
@@ -305,8 +307,10 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
     panel that is perforated does not have. Velocity and energy of a projectile that perforates have none: infinite."""
     (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
-    common, strike = t <= tf[-1], coarse.setup.strike_velocity
-    deepest, other_deepest = coarse.max_deflection, fine.max_deflection
+    common = t <= tf[-1]
+    strike = coarse.setup.strike_velocity
+    deepest = coarse.max_deflection
+    other_deepest = fine.max_deflection
     shared = coarse.t[coarse.t <= fine.t[-1]]
     depth = np.interp(shared, fine.t, fine.deflection) - coarse.deflection[: shared.size]
     depths = np.append(depth, other_deepest - deepest)
@@ -314,7 +318,8 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)
     speed, other = (np.append(history, end) / strike for history, end in speeds)
     tensions = [abs(b / a - 1) for a, b in zip(coarse.peak_tension, fine.peak_tension) if a > 0]
-    holds, moves = coarse.outcome != "perforated", {"stopped": 0.0, "perforated": inf}
+    holds = coarse.outcome != "perforated"
+    moves = {"stopped": 0.0, "perforated": inf}
     norms = {
         "residual_velocity": moves.get(coarse.outcome, np.abs(other - speed).max()),
         "absorbed_energy": moves.get(coarse.outcome, np.abs(other**2 - speed**2).max()),
