@@ -23,6 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 import architecture  # noqa: E402
 import file_formats  # noqa: E402
 import keys_page  # noqa: E402
+import keyword_class  # noqa: E402
 import python_page  # noqa: E402
 
 from validation.claims import judge  # noqa: E402
@@ -244,6 +245,7 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
         "critical velocities": critical_velocities,
         "claims": all_claims,
     },
+    "weavecell/api/keywords.py": {"keywords": keyword_class.text},
     "docs/reference/python.md": {"functions": python_page.text},
     "docs/reference/files.md": {
         "outputs": of_files(file_formats.outputs),

@@ -59,9 +59,12 @@ End = Literal["clamped", "free"] | Mapping[str, Quantity]
 Side = End | tuple[End, End] | list[End]
 
 
+# <!-- keywords of tools/pages.py -->
 class Keywords(TypedDict, total=False):
     """Keywords of `weavecell.setup` and what takes its keywords; docs/reference/input.md says more.
 
+    weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
+        0.9, strength = 0.8, source = "..." }
     law : compression law of warp and weft; needed for a fabric without a published one, such as
         your own; "published", the path of a law written by `weavecell calibrate` (*.json), or a
         table { a = ..., b = ... }
@@ -71,14 +74,12 @@ class Keywords(TypedDict, total=False):
         (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
     cell_profile : centre line of a crimped yarn in the cell; one of "cosine", "straight"
-    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
-        least 0, such as "0 mm"
     surface : response surface of the 3D crossover, which replaces the analytical cell and
         `fabric.law`; the path of a surface written by `weavecell surface`
+    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
+        least 0, such as "0 mm"
     bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
         "1e-6 N m^2"
-    weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
-        0.9, strength = 0.8, source = "..." }
     projectile : the table [projectile] of the input file, as a dict
     opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
@@ -95,7 +96,7 @@ class Keywords(TypedDict, total=False):
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
-    ply : plies one by one, as the tables [[panel.ply]], in place of `plies`
+    ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
     ply_gap : pack: clearance between plies at rest; where not given the gap of the fabric file,
@@ -131,14 +132,14 @@ class Keywords(TypedDict, total=False):
     backing : the table [backing] of the input file, as a dict
     """
 
+    weaving_damage: Mapping[str, Number | str] | None
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]
     cell_formulation: Literal["variational", "equilibrium", "direct"]
     cell_profile: Literal["cosine", "straight"]
-    crossover_gap: Quantity
     surface: ResponseSurface | FilePath | None
+    crossover_gap: Quantity
     bending: Quantity
-    weaving_damage: Mapping[str, Number | str] | None
     projectile: Mapping[str, Quantity] | str | None
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
     opening_shape: Literal["rectangular", "round"]
@@ -165,6 +166,9 @@ class Keywords(TypedDict, total=False):
     history: Mapping[str, Any] | None
     numerics: Mapping[str, Number | str] | None
     backing: Mapping[str, Any] | str | None
+
+
+# <!-- end of keywords -->
 
 
 def explained(function: Function) -> Function:
