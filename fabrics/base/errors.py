@@ -65,6 +65,7 @@ class InputError(WeavecellError, ValueError):
         if allowed is not None:
             allowed_text.append(f"must be {allowed}")
         parts.append("; ".join(allowed_text))
+        # one line, whatever breaks a value has
         super().__init__(" ".join(" ".join(parts).split()))
 
 
@@ -74,6 +75,7 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as problem:
+        # what was read from a file inside this block knows better where it stands
         if problem.file is not None:
             raise
         key = problem.key
@@ -117,6 +119,7 @@ class InputErrors(InputError):
         for name in ("message", "file", "key", "value", "allowed"):
             setattr(self, name, getattr(first, name))
 
+    # exceptions come back from worker processes pickled, and pickle calls the class with `args`
     def __reduce__(self) -> tuple[Any, ...]:
         return InputErrors, (self.problems,)
 

@@ -222,6 +222,7 @@ def scene(
             of_file = value
         else:
             of_file = plain(value)
+        # keys of [fabric], [panel] and [run] are flat; the other tables are given whole
         if known[key]:
             table[known[key]][key] = of_file
         else:

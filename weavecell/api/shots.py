@@ -119,6 +119,7 @@ def impact(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
     if check:
+        # no folder is claimed: a check leaves nothing behind
         with panel.named():
             return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
     key = run_cache.key(
@@ -134,9 +135,11 @@ def impact(
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
+            # only now, when everything is written, is the state no longer needed
             for checkpoint in run_folder.checkpoints(folder):
                 checkpoint.unlink()
             shutil.rmtree(folder / WINDOW, ignore_errors=True)
+    # the folder has what was computed until then
     if failure is not None:
         failure.result = result
         raise failure
@@ -162,6 +165,7 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
         shot = shoot(setup, table, mesh)
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
+        # a shot that holds has no staircase of failing yarns
         from weavecell.studies import window  # which an impact alone does not need
 
         with (

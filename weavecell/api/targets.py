@@ -118,6 +118,7 @@ def made(
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
     folder = str(Path(__file__).parent)
+    # a warning should point at the script, not at a file of ours
     line_of_the_user = next(
         n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)
     )

@@ -102,6 +102,7 @@ def _release(place):
     descriptor, made = _held.pop(place)
     with suppress(OSError):
         os.unlink(place / LOCK)
+        # nothing was computed: the folder is as it was before
         if os.listdir(place) == [INPUT]:
             os.unlink(place / INPUT)
     os.close(descriptor)
@@ -116,6 +117,7 @@ def _locked(path):
             import fcntl
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # the run that had the lock may have removed the file after it was opened here
             if os.fstat(descriptor).st_ino == os.stat(path).st_ino:
                 return descriptor
         except FileNotFoundError:  # removed by the run that had it before
@@ -123,6 +125,7 @@ def _locked(path):
         except BlockingIOError:
             os.close(descriptor)
             raise
+        # Windows and some network file systems have no locks: two runs in one folder are then the user's care
         except (ImportError, OSError):
             return descriptor
         os.close(descriptor)

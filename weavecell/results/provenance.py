@@ -84,6 +84,7 @@ def versions() -> dict[str, str]:
 
 def commit() -> str:
     """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
+    # installed from a wheel, the folder may lie inside the checkout of another project
     home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():
         return "not a checkout"

@@ -100,6 +100,7 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
         if named:
             own = {"name": table.name, "file": table.file, "law": "published"}
         own |= {} if table.law is None else {"law": table.law}
+        # plies of one fabric and law share one table of the cell, which takes a second to fill
         if (key := repr(own)) not in materials:
             of_ply = scene.fabric.model_copy(update=own)
             where = "fabric"
@@ -295,6 +296,7 @@ def laws_of(
             value = str(written)
         law.require_fabric(fabric.name, file=file, key=key, value=value)
         _warn_of_change(law.fitted_data, fabric, value or "law")
+    # a pair that closes more than both heights would let yarns pass through each other
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft
 

@@ -139,6 +139,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
         )
         raise InputError(key="--uncertainty", value=asked, allowed=allowed)
     reach = min(zones[0][0], REACH)
+    # zones have to end where whole elements do, and beyond all that can come under the projectile
     while reach <= LATEST:
         graded = _with(setup, ((reach, 1 / count), *((2 * until, side) for until, side in zones)))
         if _can_be_meshed(graded, table):
@@ -195,6 +196,7 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     InputError : as `finer`; nothing has been run
     """
     table = setup.table(kept=True)
+    # its shapes and histories are shown nowhere
     refined = replace(finer(setup, table), snapshot_interval=None, history=None)
     shot = shoot(setup, table)
     other = shot
@@ -230,6 +232,7 @@ def refine(
         )
         if found.confirmed:
             return shot, found
+        # a run that broke off says nothing about the next mesh
         before = None
         if shot.failure is None:
             before = shot
@@ -289,6 +292,7 @@ def _results(shot):
         absorbed = shot.window.mean("absorbed_energy")
     yield "residual_velocity", strike, _single("residual velocity", "m/s", *residual)
     yield "absorbed_energy", result.strike_energy, _single("absorbed energy", "J", *absorbed)
+    # deflection and tension of a torn panel depend on when its last yarn failed
     if result.outcome == "perforated":
         return
     deepest = 1e3 * result.max_deflection
@@ -313,6 +317,7 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     other_deepest = fine.max_deflection
     shared = coarse.t[coarse.t <= fine.t[-1]]
     depth = np.interp(shared, fine.t, fine.deflection) - coarse.deflection[: shared.size]
+    # the peak may lie between two samples of the histories
     depths = np.append(depth, other_deepest - deepest)
     ends = (max(result.residual_velocity, 0.0) for result in (coarse, fine))
     speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)

@@ -108,6 +108,7 @@ def about(result: ImpactResult, **runs: Any) -> Window | None:
         (replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1
     ]
     if runs:
+        # only the means are wanted: no shapes, no histories along yarns
         rows = run_cache.results(fire, others, **runs)
     else:
         rows = [fire(*other) for other in others]
