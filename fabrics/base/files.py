@@ -62,9 +62,11 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
         yield beside
         with open(beside, "rb+") as file:
             size = file.seek(0, os.SEEK_END)
+            # a disk that is full to the last bytes shows it here, while the old file is still in place
             file.write(bytes(ROOM))
             file.truncate(size)
             os.fsync(file.fileno())
+        # mkstemp makes files that only their owner reads
         beside.chmod(0o666 & ~_umask())
         os.replace(beside, path)
     except OSError as problem:
@@ -160,6 +162,7 @@ def read_text(path: FilePath) -> str:
     OSError : no such file
     """
     content = Path(path).read_bytes()
+    # Notepad calls UTF-16 with its mark "Unicode"
     utf_16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     good = content
     try:
@@ -168,6 +171,7 @@ def read_text(path: FilePath) -> str:
     except UnicodeDecodeError as problem:
         good = content[: problem.start]
         text = "\0"
+    # a NUL is what UTF-16 without a mark looks like as UTF-8
     if "\0" in text:
         number = len(good.splitlines()) + good.endswith((b"\n", b"\r"))
         advice = (
@@ -206,6 +210,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
     ]
     if not lines:
         return []
+    # semicolons before commas: where commas are decimal, a heading may have them in its words
     separator = separator or next((mark for mark in ";,\t" if mark in lines[0][1]), ",")
     rows = []
     for number, line in lines:
@@ -224,6 +229,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
     for _, cells in rows:
         while len(cells) > columns and not cells[-1]:
             cells.pop()
+    # a file whose columns commas separate has no decimal commas
     if separator != ",":
         _point_decimals(rows, words, path)
     return rows
@@ -240,6 +246,7 @@ def _point_decimals(rows, words, path):
             if found:
                 numbers.append((line, cells, column, found))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
+    # "12,345" can be read in two ways, "12,34" in one
     sure = any(not _THOUSANDS.fullmatch(found[1]) for *_, found in with_comma)
     with_point = any("." in found[1] for *_, found in numbers)
     for line, cells, column, found in with_comma:

@@ -107,6 +107,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
 
 def _fabric(file, sources, path):
     """The Fabric of a checked file; `sources` also gets what is computed."""
+    # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
     masses = data_sheet.mass_notes(
@@ -167,6 +168,7 @@ def _fabric(file, sources, path):
         thickness=thickness,
         strain_rate=rate_law,
         ranges={key: datum.ratios for key, datum in file.data() if datum.ratios is not None},
+        # the numbers of our own catalogue have been looked up; those of a user's file may be guesses
         guessed=()
         if path.parent == _FOLDER
         else tuple(key for key, datum in file.data() if _guessed(key, datum)),
@@ -262,6 +264,7 @@ def _yarn(family, table, crimp, strengths):
     strains = OF_YARN["failure_strain"]
     low, high = strains.limits("")
     key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
+    # a wrong modulus or unit shows itself as a strain that no fibre has
     if not low <= reached <= high:
         bounds = f"{strains.bounds['']}, not {100 * reached:.3g} %"
         raise InputError(
