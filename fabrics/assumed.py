@@ -205,7 +205,7 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
     one = entries()["failure_length"]
-    usual = ()
+    usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
         usual = (one.low / one.value, one.high / one.value)
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]

@@ -82,9 +82,9 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
 @contextmanager
 def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     """Open a file for writing that appears under `path` complete, or not at all."""
-    encoding = "utf-8"
-    if "b" in mode:
-        encoding = None
+    encoding = None
+    if "b" not in mode:
+        encoding = "utf-8"
     with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:
         yield file
 

@@ -155,9 +155,9 @@ def material(
         except InputError as problem:
             if problem.file is not None:
                 raise
-            key = "panel.ply_contact"
-            if problem.key not in (None, "ply_contact"):
-                key = problem.key
+            key = problem.key
+            if key in (None, "ply_contact"):
+                key = "panel.ply_contact"
             message = None
             if problem.key is None:
                 message = str(problem)
