@@ -194,7 +194,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
 
     Raises
     ------
-    InputError : as of `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
+    InputError : see `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
         letters), or a comma that may be a decimal comma and may not
     """
     try:

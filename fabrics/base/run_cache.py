@@ -208,7 +208,7 @@ def results(
     function : of a module, to be found again in another process
     arguments : list of tuples of plain numbers, texts and frozen dataclasses
     folder : Path where results are kept, and taken from
-    executor, jobs, fresh : as of `executors.open_executor`
+    executor, jobs, fresh : see `executors.open_executor`
     resume : take the results that the folder holds; otherwise it is emptied first
     report : called as report(number done, number of all)
 

@@ -79,7 +79,7 @@ def failed_yarns(broken: np.ndarray) -> np.ndarray:
 
 
 def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[IntArray]) -> None:
-    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; parameters as of `panel`."""
+    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; its parameters are those of `panel`."""
     times: dict[str, float] = {}
     for number, plies in enumerate(instants):
         name = f"panel/panel-{number:04d}.vtu"

@@ -124,7 +124,7 @@ def material(
     Parameters
     ----------
     key : of the scene under which the table stands
-    scene, file : of it; parameters and exceptions else as of `build`
+    scene, file : of it; see `build`, as the other parameters and exceptions
     given : Fabric in place of that which the table names
     """
     fabric = plain = _fabric(table, key, file) if given is None else given

@@ -241,7 +241,7 @@ def check(
     refused: honoured.Keys | None = None,
     context: Any = None,
 ) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; parameters as of `scenes.impact.check`."""
+    """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
     scene = validated(CouponScene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)

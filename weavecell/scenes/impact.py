@@ -433,8 +433,8 @@ def check(
     ----------
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : as of `load`
-    context : as of `fabrics.base.schema.validated`
+    refused : see `load`
+    context : see `fabrics.base.schema.validated`
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)

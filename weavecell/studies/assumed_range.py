@@ -250,7 +250,7 @@ def critical_velocity(
     ----------
     setup : ImpactSetup of any shot at the panel
     velocity : [m/s] nominal critical velocity
-    tolerance, beside : as of `ballistic_limit.critical_velocity`
+    tolerance, beside : see `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
     from shellfabric.impact import (

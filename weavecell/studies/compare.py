@@ -162,7 +162,7 @@ class ReducedTests:
 
 
 def reduce(tests: DataFrame) -> ReducedTests:
-    """The statistics of tests as of `read`."""
+    """The statistics of tests that `read` returns."""
     table = tests.rename(
         columns={
             VELOCITY: "velocity [m/s]",

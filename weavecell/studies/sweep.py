@@ -43,7 +43,7 @@ def row(
     setup : ImpactSetup
     quantity : of `QUANTITIES`
     tolerance : [m/s] of the bracket of a critical velocity
-    options : of a V50, as of `v50.study`
+    options : of a V50, see `v50.study`
     """
     try:
         if quantity == "v50":

@@ -234,7 +234,7 @@ def study(
     batch : shots of a round
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
-    report, runs : as of `run_cache.results`, with the folder of the shots
+    report, runs : see `run_cache.results`, with the folder of the shots
 
     Raises
     ------
@@ -297,7 +297,7 @@ def over_assumed(
 
     Parameters
     ----------
-    setup, seed, tolerance, runs : as of `study`
+    setup, seed, tolerance, runs : see `study`
     found : what `study` returned
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
