@@ -433,7 +433,7 @@ def check(
     ----------
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : see `load`
+    refused : keys that are not honoured, see `honoured`
     context : see `fabrics.base.schema.validated`
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
