@@ -451,7 +451,7 @@ def turned(panel: Panel) -> Panel:
         model,
         fabric=rotated_90(model.fabric),
         laws=model.laws and model.laws[::-1],
-        toe=model.toes[::-1],
+        fibre_slack=model.toes[::-1],
     )
     factors = panel.strength_factors
     return replace(

@@ -155,14 +155,14 @@ def material(
         except InputError as problem:
             if problem.file is not None:
                 raise
-            key = problem.key
-            if key in (None, "ply_contact"):
-                key = "panel.ply_contact"
+            name = problem.key or "ply_contact"
+            if name == "ply_contact":
+                name = "panel.ply_contact"
             message = None
             if problem.key is None:
                 message = str(problem)
             raise InputError(
-                message, file=file, key=key, value=problem.value, allowed=problem.allowed
+                message, file=file, key=name, value=problem.value, allowed=problem.allowed
             ) from None
     return Material(fabric, laws, law_name)
 
