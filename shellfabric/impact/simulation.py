@@ -73,7 +73,7 @@ class Ply:
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
     angle: float = 0.0
-    crossover_gap: float | None = None
+    gap: float | None = None
 
 
 @dataclass(frozen=True)
