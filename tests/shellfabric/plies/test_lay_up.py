@@ -54,7 +54,7 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
 
 def test_gaps_are_those_of_the_plies_or_the_mean():
     one, other = Ply(SETUP.fabric, gap=1e-4), Ply(catalogue.load("S-726"))
-    both = [laid(each, each).target().gaps[0] for each in (replace(one, crossover_gap=None), other)]
+    both = [laid(each, each).target().gaps[0] for each in (replace(one, gap=None), other)]
     assert laid(one, other, other).target().gaps == (1e-4, both[1])
     assert laid(other, one).target().gaps[0] == pytest.approx(np.mean(both), rel=1e-12)
 

@@ -151,9 +151,7 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     cell = made.cards[0].cloth
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
     mass = cell.density * cell.thickness * area
-    assert mass == pytest.approx(
-        share * side**2 * cell.cell_model.fabric.weave.areal_density, rel=1e-9
-    )
+    assert mass == pytest.approx(share * side**2 * cell.model.fabric.weave.areal_density, rel=1e-9)
     assert np.all(
         ply.points[:, 2] - made.nose.points[:, 2].max() > 0.5 * (cell.thickness + made.skin)
     )
