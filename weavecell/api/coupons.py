@@ -121,7 +121,8 @@ def coupon(
         except InputError as problem:
             if file is None:
                 raise
-            tables = {case.scene.test: type(case.scene.test_table)}
+            scene = case.scene
+            tables = {"fabric": type(scene.fabric), scene.test: type(scene.test_table)}
             raise build.in_file(problem, file, tables) from None
         if folder is not None:
             with progress.bar("Writing results"):
