@@ -23,7 +23,7 @@ from shellfabric.solver.pack_solver import PackSolver
 
 @entry()
 def many(state, times):
-    """What `step_kernels.run_thread` adds to a step, so many times."""
+    """What `loop.advance` adds to a step, so many times."""
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0

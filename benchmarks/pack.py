@@ -26,7 +26,7 @@ from shell import march as march_single
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.jit.borrowed_list import Items
+from shellfabric.jit.table import Rows
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
@@ -63,7 +63,7 @@ def hold(march):
     """Let the projectile go on at a crawl, with a mass that nothing stops. One that is stopped anew in every step ends
     the march in every step, and at each end all tensions are looked up that no step has needed."""
     march.stack.projectile_velocity[2] = 1e-3
-    consts = Items([const._replace(projectile_mass=1e9) for const in march.consts])
+    consts = Rows([const._replace(projectile_mass=1e9) for const in march.consts])
     march._plies = march._plies[0], consts
 
 

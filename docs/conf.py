@@ -62,10 +62,10 @@ sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery"
 
 def setup(app):
     """Write the pages that are made from the code before Sphinx reads its sources."""
-    import glossary
+    import kernel_arrays
     import reference_pages
     from pygments.lexers.special import TextLexer
 
     app.add_lexer("csv", TextLexer)  # of the pages' data, which Pygments does not know
     app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))
-    app.connect("builder-inited", lambda _: glossary.write(HERE / "generated"))
+    app.connect("builder-inited", lambda _: kernel_arrays.write(HERE / "generated"))

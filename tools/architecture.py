@@ -57,7 +57,7 @@ def folders(package):
 
 def kernels():
     """Kernel files behind the step of one ply, in the order of their names."""
-    sources = kernel_cache.kernel_sources(ROOT / "shellfabric" / "solver" / "step_kernels.py")
+    sources = kernel_cache.kernel_sources(ROOT / "shellfabric" / "solver" / "loop.py")
     return [name for name, _ in sources if name.endswith("_kernels.py")]
 
 
@@ -196,7 +196,7 @@ def text():
         "",
         "## Kernels of one ply",
         "",
-        "Files behind `shellfabric/solver/step_kernels.py`, which makes the steps:",
+        "Files behind `shellfabric/solver/loop.py`, which makes the steps:",
         "",
     ]
     lines += [f"- `{name}`" for name in kernels()]

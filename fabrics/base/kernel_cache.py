@@ -40,7 +40,7 @@ MODELS = {
     "validation.models.cable": ("the cable net", "a minute or two"),
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest
-TUPLES = ("shellfabric", "unitcell3d", "validation/models")
+TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
 IMPORT = re.compile(
     r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE

@@ -21,6 +21,7 @@ from numba import types
 from numba.extending import overload
 
 from shellfabric.jit.compile import kernel
+from shellfabric.state import ModuleTable, unit
 
 FREE_END, SYMMETRY_END, CLAMPED_END = 0, 1, 2
 
@@ -138,16 +139,12 @@ def family_bending(state, const, family, first, last, acting):
     return total
 
 
-@kernel(_nrt=False)
-def bending_forces(stiffness, state, const, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`.
-
-    stiffness : const.bending; where it is None nothing of this is compiled
-    """
-    if stiffness is None:
-        return 0.0
+@unit("number", later=True, own=ModuleTable)
+def bending_forces(state, const, own, first, last, acting):
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting` (a unit of
+    `panel.forces`, without a row)."""
     total = 0.0
     for family in range(2):
-        if bends(stiffness, family):
+        if bends(const.bending, family):
             total += family_bending(state, const, family, first, last, acting)
     return total

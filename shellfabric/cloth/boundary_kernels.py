@@ -12,6 +12,7 @@ nodes, all in the form in which central differences balance them: forces at whol
 """
 
 from shellfabric.jit.compile import kernel
+from shellfabric.state import unit
 
 BOUNDARY_WORK, CLAMP_FRICTION, KINETIC = 0, 1, 2  # of state.slip_energy
 
@@ -22,7 +23,7 @@ def slip_fraction(time, start, end):
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
-@kernel(_nrt=False)
+@unit(later=True, time="number")
 def update_slip_nodes(state, const, time):
     """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
     kinetic = 0.0

@@ -12,6 +12,7 @@ from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth.membrane_kernels import ONE
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, equal_bytes, movemask
+from shellfabric.state import unit
 
 WARP, WEFT = 0, 1
 _ALL = 2**WIDTH - 1  # bits of eight that are whole
@@ -76,7 +77,7 @@ def sum_crossing(const, family, i, j, alpha, x, shift):
     return count, present, total
 
 
-@kernel(_nrt=False)
+@unit(later=True, x="n", mean="n")
 def damaged_means(const, state, family, first, last, shift, x, mean):
     """Mean of x over the crossing edges, weighted by their intact fraction, for damaged edges of the rows first ..
     last - 1."""
@@ -93,7 +94,7 @@ def damaged_means(const, state, family, first, last, shift, x, mean):
                     mean[np.uint64(i * const.row_stride + j - shift)] = total / present
 
 
-@kernel(_nrt=False)
+@unit(later=True, L="n", F="n")
 def damaged_forces(const, state, family, first, last, shift, L, F):
     """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
     w, S0, EA = yarn_properties(const, family)
@@ -116,7 +117,7 @@ def damaged_forces(const, state, family, first, last, shift, L, F):
                     F[m] = crossed * F[m] + (1.0 - crossed) * alone
 
 
-@kernel(_nrt=False)
+@unit(later=True, L="n", own="n", shared="n", N="n")
 def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N):
     """The variational force of damaged edges: own share, and, of each crossing edge, the share `shared` that it
     gives."""
@@ -140,7 +141,7 @@ def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N
                 N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
 
 
-@kernel(_nrt=False)
+@unit(later=True, turn1="n", turn2="n", cross="n")
 def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
     """Shear forces of damaged elements, scaled by the intact fractions of both families."""
     s = const.row_stride

@@ -8,7 +8,6 @@ two audits.
 from shellfabric.cloth.membrane_kernels import mean_crossing_warp, mean_crossing_weft
 from shellfabric.cloth.table_kernels import potential_at
 from shellfabric.cloth.trellis_kernels import arcsine, regularized_stretch
-from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
     broadcast,
@@ -26,11 +25,12 @@ from shellfabric.jit.simd import (
     to_int32,
     where,
 )
+from shellfabric.state import unit
 
 WARP = 0
 
 
-@kernel(_nrt=False)
+@unit("number")
 def kinetic_energy(const, state, i):
     """[J] kinetic energy of the free nodes of row i, m v(n-1/2) v(n+1/2) / 2."""
     found = broadcast(0.0)
@@ -52,7 +52,7 @@ def kinetic_energy(const, state, i):
     return reduce_add(found)
 
 
-@kernel(_nrt=False)
+@unit("number")
 def yarn_energy(const, state, family, i, begin, end):
     """[J] of the edges (i, begin) .. (i, end - 1) of a family, all of which have four crossing edges."""
     x0, rx, top1, y0, ry, top2, across = const.table_grid
@@ -97,7 +97,7 @@ def yarn_energy(const, state, family, i, begin, end):
     return 0.25 / w * reduce_add(found)
 
 
-@kernel(_nrt=False)
+@unit("number")
 def trellis_energy(const, state, i):
     """[J] of the quadrilaterals of row i."""
     s, G1, G2, gamma1, gamma2 = const.row_stride, const.G1, const.G2, const.gamma1, const.gamma2

@@ -39,6 +39,7 @@ from shellfabric.cloth.table_kernels import max_value, potential
 from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
+from shellfabric.state import unit
 
 
 @kernel(_nrt=False)
@@ -68,7 +69,7 @@ def may_fail(const, state, block):
     )
 
 
-@kernel(_nrt=False)
+@unit("integer")
 def find_failures(const, state, family, first, last):
     """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that break in state.failed.
 
@@ -121,7 +122,7 @@ def find_failures(const, state, family, first, last):
     return count
 
 
-@kernel(_nrt=False)
+@unit(later=True)
 def break_edges(const, state, family, first, last):
     """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
     columns = const.nj + 1 if family == WARP else const.nj
@@ -145,7 +146,7 @@ def flag_elements(const, state, family, i, j):
         state.block_damage[row // const.rows_per_block] = 2
 
 
-@kernel(_nrt=False)
+@unit("2 numbers")
 def stored_energy(const, state, first, last):
     """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
 
@@ -216,7 +217,7 @@ def edge_energy(const, state, family, i, j):
     return found
 
 
-@kernel()
+@unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
     """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
     work, viscous = 0.0, 0.0

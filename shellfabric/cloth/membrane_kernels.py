@@ -42,6 +42,7 @@ from shellfabric.jit.simd import (
     store,
     where,
 )
+from shellfabric.state import unit
 
 ONE = np.uint64(1)
 # of state.element_flag; WINDOW: sliding yarns drawn apart; DRAWN_OUT: torn, and twice its size
@@ -103,7 +104,7 @@ def _scale_sum(factor, x):
     return lambda factor, x: x
 
 
-@kernel(_nrt=False)
+@unit(u="3 x n", inv_length="2 x per slot", A="3 x n", B="3 x n", l1="n", i1="n", l2="n", i2="n")
 def edge_vectors(k0, m0, n, s, u, inv_length, A, B, l1, i1, l2, i2):
     """Edges of n slots from k0 on, relative to their length at rest, their stretches and the inverses of these.
 
@@ -159,7 +160,7 @@ def copy_row(n, source, target, x):
         x[target + j] = x[source + j]
 
 
-@kernel()
+@unit(split="per slot", x="n", mean="n")
 def crossing_means_warp(k0, m0, n, s, split, x, mean):
     """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
     for j in range(m0, m0 + n, WIDTH):
@@ -176,7 +177,7 @@ def crossing_means_warp(k0, m0, n, s, split, x, mean):
         mean[j], mean[end] = 0.5 * (x[j] + x[j + s]), 0.5 * (x[end - 1] + x[end + s - 1])
 
 
-@kernel()
+@unit(split="per slot", x="n", mean="n")
 def crossing_means_weft(k0, m0, n, s, split, x, mean):
     """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
     for j in range(m0, m0 + n, WIDTH):
@@ -192,7 +193,7 @@ def crossing_means_weft(k0, m0, n, s, split, x, mean):
         mean[j] = 1.0
 
 
-@kernel()
+@unit(split="per slot", own="n", given="n", N="n")
 def distribute_warp(k0, m0, n, s, split, own, given, N):
     """Forces N of n warp edges: half its own, half the transpose of `crossing_means_warp` of crossing weft edges."""
     for j in range(m0, m0 + n, WIDTH):
@@ -207,7 +208,7 @@ def distribute_warp(k0, m0, n, s, split, own, given, N):
         N[end] = 0.5 * (own[end] + 0.5 * (given[end - 1] + given[end + s - 1]))
 
 
-@kernel()
+@unit(split="per slot", own="n", given="n", N="n")
 def distribute_weft(k0, m0, n, s, split, own, given, N):
     """Forces N of n weft edges: half its own plus half the mean over crossing warp edges."""
     for j in range(m0, m0 + n, WIDTH):
@@ -220,7 +221,9 @@ def distribute_weft(k0, m0, n, s, split, own, given, N):
         N[j] = 0.0
 
 
-@kernel(_nrt=False)
+@unit(
+    "2 numbers", r="per slot", cv="per slot", edges="4 x n", y="n", kept="n; n; n float32", on="n"
+)
 def yarn_forces(k0, m0, n, back, again, r, cv, edges, y, kept, on):
     """Update n edges of one family, and compute their axial force over the stretch, r = 1 / dX, into `on`.
 
@@ -255,7 +258,16 @@ def yarn_forces(k0, m0, n, back, again, r, cv, edges, y, kept, on):
     return 0.5 * reduce_add(work), scale_sum(cv, 0.5 * reduce_add(viscous))
 
 
-@kernel(_nrt=False)
+@unit(
+    inv_length="2 x per slot",
+    A="3 x n",
+    B="3 x n",
+    on1="n",
+    on2="n",
+    cross="n",
+    f_next_row="3 x n",
+    f_int="3 x n",
+)
 def scatter_forces(k0, m0, n, s, inv_length, A, B, on1, on2, cross, f_next_row, f_int):
     """Scatter the forces of n slots' edges and elements to their nodes.
 

@@ -26,13 +26,14 @@ from shellfabric.cloth.bending_kernels import rest_length
 from shellfabric.cloth.membrane_kernels import DRAWN_OUT, ONE
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
+from shellfabric.state import ModuleTable, unit
 
 STIFFNESS, SHARE = 0, 1  # of const.packing
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
 
 
-@kernel(_nrt=False)
+@unit("flag", A="3 x n", B="3 x n", share="number")
 def has_packed(m0, n, s, A, B, share):
     """Whether one of n elements has less than `share` of its area at rest.
 
@@ -51,9 +52,10 @@ def has_packed(m0, n, s, A, B, share):
     return -reduce_max(0.0 - least) < 16.0 * share * share
 
 
-@kernel(_nrt=False)
-def packing_forces(state, const, first, last, acting):
-    """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to state.f_int if `acting`."""
+@unit("number", own=ModuleTable)
+def packing_forces(state, const, own, first, last, acting):
+    """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to state.f_int if `acting`
+    (a unit of `panel.forces`, without a row)."""
     total, per = 0.0, const.rows_per_block
     for block in range(first // per, (last + per - 1) // per):
         if not state.packed_blocks[block]:
@@ -117,7 +119,7 @@ def is_fabric(state, const, k):
     return flag & DRAWN_OUT == 0
 
 
-@kernel(_nrt=False)
+@unit("number", later=True)
 def let_go(state, const):
     """Flag the torn elements that are drawn out; energy [J] that they stored."""
     lost = 0.0

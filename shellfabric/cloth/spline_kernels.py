@@ -20,6 +20,7 @@ import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import fma, load
+from shellfabric.state import unit
 
 WARP, WEFT = 0, 1
 
@@ -131,7 +132,7 @@ def quadrant(a, p):
     return 0 if 2 * a < p else 1
 
 
-@kernel()
+@unit(later=True, found="8, points")
 def torn_shape_functions(state, const, i, j, found):
     """Shape functions of an element (i, j) in which yarns may end, into found (8, room).
 

@@ -35,6 +35,7 @@ from shellfabric.jit.simd import (
     to_int32,
     where,
 )
+from shellfabric.state import unit
 
 
 @kernel(forceinline=True)
@@ -44,7 +45,7 @@ def saturated(over, reach):
     return over * part, part * part
 
 
-@kernel()
+@unit("number", l1="n", l2="n", grid="7 numbers", table="cells, 4", reaches="2 numbers", T="n")
 def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
     """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
 
@@ -108,7 +109,18 @@ def gradient_beyond(p, q, c, beyond):
     return force1, force2
 
 
-@kernel(_nrt=False)
+@unit(
+    "4 numbers",
+    l1="n",
+    l2="n",
+    grid="7 numbers",
+    table="cells, 8",
+    beyond="6 numbers",
+    factors="2 numbers",
+    spots="n int32",
+    N1="n",
+    N2="n",
+)
 def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2):
     """Gradient of the biquadratic potential, N = factor dW/d(local coordinate).
 

@@ -25,6 +25,7 @@ from shellfabric.jit.simd import (
     store,
     where,
 )
+from shellfabric.state import unit
 
 FADE_STRETCH = 0.8  # stretch below which the trellis fades out
 # P(z) of asin(x) = x + x z P(z), z = x^2 <= 1/4: interpolated at Chebyshev points, to 1e-13
@@ -118,7 +119,16 @@ def shear_sines(j, s, A, B, l1, l2):
     return dot * share, share, along, over
 
 
-@kernel(_nrt=False)
+@unit(
+    A="3 x n",
+    B="3 x n",
+    stretches="2 x n",
+    V="per slot",
+    law="4 numbers",
+    turn1="n",
+    turn2="n",
+    cross="n",
+)
 def trellis_forces(k0, m0, n, s, A, B, stretches, V, law, turn1, turn2, cross):
     """Shear forces of n elements.
 

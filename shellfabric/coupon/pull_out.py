@@ -23,8 +23,9 @@ from shellfabric.driver.solver import RUNNING, Hook
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding import contact_force
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip, grid
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
 from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.state import Slip
 
 CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
 DAMPING = (

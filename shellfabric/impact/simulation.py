@@ -20,13 +20,12 @@ from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
-from shellfabric.cell import fill_kernels, table_cache
+from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver import guards
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.strengths import YarnStrength, with_strengths
-from shellfabric.jit import compile_in_child
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
@@ -45,7 +44,7 @@ from shellfabric.sliding.model import (
     SlidingPanel,
     SlipSummary,
 )
-from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
+from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -428,21 +427,12 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        if kept:
-            self.begin_compiling()
         return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)  # type: ignore[arg-type]
 
     def plain_table(self) -> CellTable:
         """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
         cell = self.cell()
         return cell.table(11) if isinstance(cell, SurfaceCell) else CellTable.straight(cell)
-
-    def begin_compiling(self) -> None:
-        """Begin to compile the kernels of one ply, whose types do not depend on the values of a table, before that is
-        filled; only where the kernel that fills it is not compiled either."""
-        plain = self.plies == 1 and self.crossovers is None and self.surface is None
-        if plain and compile_in_child.is_cold(fill_kernels.fill):
-            begin_compiling(self.panel(self.plain_table()))
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """One ply, of several the first, with its own table or one that a like set-up has filled.
@@ -674,8 +664,6 @@ def run(
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    if target is None and table is None:
-        setup.begin_compiling()
     made = target or setup.target(table)
     memory.check(made.plies, setup.snapshots)
     if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:

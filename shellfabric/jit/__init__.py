@@ -1,1 +1,1 @@
-"""What compiled code needs: compilation options, SIMD type, thread barrier, borrowed references, aligned arrays."""
+"""What compiled code needs: tables of arrays, units of compilation, SIMD type, thread barrier, aligned arrays."""

@@ -21,6 +21,7 @@ COUNTER, STOP, SLOTS = (
     16,
     32,
 )  # slots of the shared array: far from each other, in cache lines of their own
+ABORTED = 2  # of slot STOP: a thread has raised an exception, and nobody waits any more
 _SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
@@ -82,7 +83,7 @@ def barrier_wait(shared, count):
         return
     goal = (_fetch_add(shared, COUNTER) // count + 1) * count
     looks = 0
-    while _load_acquire(shared, COUNTER) < goal:
+    while _load_acquire(shared, COUNTER) < goal and _load_acquire(shared, STOP) != ABORTED:
         looks += 1
         if looks > _SPINS:
             _sched_yield()

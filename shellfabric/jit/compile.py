@@ -1,34 +1,75 @@
-"""How kernels are compiled: those that other kernels call, and those that Python does.
+"""How kernels are compiled.
 
-numba makes two more functions beside each one that it compiles: one that takes Python's objects apart, and one with
-the calling convention of C. A kernel with the state of a panel has over a hundred arrays, each a dozen instructions of
-that, and only the few that a march begins with are ever called from Python: without the rest the kernels of a panel
-are compiled in half the time.
-
-    @kernel(...)    called by kernels
+    @kernel(...)    a helper: becomes part of the kernels that call it
+    @unit(...)      compiled by itself, once, and called through a pointer (`shellfabric.state.unit`)
     @entry(...)     called by Python
 
-A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
-
-What Python calls with many arrays is compiled in a process of its own (`compile_in_child`).
+A unit has the types that the tables of `shellfabric.state` give to the names of its parameters, so that they are known
+where its file is imported. Its callers hold no code of it, but a symbol: the address of a cell with the address of its
+machine code. At first the cell leads to Python, which loads the machine code from the cache, or compiles it, and puts
+its address there: a run compiles what it calls, and nothing has to be listed. A unit whose tables have `per_slot`
+numbers has two cells, of a uniform and of a graded panel.
 
 Kernels call each other across files: the cache of each file is emptied by a change in any file that it imports
 (`kernel_cache`). The decorators put them there, so that a program imports the kernels that it uses and no others.
 """
 
+from __future__ import annotations
+
+import ctypes
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import FunctionType
+from typing import Any
 
+import llvmlite.binding as llvm
+from llvmlite import ir
 from numba import njit, types
-from numba.core.caching import FunctionCache
-from numba.core.registry import CPUDispatcher
+from numba.core import event
+from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.typing.templates import AbstractTemplate, signature
+from numba.extending import intrinsic, lower_builtin
 
-from fabrics.base.kernel_cache import kernel_cache
-from shellfabric.jit import inner_libraries
-from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
-
-inner_libraries.install()
+from fabrics.base.kernel_cache import compiling, kernel_cache
+from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+UNITS: list[Unit] = []  # in the order in which their files are imported
+FAILED = -1  # status by which numba's calling convention tells of an exception
+_raised: list[BaseException] = []  # where machine code had Python compile a unit
+C_TYPES = {8: ctypes.c_int8, 32: ctypes.c_int32, 64: ctypes.c_int64}
+
+
+@contextmanager
+def compiling_units() -> Iterator[None]:
+    """Call machine code in this block: what is raised while it has a unit compiled comes out of it.
+
+    No exception passes through machine code, which ends with numba's SystemError.
+    """
+    try:
+        yield
+    except SystemError:
+        if not _raised:
+            raise
+        raise _raised.pop() from None
+
+
+class _Announcer(event.Listener):
+    """Tells the user what is being compiled; a helper belongs to the kernel that calls it."""
+
+    def on_start(self, what):
+        self._tell(what.data["dispatcher"], False)
+
+    def on_end(self, what):
+        self._tell(what.data["dispatcher"], True)
+
+    def _tell(self, dispatcher, done):
+        if not isinstance(dispatcher, _Inner):
+            compiling(dispatcher.py_func.__module__, done)
+
+
+event.register("numba:compile", _Announcer())
 
 
 def entry(**options):
@@ -36,10 +77,7 @@ def entry(**options):
 
     def decorated(function):
         with kernel_cache(function.__code__.co_filename):
-            found = njit(**_USUAL, **options)(function)
-        if isinstance(getattr(found, "_cache", None), FunctionCache):
-            found._cache.__class__ = ChildCompileCache
-        return found
+            return njit(**_USUAL, **options)(function)
 
     return decorated
 
@@ -58,7 +96,7 @@ def kernel(**options):
 
 
 class _Inner(CPUDispatcher):
-    """A kernel that has no way in from Python, and makes itself one when Python calls it.
+    """A kernel that has no way in from Python, and makes itself one when Python calls it, as a test does.
 
     A constant among its arguments does not make it a variant of its own, as it would in numba: where it is inlined LLVM
     sees the constant all the same.
@@ -69,9 +107,6 @@ class _Inner(CPUDispatcher):
         return super().get_call_template(tuple(map(types.unliteral, args)), plain)
 
     def __call__(self, *arguments):
-        return self._entry()(*arguments)
-
-    def _entry(self):
         if not hasattr(self, "_twin"):
             inner = self.py_func
             twin = FunctionType(
@@ -81,9 +116,212 @@ class _Inner(CPUDispatcher):
                 inner.__defaults__,
                 inner.__closure__,
             )
-            twin.__module__, twin.__qualname__ = (
-                inner.__module__,
-                inner.__qualname__ + ENTRY_SUFFIX,
-            )  # names its file
+            twin.__module__ = inner.__module__
+            twin.__qualname__ = f"{inner.__qualname__}_from_python"  # names its file in the cache
             self._twin = entry(**self.entry_options)(twin)
-        return self._twin
+        return self._twin(*arguments)
+
+
+def units(tables: Mapping[str, type[Row]]) -> Callable[..., Any]:
+    """The decorator of kernels that are compiled by themselves, whose parameters may have the names of these tables.
+
+    A parameter that is named after the plural of a table is a list of its rows.
+    """
+
+    def unit(returns="nothing", *, later=False, **kinds):
+        """returns : type of the result;  later : whether few runs call it, so that it is compiled when one does;
+        kinds : of parameters that are neither rows nor integers, as texts of `table.type_of`, or the table that a row
+        is of."""
+
+        def decorated(function):
+            names = inspect.signature(function).parameters
+            known = {**tables, **kinds}
+            grids = [
+                tuple(_type_on(grid, name, known) for name in names) for grid in (UNIFORM, GRADED)
+            ]
+            found = Unit(function, type_of(returns, UNIFORM), dict.fromkeys(grids), later)
+            UNITS.append(found)
+            return found
+
+        return decorated
+
+    return unit
+
+
+def _type_on(grid, name, known):
+    """numba type of a parameter of a unit on a grid."""
+    kind = known.get(name, "integer")
+    if name not in known and name.removesuffix("s") in known:
+        return RowsType(known[name.removesuffix("s")].types[grid])
+    return type_of(kind, grid) if isinstance(kind, str) else kind.types[grid]
+
+
+class Unit:
+    """A kernel that is compiled by itself for the types of its parameters.
+
+    function, returns : the plain function, numba type of its result;  grids : types of its parameters on each grid
+    later : see `units`
+    """
+
+    def __init__(self, function, returns, grids, later):
+        self.py_func, self.returns, self.later = function, returns, later
+        self.__module__ = function.__module__
+        with kernel_cache(function.__code__.co_filename):
+            self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
+        self.cells = {kinds: Cell(self, kinds, number) for number, kinds in enumerate(grids)}
+        self._numba_type_ = types.Function(_template_of(self))
+        lower_builtin(self, types.VarArg(types.Any))(self.lower)
+
+    def cell(self, grid):
+        """The cell of a uniform or a graded panel, which may be one."""
+        cells = list(self.cells.values())
+        return cells[min(grid, len(cells) - 1)]
+
+    def __reduce__(self):
+        """A unit of another process is the one of its own file there."""
+        return self.py_func.__qualname__
+
+    def kinds_for(self, given):
+        """The types of the parameters on the grid that arguments are of."""
+        for kinds in self.cells:
+            if len(kinds) == len(given) and all(map(_fits, kinds, given)):
+                return kinds
+        names = ", ".join(map(str, given))
+        raise TypeError(f"{self.py_func.__qualname__} is not compiled for ({names})")
+
+    def lower(self, context, builder, sig, arguments):
+        """A call: load the address from the cell, and call what is there by numba's own convention."""
+        symbol = self.cells[sig.args].symbol
+        convention = context.call_conv
+        kind = convention.get_function_type(sig.return_type, sig.args).as_pointer()
+        cell = builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, kind, symbol)
+        status, found = convention.call_function(
+            builder, builder.load(cell), sig.return_type, sig.args, arguments
+        )
+        with builder.if_then(status.is_error, likely=False):
+            convention.return_status_propagate(builder, status)
+        return found
+
+    def __call__(self, *arguments):
+        """From Python, as a test calls it."""
+        if not hasattr(self, "_caller"):
+            unit = self
+            self._caller = njit(lambda *given: unit(*given))
+        with compiling_units():
+            return self._caller(*arguments)
+
+
+def _template_of(unit):
+    class Template(AbstractTemplate):
+        key = unit
+
+        def generic(self, args, kws):
+            return signature(unit.returns, *unit.kinds_for(args))
+
+    return Template
+
+
+def _fits(kind, given):
+    """Whether an argument can be passed as a parameter of a type; numbers are converted."""
+    given = types.unliteral(given)
+    if isinstance(kind, (types.Integer, types.Boolean)):
+        return isinstance(given, (types.Integer, types.Boolean))
+    if isinstance(kind, types.Float):
+        return isinstance(given, types.Number)
+    return given == kind
+
+
+class Cell:
+    """Where the address of the machine code of a unit stands: at first that of a way to Python, which compiles it."""
+
+    def __init__(self, unit, kinds, number):
+        self.unit, self.kinds, self.full = unit, kinds, False
+        name = f"{unit.py_func.__module__}.{unit.py_func.__qualname__}"
+        self.symbol = f"unit_{name}_{number}".replace(".", "_")
+        self.way_to_python = self._way_to_python()  # kept: its machine code lives as long
+        self.address = ctypes.cast(self.way_to_python, ctypes.c_void_p)
+        self.place = ctypes.addressof(self.address)
+        llvm.add_symbol(self.symbol, self.place)
+
+    def fill(self):
+        """Load or compile the machine code, and put its address into the cell; whether it was compiled just now."""
+        if self.full:
+            return False
+        dispatcher, returns = self.unit.dispatcher, self.unit.returns
+        dispatcher.compile(self.kinds)
+        found = dispatcher.overloads[self.kinds]
+        if found.signature.return_type != returns:
+            given = f"{found.signature.return_type}, not {returns}"
+            raise TypeError(f"{self.unit.py_func.__qualname__} returns {given}")
+        name = found.fndesc.llvm_func_name
+        self.address.value = found.library.get_pointer_to_function(name)
+        self.full = True
+        return self.kinds in dispatcher.stats.cache_misses
+
+    def _way_to_python(self):
+        """A function of C's that fills the cell, and goes on to what is there then."""
+        convention = cpu_target.target_context.call_conv
+        kind = convention.get_function_type(self.unit.returns, self.kinds)
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))
+
+        def compile_and_call(*arguments):
+            try:
+                self.fill()
+            except BaseException as problem:
+                _raised.append(problem)
+                return FAILED
+            return prototype(self.address.value)(*arguments)
+
+        return prototype(compile_and_call)
+
+
+@intrinsic
+def call_module(typing, cell, own, state, const, first, last, acting):
+    """Call the unit that a cell leads to, given by its address, as `panel.forces` has it: (state, const, own, first,
+    last, acting) -> number."""
+    kinds = state, const, types.voidptr, *(types.int64,) * 3
+
+    def codegen(context, builder, sig, arguments):
+        convention = context.call_conv
+        kind = convention.get_function_type(types.float64, kinds).as_pointer()
+        unit = builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
+        own = builder.inttoptr(arguments[1], context.get_value_type(types.voidptr))
+        given = [*arguments[2:4], own, *arguments[4:]]
+        status, found = convention.call_function(builder, unit, types.float64, kinds, given)
+        with builder.if_then(status.is_error, likely=False):
+            convention.return_status_propagate(builder, status)
+        return found
+
+    return types.float64(types.int64, types.int64, state, const, *kinds[3:]), codegen
+
+
+class PythonCell:
+    """A cell that leads to a Python function without parameters: a module (`call_module`) that stores nothing.
+
+    state, const : rows of the types that it is called with
+    """
+
+    def __init__(self, function: Callable[[], object], state: Row, const: Row) -> None:
+        kinds = state._numba_type_, const._numba_type_, types.voidptr, *(types.int64,) * 3
+        kind = cpu_target.target_context.call_conv.get_function_type(types.float64, kinds)
+
+        def call(*arguments):
+            try:
+                function()
+            except BaseException as problem:
+                _raised.append(problem)
+                return FAILED
+            return 0
+
+        self._code = ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))(call)
+        self.address = ctypes.cast(self._code, ctypes.c_void_p)
+        self.place = ctypes.addressof(self.address)
+
+
+def _c_type(kind):
+    """What ctypes calls an LLVM type."""
+    if isinstance(kind, ir.PointerType):
+        return ctypes.c_void_p
+    if isinstance(kind, ir.IntType):
+        return C_TYPES[kind.width]
+    return ctypes.c_float if isinstance(kind, ir.FloatType) else ctypes.c_double

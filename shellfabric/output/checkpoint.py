@@ -16,6 +16,7 @@ import numpy as np
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.files import read_hdf5, write_hdf5
+from shellfabric.jit.table import Row
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import Snapshot
 
@@ -98,14 +99,22 @@ def _restore(solver, file):
 
 
 def _arrays(solver):
-    """(name, array) of all arrays of the state; entries of a named tuple that are numbers follow from the run."""
+    """(name, array) of the arrays that are kept: of a row what its table says, the rest follows from the run."""
     for group, value in solver.checkpoint_arrays().items():
-        for name, entry in (
-            zip(value._fields, value) if hasattr(value, "_fields") else (("", value),)
-        ):
-            for number, array in enumerate(entry if isinstance(entry, tuple) else (entry,)):
-                if isinstance(array, np.ndarray):
-                    yield f"{group}/{name}/{number}", array
+        if isinstance(value, Row):
+            for name in value.kept():
+                yield from _leaves(f"{group}/{name}", getattr(value, name))
+        else:
+            yield group, value
+
+
+def _leaves(name, value):
+    """(name, array) of an array, or of all in a tuple."""
+    if isinstance(value, tuple):
+        for number, part in enumerate(value):
+            yield from _leaves(f"{name}/{number}", part)
+    else:
+        yield name, value
 
 
 def _store_snapshot(file, name, snapshot):

@@ -12,8 +12,8 @@ from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from shellfabric.panel import boundary
 
 if TYPE_CHECKING:
-    from shellfabric.panel.arrays import State
     from shellfabric.panel.model import Panel
+    from shellfabric.state import State
 
 
 @dataclass(frozen=True)

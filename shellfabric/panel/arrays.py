@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +9,11 @@ import numpy as np
 
 from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
-from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
-from shellfabric.jit.by_reference import by_reference
-from shellfabric.panel import boundary, failure, grading
+from shellfabric.panel import boundary, failure, forces, grading
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.projectile import contact, dynamics, window_kernels
+from shellfabric.state import Constants, State, Work
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -28,53 +26,20 @@ MOST_POINTS = (
 )
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 
-Constants = namedtuple(
-    "Constants",
-    "ni nj row_stride rows_per_block n_per_crossover warp_lines weft_lines mean_reach mirror_x mirror_y x0 y0 dx "
-    "dy inv_dx inv_dy dt tension1 tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 "
-    "tension_bound_step2 potential_coefficients potential_constant table_start1 table_scale1 table_last1 "
-    "table_start2 table_scale2 table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational "
-    "mean_weight1 mean_weight2 cv1 cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 half_strength1 "
-    "half_strength2 rate_law erosion_gap_ratio window_limits points_per_side shape_functions point_law "
-    "projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps nose_shape nose_parameters "
-    "projectile_length frame tilted window_follows body_depth draw_in_reach foremost_offset shoulder friction "
-    "slip_node slip_axis slip_data bending packing yarn_ends bar_mass bar_h bar_area bar_law bar_substeps "
-    "has_backing line_offset1 line_offset2",
-)
-State = namedtuple(
-    "State",
-    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length intact_fraction failed "
-    "filtered_tension warm_rows warm_blocks rate_damage failure_sums element_flag block_damage tension_stale "
-    "packed_blocks block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
-    "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
-    "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth "
-    "bar_u bar_v bar_plastic bar_stress bar_energy",
-)
-Work = namedtuple(
-    "Work",
-    "A B stretch1 stretch2 inv_stretch1 inv_stretch2 mean_stretch1 mean_stretch2 T1 T2 N1 N2 dW_own1 "
-    "dW_own2 dW_crossing1 dW_crossing2 f_over_stretch1 f_over_stretch2 trellis_f1 trellis_f2 trellis_f12 f_next_row "
-    "cell_index barrier contact_scratch",
-)
 
-by_reference(Constants, State, Work)
-
-
-def constants(panel: Panel, bends: bool = False) -> Constants:
+def constants(panel: Panel) -> Constants:
     """What the kernels need to know, as plain numbers and arrays.
 
     Computed once: all runs of a panel read the same arrays, and no kernel writes to them.
-
-    bends : whether the kernels know of bending even if this panel has none, as they have to if another ply of its pack
-        has it
     """
-    kept: dict[bool, Constants] = panel.__dict__.setdefault("_constants", {})
-    if bends not in kept:
-        kept[bends] = _constants(panel, bends)
-    return kept[bends]
+    known = panel.__dict__
+    if "_constants" not in known:
+        known["_constants"] = _constants(panel)
+    found: Constants = known["_constants"]
+    return found
 
 
-def _constants(panel, bends):
+def _constants(panel):
     """The constants, computed anew."""
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
@@ -97,13 +62,12 @@ def _constants(panel, bends):
         "inv_dy": 1 / dy,
         "trellis_volume": dx * dy * weave.thickness,
     }
-    slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": None, "line_offset2": None}
+    slots |= {"cv1": cv1, "cv2": cv2}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
     if panel.sides is not None:
         slots = grading.slots(
             panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros
         )
-        slots |= grading.line_offsets(panel.lines(), panel.origin, panel.spacing, aligned_zeros)
     return Constants(
         ni=ni,
         nj=nj,
@@ -160,7 +124,7 @@ def _constants(panel, bends):
         EA2=weft.EA,
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
-        rate_law=panel.rate_law,
+        rate_law=np.zeros((2, 3, 0)) if panel.rate_law is None else panel.rate_law,
         erosion_gap_ratio=knobs.widest,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
@@ -183,7 +147,7 @@ def _constants(panel, bends):
         slip_node=rim_node,
         slip_axis=rim_axis,
         slip_data=rim,
-        bending=_bending(panel) if bends or any(panel.bending) else None,
+        bending=_bending(panel),
         packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
         yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None,
@@ -214,84 +178,50 @@ def state(panel: Panel, strike_velocity: float) -> State:
 
 def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     """The state before its forces are computed."""
-    ni, s = const.ni, const.row_stride
-    slots = (ni + 2) * s + 16
-    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots)
-    mass[: (ni + 1) * s] = panel.masses().ravel()
+    s = const.row_stride
+    slots = (const.ni + 2) * s + 16
+    found = State.zeros(slots=slots, blocks=-(-const.ni // const.rows_per_block), rows=const.ni + 1)
+    mass = found["mass"]
+    mass[: (const.ni + 1) * s] = panel.masses().ravel()
     loose = np.flatnonzero(boundary.loose(panel))
-    inverse[loose] = 1.0 / mass[loose]
-    kick[:] = const.dt * inverse
-    blocks = -(-ni // const.rows_per_block)
-    three, two = (lambda: aligned_zeros(3, slots)), (lambda: aligned_zeros(2, slots))
-    small = aligned_zeros(
-        2, slots, np.float32
-    )  # of the last changes of stretch: they enter the audit alone
-    forces, lengths, stretches = two(), two(), two()
-    for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
-        y[: length.size], L[:] = length, 1.0
-    i0, i1 = const.window_limits[:2]
-    return State(
-        u=three(),
-        v=three(),
-        f_int=three(),
-        f_int_above=three(),
-        mass=mass,
-        inverse_mass=inverse,
-        dt_over_mass=kick,
-        stretch=stretches,
-        N=forces,
-        T=two() if const.variational else forces,
-        dstretch=small,
-        yarn_length=lengths,
-        intact_fraction=tuple((y > 0).astype(float) for y in lengths),
-        failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
-        filtered_tension=_half_strengths(const, two()),
-        warm_rows=np.zeros((2, ni + 1), np.bool_),
-        warm_blocks=np.zeros(blocks, np.bool_),
-        rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
-        failure_sums=np.zeros(2),
-        block_damage=np.zeros(blocks, np.uint8),
-        tension_stale=np.zeros(blocks, np.bool_),
-        packed_blocks=np.zeros(blocks, np.bool_),
-        block_max_tension=np.zeros((blocks, 2)),
-        element_flag=np.zeros(slots, np.uint8),
-        f_contact=three(),
-        **contact.contact_state(
-            const.window_limits, const.points_per_side, const.shape_functions, const.friction
-        ),
-        projectile_position=panel.shot.start(),
-        projectile_velocity=strike_velocity * panel.shot.flight,
-        f_contact_nose=np.zeros(3),
-        contact_energy=np.zeros(5),
-        active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
-        counter=np.array([AT_REST, 0, 0]),
-        energy_sums=np.zeros((blocks, 4)),
-        peak_tension=np.zeros(2),
-        peak_segment=np.zeros((2, 2), np.int64),
-        contact_window=np.array(const.window_limits),
-        slip_force=np.zeros(const.slip_node.size),
-        slip_energy=np.zeros(3),
-        f_block_nose=np.zeros(3),
-        f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),
-        **dynamics.state(panel.shot, strike_velocity),
+    found["inverse_mass"][loose] = 1.0 / mass[loose]
+    found["dt_over_mass"][:] = const.dt * found["inverse_mass"]
+    lengths = zip(found["yarn_length"], _yarn_lengths(panel, const), found["stretch"])
+    for y, length, stretch in lengths:
+        y[: length.size] = length
+        stretch[:] = 1.0
+    if not const.variational:
+        found["T"] = found["N"]
+    found["intact_fraction"] = tuple((y > 0).astype(float) for y in found["yarn_length"])
+    _fill_half_strengths(const, found["filtered_tension"])
+    found["rate_damage"] = aligned_zeros(2, slots if const.rate_law.size else 0)
+    found["f_block_cloth"] = aligned_zeros(3, slots if const.has_backing else 0)
+    found |= contact.contact_state(
+        const.window_limits, const.points_per_side, const.shape_functions, const.friction
     )
+    found["projectile_position"] = panel.shot.start()
+    found["projectile_velocity"] = strike_velocity * panel.shot.flight
+    i0, i1 = const.window_limits[:2]
+    found["active_rows"][:] = max(i0 - 2, 0), min(i1 + 2, const.ni)
+    found["counter"][0] = AT_REST
+    found["contact_window"][:] = const.window_limits
+    found["slip_force"] = np.zeros(const.slip_node.size)
+    found |= dynamics.state(panel.shot, strike_velocity)
+    found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
+    return State(**found)
 
 
 def work(panel: Panel) -> Work:
     """Scratch of one thread, for one block of elements."""
     const = panel.constants()
-    size = (const.rows_per_block + 4) * const.row_stride + 16
-    rows = {name: aligned_zeros(1, size)[0] for name in Work._fields}
-    rows["A"], rows["B"] = aligned_zeros(3, size), aligned_zeros(3, size)
-    rows["barrier"] = np.zeros(barrier.SLOTS, np.int64)
-    rows["cell_index"] = np.zeros(_PIECE, np.int32)
+    rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
-    rows["T1"], rows["T2"], rows["f_over_stretch1"], rows["f_over_stretch2"] = (
-        rows[name] for name in ("dW_own1", "dW_own2", "dW_crossing1", "dW_crossing2")
-    )
+    rows["T1"] = rows["dW_own1"]
+    rows["T2"] = rows["dW_own2"]
+    rows["f_over_stretch1"] = rows["dW_crossing1"]
+    rows["f_over_stretch2"] = rows["dW_crossing2"]
     rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
-    rows["contact_scratch"] = contact.scratch(const)
-    return Work(**rows)
+    return Work(**rows, contact_scratch=contact.scratch(const))
 
 
 def _bending(panel):
@@ -340,14 +270,14 @@ def _yarn_lengths(panel, const):
     return found
 
 
-def _half_strengths(const, slots):
-    """(warp, weft) slots of the nodes, filled with half of the strength of their lines, as finite numbers."""
+def _fill_half_strengths(const, slots):
+    """Fill (warp, weft) slots of the nodes with half of the strength of their lines, as finite numbers."""
     warp, weft = (
         np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines)
     )
     grids = [each[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, -1) for each in slots]
-    grids[0][:], grids[1][:] = warp, weft[:, None]
-    return slots
+    grids[0][:] = warp
+    grids[1][:] = weft[:, None]
 
 
 def _near(panel, roaming):

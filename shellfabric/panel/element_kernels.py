@@ -17,6 +17,7 @@ from shellfabric.cloth import (
 )
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
+from shellfabric.state import unit
 
 # of state.energy_sums; what is lost with failed yarns, and with trellis and turns
 WORK, VISCOUS, LOST_YARN, LOST_TRELLIS = 0, 1, 2, 3
@@ -27,7 +28,7 @@ INTACT, DAMAGED, REDO = (
 )  # of state.block_damage: a block without failures, with some, with some of this step
 
 
-@kernel(_nrt=False)
+@unit()
 def element_forces(state, const, block, first, last, work):
     """Internal forces of the element rows first .. last - 1 of one block, from the present displacements."""
     s, thin = const.row_stride, state.block_damage[block] != INTACT
@@ -189,7 +190,7 @@ def tension_bound(const, p, q, N, unit, ceiling):
     return max(ceiling[step, 0], N + ceiling[step, 1])
 
 
-@kernel(_nrt=False)
+@unit()
 def refresh_tensions(state, const, first, last, work):
     """Update the stale tensions of the blocks first .. last - 1 (lazy evaluation)."""
     for block in range(first, last):

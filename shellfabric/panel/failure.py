@@ -5,7 +5,6 @@ The criterion and its equations: `cloth.failure_kernels`.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, IntArray
+from shellfabric.state import FailureLines
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 WATCHED = (
     0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
 )
-
-# of the lines of one family
-FailureLines = namedtuple("FailureLines", "strength half_strength first weights filter_factor")
 
 
 def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
@@ -41,7 +38,13 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
         half = WATCHED * (1.0 if law is None else law[own, 0, 0]) * strength
         families.append(
-            FailureLines(strength, half, first, weights, -np.expm1(-panel.time_step / times))
+            FailureLines(
+                strength=strength,
+                half_strength=half,
+                first=first,
+                weights=weights,
+                filter_factor=-np.expm1(-panel.time_step / times),
+            )
         )
     return families[0], families[1]
 

@@ -249,28 +249,3 @@ def bending(
         flat[: grid.size] = (grid if family == 0 else grid.T).ravel()
         found.append(flat)
     return tuple(found)
-
-
-def line_offsets(
-    lines: tuple[FloatArray, ...],
-    origin: tuple[float, ...],
-    finest: tuple[float, ...],
-    room: Callable[..., Any],
-) -> dict[str, FloatArray]:
-    """What a graded grid has in place of x0 + i dx: {name of Constants: (lines + 16,) [m]}.
-
-    Zeros stand before the first line, where vectors of eight begin, and beyond the last, where they end.
-
-    Parameters
-    ----------
-    lines : ((ni+1,), (nj+1,)) [m] places of the lines at rest
-    origin : (x0, y0) [m] place of the first line if all elements were the smallest
-    finest : (dx, dy) [m] sides of the smallest element
-    room : as for `slots`
-    """
-    found = {}
-    for name, x, x0, d in zip(("line_offset1", "line_offset2"), lines, origin, finest):
-        flat = room(1, x.size + 32)[0]
-        flat[16 : 16 + x.size] = x - (x0 + d * np.arange(x.size))
-        found[name] = flat[16:]
-    return found

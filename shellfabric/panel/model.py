@@ -11,6 +11,7 @@ woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -27,7 +28,7 @@ from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
-from shellfabric.panel import arrays, boundary, grading, time_step
+from shellfabric.panel import arrays, boundary, forces, grading, time_step
 from shellfabric.panel.boundary import Boundary
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import frames
@@ -65,6 +66,7 @@ class Panel:
     packed_area : [-] share of its area at rest that packed fabric keeps (see `cloth.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); not with grips at the edges
+    modules : further forces on the ply, functions that make a `forces.Module` of the panel
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
         projectile is given, to its own, in which its yarns lie. weave_angle has it in it
 
@@ -92,6 +94,7 @@ class Panel:
     backing: Backing | None = None
     packed_area: float = entries()["packed_area"].value
     grading: tuple | None = None
+    modules: tuple[Callable[[Panel], forces.Module], ...] = ()
     ply_angle: float = 0.0
 
     def __post_init__(self):
@@ -336,15 +339,9 @@ class Panel:
     @property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
-        m, shares = (
-            self.weave.areal_density,
-            zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1]),
-        )
-        membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
-        # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
-        return (
-            membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)
-        ) ** -0.5
+        mass = self.weave.areal_density
+        membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
+        return (membrane + sum(module.stiffness for module in forces.of(self))) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:
@@ -457,9 +454,9 @@ class Panel:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
-    def constants(self, bends: bool = False) -> arrays.Constants:
+    def constants(self) -> arrays.Constants:
         """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
-        return arrays.constants(self, bends)
+        return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
+from shellfabric.state import unit
 
 STEP, IDLE, FAILURES = 0, 1, 2  # of state.counter
 TURNED = 2  # of stack.counter: steps up to the stop of the projectile where the run goes on after it, else 0
@@ -15,7 +16,7 @@ AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
 
 
-@kernel()
+@unit(dt="number", dt_over_mass="n", f_int="3 x n", f_int_above="3 x n", v="3 x n", u="3 x n")
 def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
     """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
     for j in range(0, n, WIDTH):
@@ -52,7 +53,7 @@ def row_has_moved(state, const, i):
     return False
 
 
-@kernel(_nrt=False, forceinline=True)
+@unit()
 def grow_active_rows(state, const):
     """Grow the window of active element rows, state.active_rows, ahead of the motion.
 
@@ -75,7 +76,7 @@ def grow_active_rows(state, const):
             state.active_rows[1] += 1
 
 
-@kernel(_nrt=False, forceinline=True)
+@unit()
 def move_rows(state, const, first, last):
     """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
     apply_symmetry(state, const, first, last)

@@ -17,7 +17,7 @@ from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.projectile.window_kernels import cloth_ahead_of_nose
 
 if TYPE_CHECKING:
-    from shellfabric.panel.arrays import Constants, State
+    from shellfabric.state import Constants, State
 
 
 def held(state: State, const: Constants) -> BoolArray:

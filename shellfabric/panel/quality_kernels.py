@@ -1,6 +1,7 @@
 """What the quality monitor (`quality.Monitor`) looks at in a panel at an audit: tension oscillation."""
 
 from shellfabric.jit.compile import entry
+from shellfabric.state import unit
 
 ALTERNATION, SQUARES, DEPTH = range(3)  # columns of quality.Monitor.found
 SAMPLED_YARNS = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
@@ -11,7 +12,7 @@ FRONT_NODES, MIN_NODES = (
 LOADED_FRACTION = 0.02  # of the largest tension of a yarn: what the wave has reached
 
 
-@entry(_nrt=False)
+@unit(T="n", light="number", found="3")
 def alternation(T, start, step, count, across, light, found):
     """Add to found (2,) [N2] the squares of the alternation from node to node of tensions, and of the tensions.
 

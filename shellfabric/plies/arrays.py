@@ -1,44 +1,20 @@
-"""Named tuples that the kernels of a pack take; fields, shapes and units: shellfabric/jit/glossary.toml."""
+"""The arrays of the contact between the plies of a pack (`shellfabric.state.PackContact`)."""
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from shellfabric.jit.by_reference import by_reference
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import Constants, State
 from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import NEAR, SLOTS
+from shellfabric.state import Constants, PackContact, State
 
-_PAIRS, _ENTRIES = (
-    60,
-    20,
-)  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
-
-PackContact = namedtuple(
-    "PackContact",
-    "x v rest f force window grid_window base shape slots turns dt kick mirror torn dropped failures "
-    "points first_point closest_a closest_b closed given touched first_element area laws law_step friction "
-    "stick_damping side_by_side lanes thickness thickest longest energy work "
-    "y impulse guard_force guard_window has_planes tile_ply first_tile tiles_across travel way travel_then boxed "
-    "plane_due box order block_speed pair_tiles pair_due pair_seen clearance looked_at holes covered open pressed "
-    "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need row_distance "
-    "node_step node_list root cluster count guard",
-)
-Stack = namedtuple(
-    "Stack",
-    "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns",
-)
-# what does not follow from the plies, of a checkpoint
-KEPT = ["force", "window", "closest_a", "closest_b", "closed", "given", "touched"]
-KEPT += ["dropped", "energy", "work", "guard", "count"]
-
-by_reference(PackContact, Stack)
+_PAIRS = 60  # room for pairs of tiles, of a tile in the mean
+_ENTRIES = 20  # room for pairs of facets, of a node in the mean
 
 
 def pack_contact(
@@ -67,7 +43,8 @@ def pack_contact(
     base = np.arange(plies) * slots + shape[:, 0] + 1
     nodes = plies * slots
     x, kick, mirror = _grids(consts, states, rest, shape, slots, base)
-    down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
+    down = np.array([-(-c.ni // TALL) for c in consts])
+    across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
     none, none_of_grid = np.zeros((plies, 4), np.int64), np.zeros((plies, 2, 4), np.int64)

@@ -26,6 +26,7 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel.motion_kernels import FAILURES
+from shellfabric.state import unit
 
 STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
 TALL, WIDE = 4, 8  # elements of a tile of `plies.near_kernels`
@@ -44,7 +45,7 @@ def turned_back(turn, x, y):
     return turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
 
 
-@kernel(_nrt=False)
+@unit()
 def place(state, const, contact, p):
     """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of it is torn."""
     c, s = contact.turns[p, 0], contact.turns[p, 1]
@@ -121,7 +122,7 @@ def look_at_torn(state, const, contact, p):
                 ] = 1
 
 
-@kernel(_nrt=False)
+@unit()
 def hand_over(state, const, contact, p):
     """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a
     step's work of those of the last step, which are over, and half a step's of the new."""
@@ -244,7 +245,7 @@ def half_step_work(state, const, force, window, over):
     return 0.5 * const.dt * reduce_add(work)
 
 
-@kernel(_nrt=False)
+@unit("flag", force="3, n", window="4 int64")
 def apply_impulses(state, const, force, window):
     """v += dt f / m of a ply, with the contact forces of others; widens its window of active rows to them. Whether
     there are any."""

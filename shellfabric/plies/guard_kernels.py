@@ -21,6 +21,7 @@ node on such a plane has the bit of its axis in `mirror`, and keeps to the plane
 """
 
 from shellfabric.jit.compile import kernel
+from shellfabric.state import unit
 
 PLANE_X, PLANE_Y = -1, -2
 SWEEPS = 30
@@ -78,7 +79,7 @@ def push(contact, k, n, impulse):
             contact.y[c, k] += contact.kick[k] * impulse * n[c]
 
 
-@kernel(_nrt=False)
+@unit("integer; flag")
 def project(contact, rows, nodes):
     """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them, in contact.y.
 

@@ -31,16 +31,16 @@ from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import Constants, State, Work
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
-from shellfabric.plies.arrays import PackContact, Stack, pack_contact
+from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import dynamics, frames
 from shellfabric.projectile.contact import PREDICTED
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
+from shellfabric.state import Constants, PackContact, Slip, Stack, State, Work
 
 STACKINGS = ("aligned", "alternating")
 
@@ -258,10 +258,9 @@ class Pack:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
         if len(self.plies) == 1:
             return (self.plies[0].constants(),)
-        bends = any(any(ply.bending) for ply in self.plies)
 
         def of(ply):
-            const = self._in_step(ply).constants(bends)
+            const = self._in_step(ply).constants()
             law = const.point_law._replace(implicit_factor=self._firmer(self._in_step(ply)))
             return const._replace(dt=self.time_step, point_law=law)
 
@@ -279,6 +278,7 @@ class Pack:
             ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
             projectile_velocity=strike_velocity * shot.flight,
             turns=self.turns,
+            after_stop=np.zeros(1),
         )
         states = []
         for p, ply in enumerate(self.plies):

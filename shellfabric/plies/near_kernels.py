@@ -22,6 +22,7 @@ from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.frame_kernels import MIRROR_X, NI, NJ, STRIDE, TALL, WIDE
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, needed
 from shellfabric.plies.separation_kernels import cross, difference, dot, lower_bound, separation
+from shellfabric.state import unit
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 PAIRS, ENTRIES, ROWS, NODES, STEP, REMAKE, PRESSED = range(7)  # of contact.count
@@ -71,7 +72,7 @@ def boxes_apart(box, other):
     return gap
 
 
-@kernel(_nrt=False)
+@unit()
 def list_tiles(contact):
     """Pairs of tiles of different plies that are within reach, and the order of the tiles along x."""
     tiles, order = contact.travel.size, contact.order
@@ -146,7 +147,7 @@ def tile_span(contact, t, n):
     return low, high
 
 
-@kernel(_nrt=False)
+@unit("number")
 def tiles_apart(contact, a, b):
     """[m] that two tiles are apart at least, by their boxes and their mean normals."""
     found = boxes_apart(contact.box[a], contact.box[b])
@@ -159,7 +160,7 @@ def tiles_apart(contact, a, b):
     return found
 
 
-@kernel(_nrt=False)
+@unit("integer")
 def list_facets(contact, state, t, side):
     """The facets of a tile, into contact.facets[side]; their number."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
@@ -202,7 +203,7 @@ def add_facet(contact, side, found, a, b, c):
     return found + 1
 
 
-@kernel(_nrt=False)
+@unit()
 def list_near_facets(contact, m, first, second):
     """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = contact.pair_tiles[m]
@@ -249,7 +250,7 @@ def add_row(contact, nodes, n, distance, thickness):
     contact.count[ROWS] = row + 1
 
 
-@kernel(_nrt=False)
+@unit()
 def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
@@ -269,7 +270,7 @@ def look_at_entry(contact, e):
     contact.entry_due[e] = contact.travel[a] + contact.travel[b] + apart - limit
 
 
-@kernel(_nrt=False)
+@unit()
 def look_at_planes(contact, t):
     """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can be."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
@@ -292,7 +293,7 @@ def look_at_planes(contact, t):
     contact.plane_due[t] = contact.travel[t] + least
 
 
-@kernel(_nrt=False)
+@unit()
 def list_pressed(contact):
     """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch through a hole, into
     contact.pressed."""
@@ -307,7 +308,7 @@ def list_pressed(contact):
             add_pressed(contact, front, rear)
 
 
-@kernel(_nrt=False)
+@unit("flag")
 def list_neighbours(contact, now):
     """List the tiles that may touch the next ply, by how far they were from it when last looked at; mark those that
     have a tile of the next ply behind them, and those behind which one has a hole. Whether there are holes."""

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
+from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
 from shellfabric.plies.frame_kernels import (
     BEFORE,
@@ -25,15 +25,16 @@ from shellfabric.plies.frame_kernels import (
     turned_back,
 )
 from shellfabric.plies.guard_kernels import project
+from shellfabric.state import unit
 
 
-@kernel(_nrt=False)
+@unit()
 def hold_apart(states, consts, contact):
     """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of their work."""
     if contact.count[near.REMAKE]:
         for p in range(len(states)):
-            place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
-            follow(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+            place(row_of(states, p), row_of(consts, p), contact, p)
+            follow(row_of(states, p), row_of(consts, p), contact, p)
         for t in range(contact.travel.size):
             contact.travel[t], contact.plane_due[t], contact.order[t] = 0.0, 0.0, t
     if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
@@ -56,17 +57,17 @@ def hold_apart(states, consts, contact):
         count_work(states, consts, contact, False)
 
 
-@kernel(_nrt=False)
+@unit()
 def count_work(states, consts, contact, let_go):
     """Count half of the work of the guard's forces: before their step, or after it, when they are taken away."""
     for p in range(len(states)):
         if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
-            state, const = borrowed_item(states, p), borrowed_item(consts, p)
+            state, const = row_of(states, p), row_of(consts, p)
             force, window = contact.guard_force[p], contact.guard_window[p]
             contact.guard[near.WORK] -= half_step_work(state, const, force, window, let_go)
 
 
-@kernel(_nrt=False)
+@unit()
 def follow(state, const, contact, p):
     """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way and contact.travel."""
     s, across = const.row_stride, contact.tiles_across[p]
@@ -108,9 +109,9 @@ def look_at_tiles(states, contact):
         if apart > limit:
             contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
         else:
-            first = near.list_facets(contact, borrowed_item(states, p), a, 0)
+            first = near.list_facets(contact, row_of(states, p), a, 0)
             near.list_near_facets(
-                contact, m, first, near.list_facets(contact, borrowed_item(states, q), b, 1)
+                contact, m, first, near.list_facets(contact, row_of(states, q), b, 1)
             )
     for t in range(contact.travel.size if contact.has_planes else 0):
         if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
@@ -147,7 +148,7 @@ def look_at_facets(contact):
     contact.count[near.ENTRIES] = kept
 
 
-@kernel(_nrt=False)
+@unit()
 def predict(states, consts, contact):
     """Places after the step of all nodes of the rows, by all known forces; lists these nodes."""
     for row in range(contact.count[near.ROWS]):
@@ -159,8 +160,8 @@ def predict(states, consts, contact):
                 contact.count[near.NODES] += 1
                 p = g // contact.slots
                 v = next_velocity(
-                    borrowed_item(states, p),
-                    borrowed_item(consts, p),
+                    row_of(states, p),
+                    row_of(consts, p),
                     contact,
                     p,
                     own_number(contact, g),
@@ -199,7 +200,7 @@ def sum_at(force, k, total):
     return total[0] + force[0][k], total[1] + force[1][k], total[2] + force[2][k]
 
 
-@kernel(_nrt=False)
+@unit()
 def give_forces(contact):
     """The impulses as forces of a step, in the frames of the plies."""
     for m in range(contact.count[near.NODES]):

@@ -77,6 +77,7 @@ from shellfabric.plies.surface_kernels import (
     vector_at,
     weights_at,
 )
+from shellfabric.state import unit
 
 # of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose element was dropped
 SPRING, DEEPEST, FRICTION, LOST = range(4)
@@ -88,7 +89,7 @@ _JUMP = 0.01  # [thicknesses] in a step that no motion has made
 _FAR = 1e30
 
 
-@kernel(_nrt=False)
+@unit()
 def press(contact, me, count):
     """Forces between neighbours, of the points of one thread's plies."""
     for p in range(me, contact.failures.size, count):
@@ -99,7 +100,7 @@ def press(contact, me, count):
             press_tile(contact, tile, p)
 
 
-@kernel(_nrt=False)
+@unit()
 def press_others(contact):
     """Forces between plies that are no neighbours."""
     for n in range(contact.count[PRESSED]):
@@ -109,7 +110,7 @@ def press_others(contact):
             press_through_hole(contact, tile, other, p, q)
 
 
-@kernel(_nrt=False)
+@unit()
 def press_tile(contact, tile, p):
     """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do not touch is from
     that, into contact.clearance."""
@@ -130,7 +131,7 @@ def press_tile(contact, tile, p):
     contact.clearance[tile] = max(clearance, 0.0)
 
 
-@kernel(_nrt=False)
+@unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
     """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
@@ -245,7 +246,7 @@ def offset_after(w, slopes, second, a, b):
     )
 
 
-@kernel(_nrt=False)
+@unit("3 numbers", a="number", b="number")
 def press_point(contact, p, q, row, j, a, b, tile):
     """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
     how far the point is from touching [m].

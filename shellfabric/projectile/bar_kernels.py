@@ -21,6 +21,7 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.state import unit
 
 WORK, PLASTIC = 0, 1  # of the sums [J]: of the tip's force; of the stress on plastic strain
 KINETIC, ELASTIC = 0, 1  # of `energies`
@@ -115,7 +116,7 @@ def axial_force(state, const):
     return force
 
 
-@kernel(_nrt=False)
+@unit(later=True, force="number")
 def advance_bar(state, const, force):
     """One step of the bar along its axis; replaces the axial part of the rigid body's velocity,
     state.projectile_velocity.

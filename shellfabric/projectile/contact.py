@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,17 +11,12 @@ from fabrics.base.checks import FloatArray
 from shellfabric.cloth import spline_kernels
 from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
+from shellfabric.state import PointLaw, Scratch
 
 PREDICTED = (
     "dv_other",
     "dv_contact",
 )  # of the nodes, where the nose foresees what the other forces will do
-# constants of the contact law of a point, with which kernels call `contact_kernels.implicit_penalty_force`
-PointLaw = namedtuple("PointLaw", "stiffness damping mass implicit_factor")
-Scratch = namedtuple(
-    "Scratch",
-    "node_rows box_low box_high node_position node_velocity node_dv point_data node_force torn_shape_functions",
-)
 
 
 def constants(
@@ -70,6 +64,4 @@ def scratch(*consts: Any) -> Scratch:
     eight of its points."""
     columns = max(const.window_limits[3] - const.window_limits[2] for const in consts) + 3
     room = max(const.shape_functions.shape[2] for const in consts)
-    shapes = [(4, 3, columns), (3, columns), (3, columns), (16, 3), (16, 3), (2, 16, 3)]
-    shapes += [(13, WIDTH), (3, 16), (8, room)]
-    return Scratch(*(np.zeros(shape) for shape in shapes))
+    return Scratch(**Scratch.zeros(columns=columns, points=room))

@@ -37,13 +37,14 @@ from shellfabric.projectile.window_kernels import (
     reachable_nodes,
     window_bounds,
 )
+from shellfabric.state import Scratch, unit
 
 # of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole fabric so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", work=Scratch)
 def contact_forces(state, const, work):
     """Contact forces at the present positions, into state.f_contact; the force on the projectile into
     state.f_contact_nose.
@@ -124,7 +125,7 @@ def reset_element(state, const, e):
         state.friction_state[e] = 0.0
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", work=Scratch)
 def contact_element(state, const, i, j, e, work):
     """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
 
@@ -187,7 +188,7 @@ def contact_element(state, const, i, j, e, work):
     return taken, spring
 
 
-@kernel(_nrt=False)
+@unit(work=Scratch)
 def gather_velocities(state, const, i, j, work):
     """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the forces on them,
     work.node_force."""
@@ -205,7 +206,7 @@ def gather_velocities(state, const, i, j, work):
                 ahead[1, k, 0], ahead[1, k, 1], ahead[1, k, 2] = x, y, z
 
 
-@kernel(_nrt=False)
+@unit("2 numbers", shares="8, points", work=Scratch)
 def contact_point(state, const, i, j, e, number, m, shares, work):
     """Contact of one point of an element, whose position and velocity are in column m of work.point_data."""
     at, last, k = work.point_data, state.last_contact_force[e], np.uint64(i * const.row_stride + j)
@@ -318,7 +319,7 @@ def to_panel_frame(frame, x, y, z):
     )
 
 
-@kernel()
+@unit()
 def apply_contact_impulse(state, const):
     """v += dt f / m of nodes, with the contact forces."""
     i0, i1, j0, j1 = reachable_nodes(state, const)

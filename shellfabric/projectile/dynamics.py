@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
     from shellfabric.projectile.projectile import Projectile
 
-RIGID = ("z", "v", "force")  # columns of the step history, `solver.step_kernels.record_step`
+RIGID = ("z", "v", "force")  # columns of the step history, `solver.stack_kernels.record_step`
 STATE = (
     "bar_u",
     "bar_v",

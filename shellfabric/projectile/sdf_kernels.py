@@ -29,6 +29,7 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.state import unit
 
 FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = 0, 1, 2, 3, 4, 5
 STL_HEAD = 7  # numbers before the coefficients
@@ -63,7 +64,7 @@ def hemisphere(r, z, R):
     return r - R, 1.0, 0.0
 
 
-@kernel()
+@unit("3 numbers", later=True, r="number", z="number", R="number", rho="number", form="n")
 def cone(r, z, R, rho, form):
     """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its gradient.
 
@@ -121,7 +122,9 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
     return f_x, f_y, f_z
 
 
-@kernel()
+@unit(
+    "4 numbers", later=True, x="number", y="number", z="number", R="number", rho="number", form="n"
+)
 def chisel(x, y, z, R, rho, form):
     """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
 
@@ -176,7 +179,7 @@ def b_spline(t):
     return w, (-0.5 * a * a, 0.5 * t * (3.0 * t - 4.0), 0.5 * a * (4.0 - 3.0 * a), 0.5 * t * t)
 
 
-@kernel()
+@unit("4 numbers", later=True, x="number", y="number", z="number", form="n")
 def sampled(x, y, z, form):
     """Signed distance interpolated between samples, and the unit vector along its gradient.
 

@@ -5,6 +5,7 @@ import numpy as np
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
+from shellfabric.state import unit
 
 # distance of two neighbouring yarns, over that at rest, up to which they cover the fabric between them, and from which
 # the middle between them is bare: yarns as wide as the spacing at rest, with a margin for stretched fabric below, and
@@ -119,7 +120,7 @@ def cover_at_point(state, const, k, s, t):
     return 1.0 - (1.0 - weft) * (1.0 - warp)
 
 
-@kernel()
+@unit("flag", later=True)
 def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window_bounds(state)

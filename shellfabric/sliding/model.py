@@ -13,7 +13,6 @@ reaches from one to the other, and gives none beyond that.
 from __future__ import annotations
 
 import tomllib
-from collections import namedtuple
 from dataclasses import dataclass, field
 from math import inf, isinf, pi, sqrt
 from pathlib import Path
@@ -25,12 +24,11 @@ from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from shellfabric.cell import coefficients
 from shellfabric.jit.aligned import aligned_zeros
-from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel import boundary
-from shellfabric.panel.arrays import State
 from shellfabric.panel.model import Panel
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.flow_kernels import PULLED_OUT
+from shellfabric.state import Slip, State
 
 DATA = tomllib.loads(
     (Path(__file__).parent / "friction.toml").read_text("utf-8")
@@ -41,13 +39,6 @@ MOST_CLOSEST = 0.9  # of the spacing: fabric at rest is not in lateral contact
 WINDOWING_FRICTION = DATA["windowing_friction"][
     "value"
 ]  # below it a nose may pass between the yarns of one ply
-
-Slip = namedtuple(
-    "Slip",
-    "active cohesion mu table lateral closest least share inv_share x config q q_before friction stop residual mass "
-    "pull mobility coupling part grip row_slips tail removed passed counter work",
-)
-by_reference(Slip)
 
 
 @dataclass(frozen=True)
@@ -307,34 +298,6 @@ class SlipSummary:
             pulled_out_segments=int(slip.counter[PULLED_OUT]),
             friction_work=float(slip.work[0]) / share,
         )
-
-
-def slip_arrays(slip: Slip, folder: str) -> dict[str, Any]:
-    """{name in a checkpoint: array} of what a ply's slip has become."""
-    names = (
-        "share",
-        "inv_share",
-        "x",
-        "config",
-        "q",
-        "q_before",
-        "friction",
-        "stop",
-        "residual",
-        "removed",
-        "passed",
-    )
-    found = {
-        f"{folder}/{name}/{n}": part for name in names for n, part in enumerate(getattr(slip, name))
-    }
-    found |= {
-        f"{folder}/tail/{n}{m}": part
-        for n, pair in enumerate(slip.tail)
-        for m, part in enumerate(pair)
-    }
-    return found | {
-        f"{folder}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")
-    }
 
 
 def grid(array: FloatArray, panel: Panel) -> FloatArray:

@@ -9,6 +9,7 @@ any number of threads: each has the nodes and elements of some blocks, in each s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,20 +19,19 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.jit.borrowed_list import Items
-from shellfabric.panel import boundary, grading, quality
-from shellfabric.panel.arrays import Constants, State
+from shellfabric.jit.compile import PythonCell, compiling_units
+from shellfabric.jit.table import UNIFORM, Rows
+from shellfabric.panel import boundary, forces, grading, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import memory, near_kernels, pressure_kernels
-from shellfabric.plies.arrays import KEPT
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
-from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
-from shellfabric.solver import compile_ahead, ply_audit
-from shellfabric.solver import step_kernels as kernels
+from shellfabric.sliding.model import SlipSummary
+from shellfabric.solver import compile_ahead, loop, ply_audit
+from shellfabric.state import Constants, PackContact, Slip, State
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (
@@ -51,6 +51,7 @@ SLIP_WORK = (
     "crossover_stops",
     "slip_residual",
 )  # of sliding crossovers: Slip.work
+_ALONE = PackContact.empty()  # of a single ply
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
     near_kernels.NO_ROOM: "has no room for more facets that are near each other",
@@ -69,14 +70,6 @@ PLY_SAMPLES = (
     "pull_in",
     "slip",
 )
-
-
-def begin_compiling(panel: Panel) -> None:
-    """Begin to compile what a run of one ply needs; returns at once."""
-    pack = Pack((panel,))
-    memory.check(pack.plies)
-    states, stack = pack.states(1.0)
-    compile_ahead.begin(Items(states), Items(pack.constants()), None, stack, Items(pack.works()))
 
 
 class PackSolver(ExplicitSolver):
@@ -147,6 +140,7 @@ class PackSolver(ExplicitSolver):
         self.effective = tuple(
             state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips)
         )
+        self.modules = tuple(forces.given(state.modules) for state in self.states)
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
@@ -154,6 +148,7 @@ class PackSolver(ExplicitSolver):
 
     def _name_energies(self, several):
         more = (
+            *self._further_energies,
             *BETWEEN_PLIES[: len(BETWEEN_PLIES) * several],
             *(SLIP_WORK if self.slips else ()),
             "error",
@@ -169,6 +164,11 @@ class PackSolver(ExplicitSolver):
             )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
+    @property
+    def _further_energies(self):
+        """Names of the energies of the modules that the plies have besides the usual ones."""
+        return [module.energy for module in self.modules[0][len(forces.USUAL) :]]
+
     def set_up(self) -> tuple[Slip, ...]:
         """(plies,) slip of sliding crossovers; a coupon changes here what is at rest before the first sample."""
         return self.pack.slips(self.states)
@@ -176,7 +176,7 @@ class PackSolver(ExplicitSolver):
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
-        self._plies = Items(self.states), Items(self.consts)
+        self._plies = Rows(self.states), Rows(self.consts)
         if self.slips:
             room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
             loaded = (
@@ -184,17 +184,18 @@ class PackSolver(ExplicitSolver):
                 if self.contact
                 else self.states
             )
-            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
+            self._slips = Rows(self.slips), Rows(self.effective), Rows(loaded)
         self._works = [self._scratch()]
         if not self.slips:
-            compile_ahead.begin(*self._plies, self.contact, self.stack, self._works[0][1])
+            compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
         self.share = self.panel.share
         most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
-        self.backing, self.perforated_samples, self.after_stop = None, 0, 0.0
+        self.backing = None
+        self.perforated_samples = 0
         self.run_steps(
             self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf
         )  # the forces at rest
@@ -203,6 +204,8 @@ class PackSolver(ExplicitSolver):
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
+            self._behind = PythonCell(partial(self.backing.step, state), state, const)
+            state.modules.behind[0] = self._behind.place
             self.contacts += (("backing_damped", "the contact with the block"),)
         self._works += [self._scratch() for _ in range(1, self.threads)]
         self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
@@ -211,16 +214,16 @@ class PackSolver(ExplicitSolver):
         self._begin(self.const.dt)
 
     def _scratch(self):
-        """(slips, works) of a thread, as `step_kernels.run_thread` has them."""
+        """(slips, works) of a thread, as `loop.advance` has them."""
         works = self.pack.works()
         if not self.slips:
-            return None, Items(works)
+            return None, Rows(works)
         own = {id(work): work for work in works}
         for key, work in own.items():
             own[key] = work._replace(
                 stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2)
             )
-        return (*self._slips, Items([own[id(work)] for work in works])), Items(works)
+        return (*self._slips, Rows([own[id(work)] for work in works])), Rows(works)
 
     def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
         """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
@@ -230,6 +233,15 @@ class PackSolver(ExplicitSolver):
             state,
             (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None,
         )
+
+    @property
+    def after_stop(self) -> float:
+        """[s]"""
+        return float(self.stack.after_stop[0])
+
+    @after_stop.setter
+    def after_stop(self, duration: float) -> None:
+        self.stack.after_stop[0] = duration
 
     @property
     def places(self) -> FloatArray:
@@ -279,18 +291,13 @@ class PackSolver(ExplicitSolver):
 
     def _run_thread(self, history, shared, me, count, allowed):
         slips, works = self._works[me]
-        return kernels.run_thread(
-            *self._plies,
-            self.contact,
-            slips,
-            self.stack,
-            works,
-            history,
-            shared,
-            me,
-            count,
-            allowed,
-        )
+        ply_arrays = (*self._plies, self.contact or _ALONE, slips, self.stack, works)
+        try:
+            with compiling_units():
+                return loop.advance(*ply_arrays, history, shared, me, count, allowed)
+        except BaseException:
+            shared[barrier.STOP] = barrier.ABORTED
+            raise
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
@@ -325,8 +332,8 @@ class PackSolver(ExplicitSolver):
         if not neighbours:
             return state
         total = [force.copy() for force in state.f_contact]
-        for forces in neighbours:
-            for whole, force in zip(total, forces):
+        for pushes in neighbours:
+            for whole, force in zip(total, pushes):
                 whole += force
         return state._replace(f_contact=tuple(total))
 
@@ -345,23 +352,8 @@ class PackSolver(ExplicitSolver):
         )
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
-        """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
-        the last ply is."""
-        if self.backing is None or not len(history):
-            return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
-        made, reason, allowed = 0, RUNNING, self.allowed_exchange / self.steps_per_sample
-        while made < len(history) and reason == RUNNING:
-            if made:
-                self._start_workers()  # not before the block's step: they would take processor time from it
-            _, reason = self.run_steps(
-                history[made : made + 1], self._shared, self.threads, allowed
-            )
-            made += 1
-            if reason == STOPPED and self.after_stop > 0:
-                self.stack.counter[TURNED], reason = self.steps, RUNNING
-            if self.stack.awake[-1]:
-                self.backing.step(self.parts[-1][2])
-        return made, reason
+        """See ExplicitSolver."""
+        return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
@@ -378,7 +370,9 @@ class PackSolver(ExplicitSolver):
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
         slipped = np.sum([slip.work for slip in self.slips], axis=0) if self.slips else ()
-        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
+        usual, further = np.split(total, [len(ply_audit.ENERGIES)])
+        energies = [usual[0], *projectile, *usual[1:], *block, *further]
+        energies += [*self.contact_energies(), *slipped]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def _of_first(self, ply, vector):
@@ -503,17 +497,20 @@ class PackSolver(ExplicitSolver):
             pack.crossovers,
             pack.angles,
         )
-        for _, const, state in self.parts:
-            known += const._asdict(), state.mass, state.inverse_mass
+        for modules, (_, const, state) in zip(self.modules, self.parts):
+            known += const.nested(), state.mass, state.inverse_mass
+            known += tuple((module.energy, module.stiffness) for module in modules)
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        for p, slip in enumerate(self.slips):
-            found |= slip_arrays(slip, f"slip/{p:02d}")
+        found |= {f"slip/{p:02d}": slip for p, slip in enumerate(self.slips)}
+        for p, modules in enumerate(self.modules):
+            rows = {module.energy: module.own for module in modules if module.own}
+            found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
         if self.contact:
-            found |= {f"contact/{name}": getattr(self.contact, name) for name in KEPT}
+            found["contact"] = self.contact
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

@@ -21,8 +21,8 @@ from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels
 
 if TYPE_CHECKING:
-    from shellfabric.panel.arrays import Constants, State
     from shellfabric.panel.model import Panel
+    from shellfabric.state import Constants, State
 
 ENERGIES = (
     "kinetic_fabric",
@@ -42,7 +42,7 @@ ENERGIES = (
 
 
 def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatArray:
-    """(13,) [J] of the modelled part of a ply, in the order of ENERGIES.
+    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of n modules besides the usual ones.
 
     Parameters
     ----------
@@ -50,8 +50,8 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
     slide : None of pinned crossovers; else (Slip, the state with the effective stretches in the place of the stretches)
     rest : [J] stored at rest
     """
-    out, sums = np.empty(5), state.energy_sums.sum(axis=0)
-    kernels.energies(state, const, slide, out)
+    out = audited(const, state, slide)
+    sums = state.energy_sums.sum(axis=0)
     # work of the forces that is neither stored nor lost, of either form
     unstored = np.zeros(2)
     unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
@@ -72,15 +72,21 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
             sums[LOST_YARN] + sums[LOST_TRELLIS],
             slip[boundary_kernels.CLAMP_FRICTION],
             slip[boundary_kernels.BOUNDARY_WORK],
+            *out[kernels.PACKING + 1 :],
         ]
     )
 
 
 def stored_energy(const: Constants, state: State, slide: Any) -> float:
     """[J] that the yarns of the modelled part store; `slide` as of `energies`."""
-    out = np.empty(5)
+    return float(audited(const, state, slide)[kernels.STORED])
+
+
+def audited(const: Constants, state: State, slide: Any) -> FloatArray:
+    """(n,) [J] what `ply_kernels.energies` finds."""
+    out = np.empty(kernels.BENDING + state.modules.cell.size)
     kernels.energies(state, const, slide, out)
-    return out[kernels.STORED]
+    return out
 
 
 def cut_yarns(panel: Panel, const: Constants, state: State) -> float:

@@ -5,7 +5,7 @@ Velocities stand at half steps, everything else at whole ones:
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
 
 The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of `panel.element_kernels`.
-The order of a step is that of `step_kernels.run_thread`.
+The order of a step is that of `loop.advance`.
 
 Sliding crossovers are an argument, `slide`: None of pinned ones, else (Slip, the State with the effective stretches in
 the place of the stretches, the scratch likewise). numba removes the branches on None before it compiles. With an
@@ -21,14 +21,13 @@ place are therefore made part of their caller before anything is compiled (inlin
 import numpy as np
 
 from shellfabric.cloth import (
-    bending_kernels,
     boundary_kernels,
     energy_kernels,
     failure_kernels,
     packing_kernels,
 )
 from shellfabric.jit.barrier import barrier_wait
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
 from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import (
@@ -42,8 +41,9 @@ from shellfabric.panel.motion_kernels import (
 from shellfabric.projectile import contact_kernels
 from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels
 from shellfabric.sliding.flow_kernels import EMPTIED
+from shellfabric.state import unit
 
-KINETIC, STORED, SHEAR, BENDING, PACKING = 0, 1, 2, 3, 4  # of `energies`
+KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other modules
 
 
 @kernel(_nrt=False, inline="always")
@@ -89,12 +89,22 @@ def grow_with_slip(state, const, slip):
             state.active_rows[1] = min(last + 2, const.ni)
 
 
-@kernel(_nrt=False, inline="always")
+@kernel(_nrt=False)
+def module_force(state, const, m, first, last, acting):
+    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if `acting`."""
+    table = state.modules
+    if table.cell[m] == 0:
+        return 0.0
+    return call_module(table.cell[m], table.own[m], state, const, first, last, acting)
+
+
+@kernel(_nrt=False)
 def other_forces(state, const, first, last, acting):
-    """Energy [J] of bending at the node rows first .. last, and of the packed elements between them; adds their forces
-    to state.f_int if `acting`."""
-    turns = bending_kernels.bending_forces(const.bending, state, const, first, last, acting)
-    return turns + packing_kernels.packing_forces(state, const, first, last, acting)
+    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if `acting`."""
+    total = 0.0
+    for m in range(state.modules.cell.size):
+        total += module_force(state, const, m, first, last, acting)
+    return total
 
 
 @kernel(_nrt=False)
@@ -107,7 +117,7 @@ def stored_energy(state, const, slide, low, high):
     yarns = failure_kernels.stored_energy(const, state_x, low, high)[0]
     yarns += forces_kernels.gained_energy(state, const, slip, low, high)
     sheared = failure_kernels.stored_energy(const, state, low, high)[1]
-    sheared += packing_kernels.packing_forces(state, const, low, high, False)
+    sheared += other_forces(state, const, low, high, False)
     return yarns, sheared + forces_kernels.lateral_energy(state, const, slip)
 
 
@@ -217,7 +227,7 @@ def update_blocks(state, const, slide, work, shared, me, count):
         element_forces(state, const, slide, block, begin, stop, work)
 
 
-@kernel(_nrt=False)
+@unit(later=True)
 def apply_backing_impulse(state, const):
     """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
     for c in range(3):
@@ -237,13 +247,9 @@ def nose_contact(state, const, work):
 
 
 @kernel(_nrt=False, inline="always")
-def after_forces(state, const, slide, work):
-    """What a ply does after the forces of its elements: failure, bending, contact with the nose, edges.
-
-    Segments that a yarn's end has left, and elements in which a window between yarns has opened, count as failures.
-    Returns whether the nose's forces are to be computed after those of the other plies, which implicit springs depend
-    on (see `projectile.contact_kernels`): as long as the nose pushes.
-    """
+def break_yarns(state, const, slide, work):
+    """The failure criterion. Segments that a yarn's end has left, elements in which a window between yarns has opened,
+    and torn ones that are drawn out, count as failures."""
     apply_failure(state, const, slide, work)
     if slide is not None:
         slip, _, _ = slide
@@ -251,13 +257,24 @@ def after_forces(state, const, slide, work):
             flow_kernels.open_windows(state, const, slip)
     if state.counter[FAILURES] > 0:
         state.energy_sums[0, LOST_TRELLIS] += packing_kernels.let_go(state, const)
-    other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+
+
+@kernel(_nrt=False, inline="always")
+def touch(state, const, work):
+    """The nose's forces, but where they are to be computed after those of the other plies, which implicit springs
+    depend on (see `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
-    state.counter[STEP] += 1
-    boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
     return waits
+
+
+@kernel(_nrt=False, inline="always")
+def move_edges(state, const):
+    """Count the step; move the nodes that slip in a clamp or are pulled."""
+    state.counter[STEP] += 1
+    if const.slip_node.size > 0:
+        boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
 
 
 @kernel(_nrt=False)
@@ -274,7 +291,8 @@ def begin(state, const, slide, work):
     """Forces and slipping edges of the state at rest, before its first step."""
     if state.counter[STEP] == AT_REST:
         initial_forces(state, const, slide, work)
-        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        if const.slip_node.size > 0:
+            boundary_kernels.update_slip_nodes(state, const, 0.0)
         state.counter[STEP] = 0
 
 
@@ -291,20 +309,18 @@ def initial_forces(state, const, slide, work):
 
 @entry(nogil=True)
 def energies(state, const, slide, out):
-    """Energy audit [J] at the present whole step, into out (5,): kinetic, yarns, trellis, bending, packing; of sliding
-    crossovers, which have no bending, the last has that of lateral contact too, and kinetic that of the slip.
+    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis, of the modules
+    (bending, packing, ...); of sliding crossovers packing has that of lateral contact too, kinetic that of the slip.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
     out[:] = 0.0
-    out[PACKING] = packing_kernels.packing_forces(state, const, 0, const.ni, False)
+    for m in range(state.modules.cell.size):
+        out[BENDING + m] = module_force(state, const, m, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
     if slide is None:
         out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
-        out[BENDING] = bending_kernels.bending_forces(
-            const.bending, state, const, 0, const.ni, False
-        )
     else:
         slip, state_x = slide
         out[STORED] = failure_kernels.stored_energy(const, state_x, 0, const.ni)[0]

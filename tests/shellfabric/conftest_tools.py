@@ -3,8 +3,8 @@
 import numpy as np
 from panels import rest, set_nodal
 
-from shellfabric.jit.borrowed_list import Items, borrowed_item
 from shellfabric.jit.compile import entry
+from shellfabric.jit.table import Rows, row_of
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
@@ -34,7 +34,8 @@ def advance(solver, steps):
 
 def same(one, other):
     """Whether two states are the same to the last bit."""
-    return all(np.array_equal(np.array(a), np.array(b)) for a, b in zip(one, other))
+    names = one.kept()
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def far_from_nose(pack):
@@ -83,7 +84,7 @@ def press_once(states, consts, contact):
     """Forces between plies where they are, of all their points, into contact.force."""
     contact.count[near_kernels.STEP] += 1
     for p in range(len(states)):
-        frame_kernels.place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        frame_kernels.place(row_of(states, p), row_of(consts, p), contact, p)
     for t in range(contact.travel.size):
         near_kernels.refresh_box(contact, t)
     near_kernels.list_tiles(contact)
@@ -91,7 +92,7 @@ def press_once(states, consts, contact):
     pressure_kernels.press(contact, 0, 1)
     pressure_kernels.press_others(contact)
     for p in range(len(states)):
-        frame_kernels.hand_over(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        frame_kernels.hand_over(row_of(states, p), row_of(consts, p), contact, p)
 
 
 class Pressed:
@@ -122,7 +123,7 @@ class Pressed:
             if n > 0:
                 self.contact.given[:] = 0.0
             self.contact.touched[:] += 1  # of the two steps that a press counts
-            press_once(Items(self.states), Items(self.consts), self.contact)
+            press_once(Rows(self.states), Rows(self.consts), self.contact)
         return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
 
     def force(self, ply, side):

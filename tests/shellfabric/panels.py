@@ -30,10 +30,10 @@ def table(form="variational", size=121):
     )
 
 
-def make_panel(side=0.03048, *, form="variational", **changes):
+def make_panel(side=0.03048, *, cell_formulation="variational", **changes):
     """A small panel, of 24 x 24 crossovers as a whole."""
     defaults = {
-        "table": changes["table"] if "table" in changes else table(form),
+        "table": changes["table"] if "table" in changes else table(cell_formulation),
         "opening": (side, side),
     }
     return Panel(**defaults | changes)

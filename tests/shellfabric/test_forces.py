@@ -331,7 +331,7 @@ TORN = ((0, 2, 3), (1, 2, 3), (1, 3, 3), (0, 5, 1))
 GRADED = {"side": 0.06, "grading": FINER}
 FORCES = {
     "membrane": elements(trellis=False),
-    "membrane, equilibrium form": elements(trellis=False, form="equilibrium"),
+    "membrane, equilibrium form": elements(trellis=False, cell_formulation="equilibrium"),
     "membrane, coarser": elements(trellis=False, side=0.06, grading=COARSER),
     "membrane, finer": elements(trellis=False, **GRADED),
     "membrane, one by one": elements(trellis=False, damage=DAMAGED),

@@ -25,6 +25,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction, grid
 from shellfabric.solver.pack_solver import BETWEEN_PLIES, SLIP_WORK, PackSolver
+from shellfabric.state import ModuleTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))
 RATES = RateLaw((100.0, 1000.0, 10000.0), (1.0, 1.2, 1.6))
@@ -228,6 +229,8 @@ def leaves(value, name=""):
     """(name, array) of all that is nested in records, lists and dictionaries."""
     if is_dataclass(value):
         value = {each.name: getattr(value, each.name) for each in fields(value)}
+    if isinstance(value, ModuleTable):
+        return  # addresses
     if hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, tuple | list):
@@ -242,7 +245,7 @@ def leaves(value, name=""):
 def contents(solver):
     """{name: array} of the whole state and of all records of a run."""
     kept = {
-        "arrays": solver.checkpoint_arrays(),
+        "arrays": dict(checkpoint._arrays(solver)),
         "block": solver.checkpoint_extra(),
         "reason": solver.reason,
         "records": solver.checkpoint_records(),

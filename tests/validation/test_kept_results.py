@@ -61,7 +61,7 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
-@pytest.mark.parametrize("name, again", [("step_kernels.py", True), ("pictures.py", False)])
+@pytest.mark.parametrize("name, again", [("loop.py", True), ("pictures.py", False)])
 def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(
     monkeypatch, name, again
 ):

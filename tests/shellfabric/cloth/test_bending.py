@@ -13,7 +13,7 @@ def turns(panel, x):
     """Energy [J] of the turns of yarns with the nodes at x, and the forces (3, nodes) [N] of that."""
     state, const = panel.state(1.0), panel.constants()
     set_nodal(state.u, x - rest(panel))
-    return bending_kernels.bending_forces(const.bending, state, const, 0, const.ni, True), np.array(
+    return bending_kernels.bending_forces(state, const, state.modules, 0, const.ni, True), np.array(
         state.f_int
     )
 

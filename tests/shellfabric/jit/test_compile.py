@@ -1,54 +1,106 @@
-"""Where kernels are compiled: large ones in another process, if there can be one."""
+"""Units: kernels that are compiled by themselves, when they are first called, and called through cells."""
 
-import math
+import subprocess
+import sys
 
+import numpy as np
 import pytest
-from numba import config, typeof, types
 
 from fabrics.base import kernel_cache
-from shellfabric.jit import compile_in_child
-from shellfabric.jit.compile import entry
-from shellfabric.panel import quality_kernels
+from shellfabric.jit.compile import UNITS, entry, units
+from shellfabric.jit.table import GRADED, UNIFORM, Row, array, per_slot
 
 
-@pytest.fixture
-def large(small, tmp_path, monkeypatch):
-    """(a kernel of a panel with an empty cache, what numba calls its arguments)."""
-    found, panel = quality_kernels.sample, small()
-    numbers = types.int64, types.int64, types.float64, types.float64, types.float64[::1]
-    kinds = typeof(panel.state(1.0)), typeof(panel.constants()), *numbers
-    with monkeypatch.context() as patch:
-        patch.setattr(config, "CACHE_DIR", str(tmp_path))
-        function = entry()(found.py_func)
-    monkeypatch.setenv(
-        "NUMBA_CACHE_DIR", str(tmp_path)
-    )  # for the other process; here it would undo the line above
-    return function, kinds
+class Line(Row):
+    """Weights of a sum."""
+
+    weight = array("n", "-", "of each value")
+    scale = per_slot("-", "of the sum")
 
 
-def test_a_large_kernel_is_compiled_in_another_process(large, tmp_path, caplog, monkeypatch):
-    """This one finds it in the cache, and its compiler has made nothing that it would keep. The user is warned once."""
-    function, kinds = large
-    assert compile_in_child.members(kinds) > compile_in_child.MIN_MEMBERS
-    for announced in (["compiling the kernels of a ply, once: about half a minute"], []):
-        caplog.clear()
-        monkeypatch.setattr(kernel_cache, "_last", -math.inf)
-        function.compile(kinds)
-        assert not function.stats.cache_misses
-        assert sum(function.stats.cache_hits.values()) == 1
-        assert [
-            record.message for record in caplog.records if record.name == "weavecell"
-        ] == announced
-        with monkeypatch.context() as patch:
-            patch.setattr(config, "CACHE_DIR", str(tmp_path))
-            function = entry()(function.py_func)
+unit = units({"line": Line})
 
 
-def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large, monkeypatch):
-    function, kinds = large
-    monkeypatch.setattr(compile_in_child, "_CHILD_CODE", "raise SystemExit(1)")
-    function.compile(kinds)
-    assert sum(function.stats.cache_misses.values()) == 1
-    assert function.overloads[kinds].library.get_pointer_to_function(
-        function.overloads[kinds].fndesc.mangled_name
-    )
+@unit("number", values="n")
+def weighted(line, values):
+    """Sum of values times weights."""
+    total = 0.0
+    for k in range(values.size):
+        total += values[k] * line.weight[k]
+    return total
+
+
+@unit("integer")
+def half(count):
+    """A half, which is no integer."""
+    return count / 2
+
+
+@entry()
+def call_weighted(line, values):
+    return weighted(line, values)
+
+
+@entry()
+def call_half(count):
+    return half(count)
+
+
+@pytest.fixture(autouse=True)
+def of_runs():
+    """The units of this file are none of a run."""
+    yield
+    UNITS[:] = [each for each in UNITS if each.py_func.__module__.startswith("shellfabric.")]
+
+
+def test_a_unit_is_compiled_when_it_is_called_and_its_caller_is_not_compiled_again():
+    values = np.array([1.0, 2.0])
+    uniform = Line(weight=np.array([3.0, 4.0]), scale=1.0)
+    assert not weighted.cell(UNIFORM).full
+    assert call_weighted(uniform, values) == 11.0
+    assert weighted.cell(UNIFORM).full
+    assert not weighted.cell(GRADED).full
+    graded = Line(weight=np.array([5.0, 6.0]), scale=np.ones(2))
+    assert call_weighted(graded, values) == 17.0
+    assert weighted(uniform, values) == 11.0
+
+
+def test_what_python_raises_for_machine_code_comes_out():
+    with pytest.raises(TypeError, match="half returns float64, not int64"):
+        half(4)
+
+
+def test_a_unit_refuses_arguments_of_other_types():
+    with pytest.raises(Exception, match="weighted is not compiled for"):
+        call_weighted(np.zeros(2), np.zeros(2))
+
+
+RUN = """
+import logging, sys
+from shellfabric.solver import compile_ahead
+from shellfabric.jit.table import GRADED
+wanted = compile_ahead.cells(GRADED, False)[:8]
+compile_ahead.cells = lambda grid, several: wanted
+compile_ahead._CHILD = sys.argv[1]
+compile_ahead.fill(GRADED, False)
+print(*[int(cell.kinds in cell.unit.dispatcher.stats.cache_misses) for cell in wanted])
+"""
+CHILD = """
+from shellfabric.solver.compile_ahead import cells
+[cell.fill() for cell in cells({}, {})[3:8]]
+"""
+
+
+def compiled(child, folder):
+    """Whether each of eight units was compiled by a process, with a child of its own."""
+    command = [sys.executable, "-c", RUN, child]
+    variables = {"NUMBA_CACHE_DIR": str(folder), "PATH": "/usr/bin"}
+    variables["PYTHONPATH"] = str(kernel_cache.ROOT)
+    done = subprocess.run(command, env=variables, check=True, capture_output=True, text=True)
+    return [int(word) for word in done.stdout.split()]
+
+
+def test_units_of_a_cold_start_are_compiled_with_or_without_a_child(tmp_path):
+    """Where no child can help, this process compiles them all; what is in the cache is compiled by none."""
+    assert compiled("raise SystemExit(1)", tmp_path) == [1] * 8
+    assert compiled(CHILD, tmp_path) == [0] * 8

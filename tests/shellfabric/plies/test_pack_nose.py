@@ -10,8 +10,8 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels, window_kernels
-from shellfabric.projectile.contact import PointLaw
 from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.state import PointLaw
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_law")
@@ -20,7 +20,7 @@ ROW, PER = 14, 8  # nodes of unit mass in a row, points of an element
 
 def law(mass):
     """The constants of a point, of which only the mass is needed."""
-    return PointLaw(0.0, 0.0, mass, 0.0)
+    return PointLaw(stiffness=0.0, damping=0.0, mass=mass, implicit_factor=0.0)
 
 
 def shares():

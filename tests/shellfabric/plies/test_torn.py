@@ -11,7 +11,7 @@ from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.driver import guards
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.jit.borrowed_list import Items
+from shellfabric.jit.table import Rows
 from shellfabric.panel import quality
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies import law_kernels, near_kernels, pressure_kernels
@@ -71,7 +71,7 @@ def shot(stiffness=1.0):
     march.consts = tuple(
         const._replace(packing=const.packing * [stiffness, 1.0]) for const in march.consts
     )
-    march._plies = march._plies[0], Items(march.consts)
+    march._plies = march._plies[0], Rows(march.consts)
 
     def book(run):
         work = run.sample("ply_contact")[-1] + run.sample("ply_contact_lost")[-1]

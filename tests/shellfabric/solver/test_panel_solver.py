@@ -13,7 +13,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.jit.borrowed_list import Items
+from shellfabric.jit.table import Rows
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Numerics, Panel
@@ -31,7 +31,7 @@ def snapping(**wrong):
     const = march.const._replace(
         **{name: factor * getattr(march.const, name) for name, factor in wrong.items()}
     )
-    march._plies = march._plies[0], Items([const])
+    march._plies = march._plies[0], Rows([const])
     return march.run()
 
 

@@ -1,0 +1,89 @@
+"""Forces on a ply that plug into its step by one table: bending, packing, and what a Panel is given.
+
+A module is a unit, the name of the energy that it stores, and what it adds to the highest frequency.
+All units have one signature, so that kernels call them through addresses (`state.ModuleTable`): a new
+module compiles its own file and nothing else.
+
+    @unit("number", own=Springs)
+    def springs(state, const, own, first, last, acting):
+
+returns the energy [J] stored at the node rows first .. last, and adds its forces to state.f_int where
+`acting`. `own` is a row of a table of the module's own, of whose arrays a checkpoint has what is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellfabric.cloth.bending_kernels import bending_forces
+from shellfabric.cloth.packing_kernels import packing_forces
+from shellfabric.jit.compile import Unit
+from shellfabric.jit.table import Row
+from shellfabric.state import ModuleTable
+
+
+@dataclass(frozen=True)
+class Module:
+    """A force on a ply besides those of membrane, nose and other plies.
+
+    Parameters
+    ----------
+    energy : name of what it stores, among the energies of a run
+    act : its unit; None where it does not act
+    own : its row, or None
+    stiffness : [1/s2] bound of its stiffness over the mass of a node, a quarter of the square of the
+        highest frequency, which bounds the time step
+    """
+
+    energy: str
+    act: Unit | None
+    own: Row | None = None
+    stiffness: float = 0.0
+
+
+def bending(panel: Any) -> Module:
+    """Yarns that resist bending.
+
+    A yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node.
+    """
+    mass, spacing = panel.weave.areal_density, panel.spacing
+    parts = zip(panel.yarns_a_line, panel.bending, spacing, spacing[::-1])
+    stiffness = sum(4 * n * EI / (mass * d**4 * across) for n, EI, d, across in parts)
+    return Module("bending", bending_forces if any(panel.bending) else None, stiffness=stiffness)
+
+
+def packing(panel: Any) -> Module:
+    """Yarns that lie side by side: no stiffer than the membrane, whose bound holds for it."""
+    return Module("packing", packing_forces)
+
+
+USUAL = bending, packing  # of every panel
+
+
+def of(panel: Any) -> tuple[Module, ...]:
+    """The modules of a panel, each with a row of its own."""
+    return tuple(make(panel) for make in (*USUAL, *panel.modules))
+
+
+def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
+    """What the kernels of a uniform or a graded panel take of modules; in another process a copy has
+    the addresses of that process."""
+    listed = tuple(modules)
+    cells = [module.act.cell(int(graded)).place if module.act else 0 for module in listed]
+    found = ModuleTable(
+        cell=np.array(cells, np.int64),
+        own=np.array([module.own._address if module.own else 0 for module in listed], np.int64),
+        behind=np.zeros(1, np.int64),
+    )
+    found.__dict__["_made_by"] = table, (listed, graded)
+    return found
+
+
+def given(found: ModuleTable) -> tuple[Module, ...]:
+    """The modules of which a table was made."""
+    modules: tuple[Module, ...] = found._made_by[1][0]
+    return modules

@@ -1,0 +1,150 @@
+"""The time loop: explicit steps of the plies of a run and of their projectile.
+
+All forces of a step are known before it begins: from them the guard of a pack finds what keeps the
+plies from passing through each other in it. Several threads can share the work, of a pack by its plies,
+of a single ply by its blocks of rows. They wait for each other in between. No two write to the same
+place, so that results do not depend on their number; what involves all plies at once is one thread's.
+
+States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend
+on the number of plies. Plies of one grid share their scratch; those of another have their own, since
+its idle slots must stay at rest.
+"""
+
+from shellfabric.jit.barrier import STOP, barrier_wait
+from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.table import row_of
+from shellfabric.panel.motion_kernels import thread_range
+from shellfabric.plies.frame_kernels import place
+from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
+from shellfabric.solver.ply_kernels import begin as begin_ply
+from shellfabric.solver.ply_kernels import (
+    break_yarns,
+    grow_rows,
+    move_edges,
+    other_forces,
+    refresh_tensions,
+    touch,
+    update_blocks,
+)
+from shellfabric.solver.stack_kernels import (
+    CHECK,
+    RUNNING,
+    fly,
+    implicit_nose_contact,
+    internal_work,
+    note,
+    press_plies,
+    slide_of,
+    slip_plies,
+    step_behind,
+    wakes,
+)
+
+
+@entry(nogil=True, _nrt=False)
+def advance(states, consts, contact, slips, stack, works, history, shared, me, count, allowed):
+    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows.
+
+    states, consts, works : of the plies, each a list
+    contact : PackContact; of a single ply one without points
+    slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in
+        the place of the stretches, of those with the sum of all contact forces in the place of the
+        nose's, and of the scratch with room for the effective stretches
+    stack : what the plies share
+    history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it after
+        each; of a bar (steps, 9), see `stack_kernels.record_step`
+    shared : see `barrier.barrier_wait`
+    allowed : [J] energy exchange, the sum over steps of the change of `internal_work`, after which CHECK
+        ends the call: no energy error can exceed the energy exchanged
+
+    Returns (steps made, RUNNING or the reason to end) of thread 0.
+    """
+    several = len(states) > 1
+    # threads share the plies of a pack, or the blocks of a single ply: part `part` of `parts`
+    first = me if several else 0
+    part = 0 if several else me
+    parts = 1 if several else count
+    if me == 0:
+        begin(states, consts, slips, works)
+    made = 0
+    reason = RUNNING
+    exchanged = 0.0
+    before = internal_work(states, contact)
+    while True:
+        if me == 0:
+            shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
+            if shared[STOP] == 0:
+                if several:
+                    hold_apart(
+                        states, consts, contact
+                    )  # the guard: all forces of the step are known
+                fly(states, consts, stack)
+                if not several:
+                    grow_rows(row_of(states, 0), row_of(consts, 0), slide_of(slips, 0))
+        barrier_wait(shared, count)
+        if shared[STOP] != 0:
+            break
+        for p in range(first, len(states), count):
+            state = row_of(states, p)
+            const = row_of(consts, p)
+            work = row_of(works, p)
+            slide = slide_of(slips, p)
+            gate = work.barrier if several else shared
+            if several:
+                if not wakes(state, const, contact, stack, p):
+                    continue
+                grow_rows(state, const, slide)
+            update_blocks(
+                state, const, slide, work, gate, part, parts
+            )  # motion, forces of elements
+            barrier_wait(gate, parts)
+            if part == 0:
+                break_yarns(state, const, slide, work)
+                other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+                stack.waits_for_plies[p] = touch(
+                    state, const, work
+                )  # the nose, but before others' pushes
+                move_edges(state, const)
+                if several:
+                    place(state, const, contact, p)
+                    follow(state, const, contact, p)
+        if several:
+            press_plies(states, consts, contact, shared, me, count)
+            barrier_wait(shared, count)
+            implicit_nose_contact(states, consts, contact, stack, works, me, count)
+            barrier_wait(shared, count)
+        if slips is not None:
+            barrier_wait(shared, count)
+            slip_plies(states, consts, contact, slips, stack, me, count)
+            barrier_wait(shared, count)
+        if me == 0:
+            if several:
+                count_work(states, consts, contact, True)
+            reason = note(states, consts, stack, history[made])
+            step_behind(states, consts, stack)
+            made += 1
+            now = internal_work(states, contact)
+            exchanged += abs(now - before)
+            before = now
+            if reason == RUNNING and not exchanged <= allowed:
+                reason = CHECK
+    for p in range(first, len(states), count):
+        if stack.awake[p]:
+            refresh(states, consts, slips, works, p, part, parts)
+    barrier_wait(shared, count)
+    return made, reason
+
+
+@kernel(_nrt=False)
+def refresh(states, consts, slips, works, p, part, parts):
+    """Look up the tensions of ply p that nothing has needed so far."""
+    first, last = thread_range(row_of(states, p), row_of(consts, p), part, parts)
+    slide = slide_of(slips, p)
+    refresh_tensions(row_of(states, p), row_of(consts, p), slide, first, last, row_of(works, p))
+
+
+@kernel(_nrt=False)
+def begin(states, consts, slips, works):
+    """Forces and slipping edges of all plies at rest, before the first step."""
+    for p in range(len(states)):
+        begin_ply(row_of(states, p), row_of(consts, p), slide_of(slips, p), row_of(works, p))

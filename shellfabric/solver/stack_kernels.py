@@ -1,0 +1,294 @@
+"""What the plies of a run share in a step: the projectile, impulses on each other, reasons to end.
+
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
+each ply, counted from the ply's own plane at rest; where plies lie at other angles each has place and
+velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
+pushes on it. The order of a step is that of `loop.advance`.
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.jit.barrier import barrier_wait
+from shellfabric.jit.compile import call_module, kernel
+from shellfabric.jit.simd import WIDTH, load, masked_store
+from shellfabric.jit.table import row_of
+from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
+from shellfabric.plies import near_kernels
+from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, turned_back
+from shellfabric.plies.near_kernels import list_pressed
+from shellfabric.plies.pressure_kernels import press, press_others
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
+from shellfabric.sliding import slip_kernels
+from shellfabric.solver import ply_kernels
+from shellfabric.state import unit
+
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
+    5
+)  # CHECK: energy is to be audited before the next step
+
+
+@kernel(_nrt=False, inline="always")
+def slide_of(slips, p):
+    """What `ply_kernels` need of the slip of ply p: None of pinned crossovers."""
+    if slips is None:
+        found = None
+    else:
+        slip, effective, _, works_x = slips
+        found = row_of(slip, p), row_of(effective, p), row_of(works_x, p)
+    return found
+
+
+@kernel(_nrt=False, forceinline=True)
+def push_projectile(stack, const, p, force):
+    """v += dt f / m of the projectile, with a force in the frame of ply p."""
+    f_x, f_y = turned_back(stack.turns[p], force[0], force[1])
+    stack.projectile_velocity[0] += const.dt * const.free_dofs[0] * f_x / const.projectile_mass
+    stack.projectile_velocity[1] += const.dt * const.free_dofs[1] * f_y / const.projectile_mass
+    stack.projectile_velocity[2] += const.dt * const.free_dofs[2] * force[2] / const.projectile_mass
+
+
+@unit()
+def fly(states, consts, stack):
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
+    motion."""
+    last, force = len(states) - 1, 0.0
+    for p in range(len(states)):
+        if stack.awake[p]:
+            state, const = row_of(states, p), row_of(consts, p)
+            contact_kernels.apply_contact_impulse(state, const)
+            push_projectile(stack, const, p, state.f_contact_nose)
+            force += bar_kernels.axial_force(state, const)
+    state, const = row_of(states, last), row_of(consts, last)
+    if const.has_backing and stack.awake[last]:
+        ply_kernels.apply_backing_impulse(state, const)
+        push_projectile(stack, const, last, state.f_block_nose)
+    state, const = row_of(states, 0), row_of(consts, 0)
+    if const.bar_mass.size > 0:
+        bar_kernels.advance_bar(state, const, force)
+    for p in range(len(states)):
+        velocity, of_first = row_of(states, p).projectile_velocity, stack.projectile_velocity
+        if p > 0:
+            velocity[0], velocity[1] = turned(stack.turns[p], of_first[0], of_first[1])
+            velocity[2] = of_first[2]
+        for c in range(3):
+            stack.projectile_position[p, c] += const.dt * velocity[c]
+
+
+@kernel(_nrt=False)
+def wakes(state, const, contact, stack, p):
+    """Give ply p the impulses of the others and of the guard; whether anything has acted on it yet."""
+    pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
+    for side in range(2):
+        pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
+    stack.awake[p] |= pushed
+    return stack.awake[p]
+
+
+@kernel(_nrt=False, inline="always")
+def press_plies(states, consts, contact, shared, me, count):
+    """The forces between plies, once all are at their new places."""
+    barrier_wait(shared, count)
+    if me == 0:
+        list_pressed(contact)
+    barrier_wait(shared, count)
+    press(contact, me, count)
+    barrier_wait(shared, count)
+    if me == 0:
+        press_others(contact)
+    barrier_wait(shared, count)
+    for p in range(me, len(states), count):
+        hand_over(row_of(states, p), row_of(consts, p), contact, p)
+
+
+@kernel(_nrt=False)
+def implicit_nose_contact(states, consts, contact, stack, works, me, count):
+    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.touch`)."""
+    for p in range(me, len(states), count):
+        if stack.waits_for_plies[p]:
+            state, const = row_of(states, p), row_of(consts, p)
+            predict_increments(state, const, contact, p)
+            ply_kernels.nose_contact(state, const, row_of(works, p))
+            if state.f_contact_nose[2] == 0.0:
+                clear_increments(state, const)
+
+
+@unit(later=True)
+def predict_increments(state, const, contact, p):
+    """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
+    what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
+    state.force_scale."""
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
+                state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
+                if const.has_backing:
+                    state.dv_other[c][k] += state.f_block_cloth[c][k]
+    for side in range(2):
+        add_forces(state, const, contact.force[p, side])
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
+                state.dv_other[c][k] *= state.dt_over_mass[k]
+                state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
+    if const.mirror_x and i0 == 0:
+        for j in range(j0, j1 + 1):
+            state.dv_other[0][j] = 0.0
+    if const.mirror_y and j0 == 0:
+        for i in range(i0, i1 + 1):
+            state.dv_other[1][i * const.row_stride] = 0.0
+    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for
+    # its part along their normals
+    f_x, f_y, f_z = state.f_contact_nose
+    f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
+    images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
+    state.force_scale[0] = (
+        0.25 * images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
+    )
+
+
+@kernel(_nrt=False)
+def add_forces(state, const, forces):
+    """Add a neighbour's forces to state.dv_other."""
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
+                state.dv_other[c][k] += forces[c][k]
+
+
+@kernel(_nrt=False)
+def clear_increments(state, const):
+    """Undo `predict_increments`."""
+    for c in range(3):
+        state.dv_other[c][:] = 0.0
+        state.dv_contact[c][:] = 0.0
+    state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
+
+
+@kernel(_nrt=False)
+def add_rows(total, state, const, forces):
+    """Add forces on the nodes of the active rows to `total`."""
+    s = const.row_stride
+    for c in range(3):
+        for i in range(state.active_rows[0], state.active_rows[1] + 1):
+            for j in range(0, s, WIDTH):
+                k = i * s + j
+                masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
+
+
+@unit(later=True, total="3 x n")
+def gather_contact(states, consts, contact, p, total):
+    """Sum of the contact forces on the active rows of ply p, into total."""
+    state, const = row_of(states, p), row_of(consts, p)
+    s = const.row_stride
+    for c in range(3):
+        for i in range(state.active_rows[0], state.active_rows[1] + 1):
+            for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
+                total[c][k] = state.f_contact[c][k]
+    for side in range(2):
+        add_rows(total, state, const, contact.force[p, side])
+
+
+@kernel(_nrt=False)
+def slip_plies(states, consts, contact, slips, stack, me, count):
+    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other, but for the
+    guard's."""
+    own, _, loads, _ = slips
+    for p in range(me, len(states), count):
+        slip, loaded = row_of(own, p), row_of(loads, p)
+        if stack.awake[p] and slip.active:
+            if len(states) > 1:
+                gather_contact(states, consts, contact, p, loaded.f_contact)
+            slip_kernels.slip_nodes(loaded, row_of(consts, p), slip)
+
+
+@kernel(inline="always")
+def record_step(state, const, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
+    centre of mass, and how far they have come, all along its axis."""
+    row[0], row[1] = (
+        state.projectile_position[2] + const.foremost_offset,
+        bar_kernels.normal_velocity(state, const),
+    )
+    row[2] = force
+    if const.bar_mass.size > 0:
+        tail = const.bar_h.size
+        row[3], row[4], row[5] = (
+            state.bar_v[0],
+            state.bar_v[tail],
+            bar_kernels.mass_average(const.bar_mass, state.bar_v),
+        )
+        row[6], row[7], row[8] = (
+            state.bar_u[0],
+            state.bar_u[tail],
+            bar_kernels.mass_average(const.bar_mass, state.bar_u),
+        )
+
+
+@unit("integer", row="9")
+def note(states, consts, stack, row):
+    """Why the step should be the last, or RUNNING; its row of the history."""
+    stack.counter[STEP] += 1
+    first, const, last = (
+        row_of(states, 0),
+        row_of(consts, 0),
+        row_of(states, len(states) - 1),
+    )
+    force = 0.0
+    for p in range(len(states)):
+        force += stack.f_contact_nose[p, 2]
+    record_step(first, const, force + last.f_block_nose[2], row)
+    speed = bar_kernels.normal_velocity(first, const)
+    if not abs(speed) < 1e9:
+        return NOT_FINITE
+    if stack.counter[TURNED] > 0:
+        return RUNNING
+    if speed <= 0.0 and stack.after_stop[0] > 0.0:
+        stack.counter[TURNED] = stack.counter[STEP]
+        return RUNNING
+    if speed <= 0.0:
+        return STOPPED
+    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
+    failed, pushed = False, False
+    for p in range(len(states)):
+        failed |= stack.ply_counters[p, FAILURES] > 0
+        pushed |= stack.f_contact_nose[p, 2] != 0.0 or row_of(states, p).f_block_nose[2] != 0.0
+    idle = failed and not pushed
+    if idle:
+        for p in range(len(states)):
+            if window_kernels.cloth_ahead_of_nose(row_of(states, p), row_of(consts, p)):
+                idle = False
+                break
+    stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
+    return PERFORATED if stack.counter[IDLE] >= const.perforation_delay_steps else RUNNING
+
+
+@kernel(_nrt=False)
+def step_behind(states, consts, stack):
+    """The step of what is behind the last ply, which is at rest while that is."""
+    last = len(states) - 1
+    state = row_of(states, last)
+    if stack.awake[last] and state.modules.behind[0] != 0:
+        call_module(state.modules.behind[0], 0, state, row_of(consts, last), 0, 0, 1)
+
+
+@kernel(_nrt=False)
+def internal_work(states, contact):
+    """[J] work done so far on yarns, their viscosity and the contacts."""
+    total = 0.0
+    for p in range(len(states)):
+        total += ply_kernels.internal_work(row_of(states, p))
+    if len(states) > 1:
+        for p in range(len(states)):
+            total += contact.work[p]
+        total += contact.guard[near_kernels.WORK]
+    return total

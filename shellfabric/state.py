@@ -1,0 +1,821 @@
+"""The arrays and numbers that kernels take: shape, unit, meaning, and whether a checkpoint keeps it.
+
+From these tables follow what kernels are compiled for, the room for the arrays, checkpoints, and the
+page "Arrays of the kernels" of the documentation (`tools/kernel_arrays.py`, which also explains
+slots, edges, blocks). In shapes `2 x` is one array for each family of yarns and `3 x` one for each
+component; sizes are explained where they first occur. Numbers that are `per_slot` become arrays on a
+graded panel.
+
+A kernel that is compiled by itself is a `unit`: its parameters have the names of `PARAMETERS`, all
+others are integers unless its decorator says more.
+"""
+
+from shellfabric.jit.compile import units
+from shellfabric.jit.table import (
+    Row,
+    array,
+    flag,
+    integer,
+    number,
+    numbers,
+    per_family,
+    per_slot,
+    row,
+)
+
+
+class FailureLines(Row):
+    """Lines of one family for the failure criterion: strengths, weights of means, low-pass factors."""
+
+    strength = array(
+        "lines", "N", "strength of the yarn nearest to the line; infinite where yarns do not fail"
+    )
+    half_strength = array(
+        "lines",
+        "N",
+        "half of its lowest strength at any strain rate: a tension below is not low-passed",
+    )
+    first = array("lines int64", "-", "first line of the mean about the line")
+    weights = array("lines, n", "-", "weights in it of the lines first ... first + n - 1")
+    filter_factor = array(
+        "edges along a line",
+        "-",
+        "share of the difference that a low-passed tension makes up in a step, 1 - exp(-dt / t_f)",
+    )
+
+
+class PointLaw(Row):
+    """Constants of the contact law of a point of the fabric with the projectile."""
+
+    stiffness = number("N/m", "penalty stiffness of a contact point with the projectile")
+    damping = number("N s/m", "damping of a contact point")
+    mass = number("kg", "mass of the fabric, or of the net, at a contact point")
+    implicit_factor = number(
+        "-", "stiffness of the implicit contact over `stiffness`; 0: explicit contact"
+    )
+
+
+class Scratch(Row):
+    """Room for one call of the contact of a ply with the projectile."""
+
+    node_rows = array(
+        "4, 3, columns", "m", "positions of four rows of nodes in the projectile's frame"
+    )
+    box_low = array(
+        "3, columns", "m", "lower ends of the bounding boxes of the four nodes in each column"
+    )
+    box_high = array("3, columns", "m", "upper ends of these boxes")
+    node_position = array(
+        "16, 3", "m", "positions of the 4 x 4 nodes about an element in the projectile's frame"
+    )
+    node_velocity = array("16, 3", "m/s", "velocities of these nodes relative to the projectile")
+    node_dv = array("2, 16, 3", "m/s", "dv_other and dv_contact of these nodes")
+    point_data = array(
+        "13, 8",
+        "m, m/s",
+        "of eight contact points: position (3), velocity (3), cylinder test, dv_other "
+        "(3), dv_contact (3)",
+    )
+    node_force = array("3, 16", "N", "contact force on these nodes")
+    torn_shape_functions = array(
+        "8, points", "-", "shape functions of an element in which yarns end"
+    )
+
+
+class Constants(Row):
+    """What does not change of a ply and of its projectile."""
+
+    ni = integer("-", "elements along the warp (x)")
+    nj = integer("-", "elements along the weft (y)")
+    row_stride = integer("-", "slots of one row of nodes, nj + 1")
+    rows_per_block = integer("-", "element rows of a block")
+    n_per_crossover = integer("-", "elements along a side of a crossover, where they are smallest")
+    warp_lines = row(
+        FailureLines,
+        "grid lines along the warp: strengths, weights of mean tensions, low-pass factors",
+    )
+    weft_lines = row(FailureLines, "the same of grid lines along the weft")
+    mean_reach = integer(
+        "-", "rows to either side that the mean tension of a weft edge may take in"
+    )
+    mirror_x = flag("whether x = 0 is a plane of symmetry that bounds the model")
+    mirror_y = flag("whether y = 0 is a plane of symmetry that bounds the model")
+    x0 = number("m", "x of node (0, 0) at rest; the impact point is the origin")
+    y0 = number("m", "y of node (0, 0) at rest")
+    dx = number("m", "side of an element along the warp; of the smallest on a graded panel")
+    dy = number("m", "side of an element along the weft; of the smallest on a graded panel")
+    inv_dx = per_slot("1/m", "inverse length at rest of the warp edges; an array on a graded panel")
+    inv_dy = per_slot("1/m", "inverse length at rest of the weft edges; an array on a graded panel")
+    dt = number("s", "time step")
+    tension1 = array(
+        "cells, 4",
+        "N",
+        "warp tension of the cell table: bilinear coefficients of 1, p, q, p q in each table cell",
+    )
+    tension2 = array("cells, 4", "N", "weft tension of the cell table, likewise")
+    tension_bound_table1 = array(
+        "n, 2",
+        "N",
+        "upper bound of the warp tension where no force exceeds step n: max(column 0, "
+        "force + column 1)",
+    )
+    tension_bound_step1 = number("N", "force between two rows of tension_bound_table1")
+    tension_bound_table2 = array("n, 2", "N", "upper bound of the weft tension, likewise")
+    tension_bound_step2 = number("N", "force between two rows of tension_bound_table2")
+    potential_coefficients = array(
+        "cells, 8",
+        "J",
+        "biquadratic potential of a crossover in each table cell: coefficients of p, "
+        "p2, q, q2, p q, p2 q, p q2, p2 q2",
+    )
+    potential_constant = array("cells", "J", "its coefficient of 1")
+    table_start1 = number("-", "lowest warp stretch of the table")
+    table_scale1 = number("-", "table cells per unit of warp stretch")
+    table_last1 = integer("-", "index of the last table cell along the warp stretch")
+    table_start2 = number("-", "lowest weft stretch of the table")
+    table_scale2 = number("-", "table cells per unit of weft stretch")
+    table_last2 = integer("-", "index of the last table cell along the weft stretch")
+    table_grid = numbers(
+        7,
+        "-",
+        "the six numbers above as floats, and the number of table cells along the "
+        "weft stretch, for the table look-up",
+    )
+    table_beyond = numbers(
+        6,
+        "-",
+        "beyond the table: reaches of the coupling in cells, slopes and curvatures "
+        "[J] of the potential at its corner",
+    )
+    force_per_slope1 = number(
+        "1/m", "warp force per slope of the potential in local coordinates, table_scale1 / (2 w1)"
+    )
+    force_per_slope2 = number("1/m", "weft force per slope of the potential in local coordinates")
+    variational = flag(
+        "whether forces are the gradient of the potential; otherwise the equilibrium form"
+    )
+    mean_weight1 = per_slot(
+        "-",
+        "weight of the warp edge before a node in the mean of the two edges at the "
+        "node; 1/2 on a uniform grid",
+    )
+    mean_weight2 = per_slot("-", "weight of the weft edge before a node, likewise")
+    cv1 = per_slot("N", "viscous force of warp edges per increment of stretch in a step")
+    cv2 = per_slot("N", "viscous force of weft edges per increment of stretch in a step")
+    trellis_volume = per_slot("m3", "volume of the shell in an element, for its shear energy")
+    G1 = number("Pa", "shear modulus of the trellis below gamma1; 0 without trellis")
+    G2 = number("Pa", "tangent shear modulus above gamma2 (locked)")
+    gamma1 = number("rad", "shear angle where stiffening begins")
+    gamma2 = number("rad", "shear angle where stiffening ends")
+    w1 = number("m", "half length of a crossover along the warp")
+    S01 = number("m", "length of warp yarn in a crossover at rest")
+    EA1 = number("N", "axial stiffness of a warp yarn")
+    w2 = number("m", "half length of a crossover along the weft")
+    S02 = number("m", "length of weft yarn in a crossover at rest")
+    EA2 = number("N", "axial stiffness of a weft yarn")
+    half_strength1 = number(
+        "N", "half of the lowest strength of a warp line: tensions below need no closer look"
+    )
+    half_strength2 = number("N", "half of the lowest strength of a weft line")
+    rate_law = array(
+        "2, 3, loads",
+        "-, 1/s, -",
+        "of warp and weft: loads of the strength by strain rate, rate of damage at "
+        "them and its growth from there (`cloth.strength_kernels`); no points without "
+        "such a law",
+    )
+    erosion_gap_ratio = number(
+        "-", "stretch of the gap left by failed yarns at which an element is eroded"
+    )
+    window_limits = numbers(4, "-", "largest contact window (i0, i1, j0, j1)", "int64")
+    points_per_side = integer("-", "contact points along each side of an element")
+    shape_functions = array(
+        "2, 8, points",
+        "-",
+        "shape functions at the contact points, linear and quadratic: rows 0-3 along "
+        "the warp, 4-7 along the weft",
+    )
+    point_law = row(
+        PointLaw, "constants of the contact law of a point, see projectile.contact.PointLaw"
+    )
+    projectile_radius = number("m", "radius of the projectile's cylinder")
+    edge_radius = number("m", "radius that rounds the edges of the nose")
+    projectile_mass = number("kg", "mass of the modelled part of the projectile")
+    free_dofs = numbers(
+        3,
+        "-",
+        "1 for each direction in which the projectile may move, 0 across a plane of symmetry",
+    )
+    perforation_delay_steps = integer(
+        "-", "steps without contact and with no fabric ahead, after which the panel is perforated"
+    )
+    nose_shape = integer("-", "shape of the nose, see shellfabric.projectile.sdf_kernels")
+    nose_parameters = array("n", "m, -", "further numbers of that shape, or of a solid its nodes")
+    projectile_length = number("m", "length of the projectile; infinite without a rear end")
+    frame = array("3, 3", "-", "axes of the projectile's frame as rows; the last is its axis")
+    tilted = flag("whether that frame differs from the panel's")
+    window_follows = flag("whether the contact window follows the projectile, or is fixed")
+    body_depth = number(
+        "m", "length of the body behind the nose that the moving window takes into account"
+    )
+    draw_in_reach = numbers(
+        2,
+        "m",
+        "distance from the projectile's middle, along warp and weft, from which "
+        "fabric can be drawn under it",
+    )
+    foremost_offset = number(
+        "m", "foremost point of a tilted body ahead of its nose, along the panel's normal"
+    )
+    shoulder = number("m", "depth behind the nose from which the projectile has its full width")
+    friction = number("-", "Coulomb friction coefficient between fabric and projectile")
+    slip_node = array("n int64", "-", "slots of the nodes that slip in the clamp")
+    slip_axis = array("n int64", "-", "axis along which each of them moves")
+    slip_data = array(
+        "n, 5",
+        "m, s, s, N, kg",
+        "prescribed slip, its start and end; clamp friction; mass of the node",
+    )
+    bending = per_family(
+        "N m",
+        "bending stiffness of a grid line over the element side, n EI / L, of warp "
+        "and weft; 0 without",
+    )
+    packing = array(
+        "2",
+        "N/m, -",
+        "stiffness of a ply in its plane as solid fibre; share of its area at rest "
+        "that packed fabric keeps (`cloth.packing_kernels`)",
+    )
+    yarn_ends = array(
+        "2, 2 int64",
+        "-",
+        "how warp and weft yarns end at their lower and upper end: free, symmetric or clamped",
+    )
+    bar_mass = array(
+        "n + 1", "kg", "nodal masses of the bar along the projectile's axis; empty if it is rigid"
+    )
+    bar_h = array("n", "m", "lengths of the bar's elements at rest")
+    bar_area = array("n", "m2", "cross sections of the bar's elements")
+    bar_law = array("3", "Pa", "Young's modulus, yield stress and hardening modulus of the bar")
+    bar_substeps = integer("-", "time steps of the bar in one of the fabric")
+    has_backing = flag("whether a backing block is coupled to the ply")
+
+
+class ModuleTable(Row):
+    """The force modules of a ply (`panel.forces`)."""
+
+    cell = array("n int64", "-", "address of the cell of a unit; 0 of a module that does not act")
+    own = array("n int64", "-", "address of the module's row; 0 without one")
+    behind = array(
+        "1 int64", "-", "cell of what is behind the ply, called after each step; 0 if none"
+    )
+
+
+class State(Row, kept=True):
+    """What changes of a ply, and of the projectile as it stands before it."""
+
+    u = array("3 x slots", "m", "displacement of the nodes")
+    v = array("3 x slots", "m/s", "velocity of the nodes, at half steps")
+    f_int = array("3 x slots", "N", "internal force on the nodes")
+    f_int_above = array(
+        "3 x slots", "N", "part of it from the block above, on the first row of nodes of a block"
+    )
+    modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
+    mass = array("slots", "kg", "lumped mass of the nodes")
+    inverse_mass = array("slots", "1/kg", "inverse mass; 0 where a node is held or prescribed")
+    dt_over_mass = array("slots", "s/kg", "dt times inverse_mass")
+    stretch = array("2 x slots", "-", "stretch of the edges at the last step")
+    N = array(
+        "2 x slots",
+        "N",
+        "force of the edges at the last step, per yarn, work-conjugate to the stretch",
+    )
+    T = array(
+        "2 x slots", "N", "yarn tension of the edges; the same array as N in the equilibrium form"
+    )
+    dstretch = array("2 x slots float32", "-", "increment of the stretch in the last step")
+    yarn_length = array(
+        "2 x slots", "m", "total length of yarn that an edge stands for; reduced by failed yarns"
+    )
+    intact_fraction = array("2 x slots", "-", "fraction of an edge's yarns that is intact")
+    failed = array(
+        "2 x slots uint8", "-", "1 at the first node of each yarn segment that has failed"
+    )
+    filtered_tension = array(
+        "2 x slots",
+        "N",
+        "low-passed mean tension F of the failure criterion; half of the strength "
+        "where it is not followed",
+    )
+    warm_rows = array(
+        "2, rows boolean", "-", "whether an edge of a row of warp or weft edges follows its tension"
+    )
+    warm_blocks = array("blocks boolean", "-", "whether a row of the block does")
+    rate_damage = array(
+        "2 x slots",
+        "-",
+        "damage of each yarn segment by the strength at strain rates, at its first "
+        "node; empty without such a law",
+    )
+    failure_sums = array(
+        "2",
+        "-",
+        "over the segments that have failed: their number, sum of tension over the "
+        "strength of the yarn",
+    )
+    element_flag = array(
+        "slots uint8",
+        "-",
+        "damage bits of the elements: 1 a warp yarn failed, 2 a weft yarn failed, 4 "
+        "eroded (no longer in contact), 8 a window between sliding yarns, 16 torn and "
+        "drawn out to twice its size",
+    )
+    block_damage = array(
+        "blocks uint8",
+        "-",
+        "INTACT, DAMAGED (yarns have failed), or REDO (failed in this step: forces "
+        "are to be computed again)",
+    )
+    tension_stale = array(
+        "blocks boolean", "-", "whether T of a block is out of date, since nothing has needed it"
+    )
+    packed_blocks = array(
+        "blocks boolean", "-", "whether a block has packed elements (`cloth.packing_kernels`)"
+    )
+    block_max_tension = array(
+        "blocks, 2", "N", "largest tension of warp and weft in a block, or an upper bound of it"
+    )
+    last_contact_force = array(
+        "elements, points",
+        "N",
+        "size of the normal contact force of each contact point at the last step",
+    )
+    in_contact = array(
+        "elements boolean",
+        "-",
+        "whether a contact point of the element touched the projectile at the last step",
+    )
+    dv_other = array(
+        "3 x slots",
+        "m/s",
+        "predicted velocity increment of the step from all other forces, for the "
+        "implicit contact; empty if it is explicit",
+    )
+    dv_contact = array(
+        "3 x slots",
+        "m/s",
+        "velocity increment that the contact force of the last step gave; empty if "
+        "the contact is explicit",
+    )
+    force_scale = array(
+        "1",
+        "N",
+        "regularising force of the implicit contact: the projectile's force over the "
+        "contact points of an element",
+    )
+    f_contact = array("3 x slots", "N", "contact force of the projectile on the nodes")
+    projectile_position = array("3", "m", "position of the projectile's nose")
+    projectile_velocity = array("3", "m/s", "velocity of the projectile, at half steps")
+    f_contact_nose = array("3", "N", "contact force of the ply on the projectile")
+    contact_energy = array(
+        "5",
+        "J, m",
+        "work taken by normal contact, energy in its springs, work of friction, "
+        "energy in friction springs; last the largest penetration [m]",
+    )
+    active_rows = array("2 int64", "-", "first and end of the active element rows")
+    counter = array("3 int64", "-", "steps made, steps without contact, failed yarn segments")
+    energy_sums = array(
+        "blocks, 4",
+        "J",
+        "work of the yarn forces; viscous work; energy lost with failed yarns; lost "
+        "with trellis, bending and packing",
+    )
+    peak_tension = array(
+        "2", "N", "highest tension of warp and weft so far, as mean over a yarn segment"
+    )
+    peak_segment = array(
+        "2, 2 int64",
+        "-",
+        "slot at which the warp and the weft segment of the highest tension begin, "
+        "and the step (counted by the ply)",
+    )
+    contact_window = array("4 int64", "-", "present contact window (i0, i1, j0, j1)")
+    friction_state = array(
+        "elements, points, 6",
+        "m, N",
+        "elastic slip and friction force of each contact point; empty without friction",
+    )
+    slip_force = array("n", "N", "force on the slipping nodes along their axis at the last step")
+    slip_energy = array(
+        "3",
+        "J",
+        "work of the boundary on prescribed nodes, work of clamp friction, kinetic "
+        "energy of gripped nodes",
+    )
+    f_block_nose = array("3", "N", "force of the backing block on the projectile")
+    f_block_cloth = array(
+        "3 x slots", "N", "force of the backing block on the nodes; empty without one"
+    )
+    bar_u = array("n + 1", "m", "displacement of the bar's nodes along the axis")
+    bar_v = array("n + 1", "m/s", "velocity of the bar's nodes along the axis")
+    bar_plastic = array("n", "-", "plastic (logarithmic) strain of the bar's elements")
+    bar_stress = array("n", "Pa", "Kirchhoff stress of the bar's elements, positive in tension")
+    bar_energy = array("2", "J", "work of the force at the tip, plastic work")
+
+
+class Work(Row):
+    """Scratch of one thread, for one block of elements."""
+
+    A = array(
+        "3 x size",
+        "-",
+        "warp edge vectors over their length at rest. size: (rows_per_block + 4) "
+        "row_stride + 16, from two rows before the block",
+    )
+    B = array("3 x size", "-", "weft edge vectors over their length at rest")
+    stretch1 = array("size", "-", "stretch of the warp edges")
+    stretch2 = array("size", "-", "stretch of the weft edges")
+    inv_stretch1 = array("size", "-", "its inverse")
+    inv_stretch2 = array("size", "-", "its inverse")
+    mean_stretch1 = array("size", "-", "mean stretch of the warp edges that cross a weft edge")
+    mean_stretch2 = array("size", "-", "mean stretch of the weft edges that cross a warp edge")
+    T1 = array("size", "N", "warp tension (memory of dW_own1)")
+    T2 = array("size", "N", "weft tension (memory of dW_own2)")
+    N1 = array("size", "N", "force of the warp edges")
+    N2 = array("size", "N", "force of the weft edges")
+    dW_own1 = array(
+        "size", "N", "derivative of the potential of a warp edge with its own stretch, per yarn"
+    )
+    dW_own2 = array(
+        "size", "N", "derivative of the potential of a weft edge with its own stretch, per yarn"
+    )
+    dW_crossing1 = array(
+        "size",
+        "N",
+        "derivative of the potential of a warp edge with the mean stretch of the weft "
+        "edges that cross it, per weft yarn",
+    )
+    dW_crossing2 = array(
+        "size",
+        "N",
+        "derivative of the potential of a weft edge with the mean stretch of the warp "
+        "edges that cross it, per warp yarn",
+    )
+    f_over_stretch1 = array(
+        "size",
+        "N",
+        "axial force of a warp edge over its stretch, times A the nodal force (memory "
+        "of dW_crossing1)",
+    )
+    f_over_stretch2 = array(
+        "size", "N", "axial force of a weft edge over its stretch (memory of dW_crossing2)"
+    )
+    trellis_f1 = array(
+        "size",
+        "J",
+        "minus derivative of an element's shear energy with the stretch of each of its warp edges",
+    )
+    trellis_f2 = array(
+        "size",
+        "J",
+        "minus derivative of an element's shear energy with the stretch of each of its weft edges",
+    )
+    trellis_f12 = array(
+        "size",
+        "J",
+        "derivative of an element's shear energy with the product a.b of its mean edges, over 4",
+    )
+    f_next_row = array("3 x size", "N", "force of a row of elements on the nodes of the next row")
+    cell_index = array("256 int32", "-", "table cell of each edge of a piece")
+    barrier = array("32 int64", "-", "counter and stop flag of the thread barrier")
+    contact_scratch = row(Scratch, "of the contact with the projectile")
+
+
+class Stack(Row, kept=True):
+    """What the plies of a run share: the projectile, steps, who is awake."""
+
+    awake = array("plies boolean", "-", "whether anything has acted on the ply yet")
+    waits_for_plies = array(
+        "plies boolean",
+        "-",
+        "whether its implicit nose contact is evaluated after the contact of plies in this step",
+    )
+    counter = array(
+        "3 int64",
+        "-",
+        "steps made, steps without contact, steps up to the stop where the run goes "
+        "on after it, else 0",
+    )
+    projectile_position = array(
+        "plies, 3", "m", "position of the nose, from each ply's own plane at rest"
+    )
+    f_contact_nose = array("plies, 3", "N", "contact force of each ply on the projectile")
+    ply_counters = array("plies, 3 int64", "-", "counter of each ply")
+    projectile_velocity = array(
+        "3", "m/s", "velocity of the projectile, at half steps, in the first ply's frame"
+    )
+    turns = array(
+        "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
+    )
+    after_stop = array("1", "s", "for which the run goes on after the projectile has turned back")
+
+
+class PackContact(Row):
+    """The contact between the plies of a pack: surfaces, points, laws, lists of what is near, the guard."""
+
+    x = array(
+        "3, plies slots",
+        "m",
+        "positions of the nodes and ghosts of all plies, in the first ply's frame; "
+        "node (i, j) of ply p is number base[p] + i stride + j "
+        "(`plies.frame_kernels`)",
+    )
+    v = array("3, plies slots", "m/s", "their velocities")
+    rest = array("3, plies slots", "m", "their positions at rest")
+    f = array(
+        "plies, 2, 3, slots",
+        "N",
+        "forces of the plies before and of those behind on the nodes and ghosts of "
+        "each ply, while they are summed up",
+    )
+    force = array(
+        "plies, 2, 3, slots of State",
+        "N",
+        "the same on the nodes, in each ply's own frame",
+        kept=True,
+    )
+    window = array(
+        "plies, 2, 4 int64",
+        "-",
+        "rows and columns (i0, i1, j0, j1) of nodes with forces of `force`",
+        kept=True,
+    )
+    grid_window = array(
+        "plies, 2, 4 int64", "-", "rows and columns of nodes and ghosts with forces of `f`"
+    )
+    base = array("plies int64", "-", "number of node (0, 0)")
+    shape = array("plies, 5 int64", "-", "stride, ni, nj, mirror_x, mirror_y")
+    slots = integer("-", "slots of the largest grid with its ghosts")
+    turns = array(
+        "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
+    )
+    dt = number("s", "time step")
+    kick = array("plies slots", "s/kg", "dt over nodal mass; 0 where held")
+    mirror = array(
+        "plies slots uint8", "-", "1 of nodes on the plane x = 0 of symmetry, 2 on y = 0, 3 on both"
+    )
+    torn = array("plies slots uint8", "-", "1 of nodes at torn elements")
+    dropped = array(
+        "plies slots uint8", "-", "1 of elements that are no fabric any more", kept=True
+    )
+    failures = array("plies int64", "-", "failures so far")
+    points = integer("-", "contact points along each side of an element")
+    first_point = array(
+        "plies int64", "-", "number of the first contact point of each ply but the last"
+    )
+    closest_a = array(
+        "points + 8",
+        "-",
+        "place of the closest point on the next ply along its first axis, in "
+        "elements: where the next search begins",
+        kept=True,
+    )
+    closest_b = array("points + 8", "-", "the same along the second axis", kept=True)
+    closed = array(
+        "4, points + 8",
+        "m",
+        "closure of a point on the next ply, and on those behind it, when it last touched",
+        kept=True,
+    )
+    given = array(
+        "4, points + 8", "m", "what of it no motion has made, which does not press", kept=True
+    )
+    touched = array("4, points + 8", "-", "step in which it last touched", kept=True)
+    first_element = array(
+        "plies int64", "-", "number of the first element of each ply but the last, in `area`"
+    )
+    area = array(
+        "elements + 8",
+        "-",
+        "area that the points of an element stand for, over that of the smallest",
+    )
+    laws = array(
+        "plies - 1, cells + 1, 4",
+        "N, N/m, N s/m, J",
+        "laws of a contact point of each ply but the last: force, stiffness, damping "
+        "and energy at the beginning of each cell of the closure, the last for all "
+        "beyond",
+    )
+    law_step = array("plies - 1", "m", "width of a cell")
+    friction = number("-", "Coulomb friction coefficient between plies")
+    stick_damping = array(
+        "plies - 1", "N s/m", "damping of a contact point below the limit of friction"
+    )
+    side_by_side = array("plies - 1 boolean", "-", "whether a ply and the next lie at one angle")
+    lanes = array("8", "-", "0, 1, ..., 7")
+    thickness = array("plies", "m", "thickness of each ply")
+    thickest = number("m", "the largest of them")
+    longest = number("m", "longest diagonal of an element at rest")
+    energy = array(
+        "plies, 4",
+        "J, m",
+        "of the points of each ply: energy in the springs now, largest closure, work "
+        "of friction, energy lost with dropped elements",
+        kept=True,
+    )
+    work = array("plies", "J", "work that the contact forces have taken from each ply", kept=True)
+    y = array("3, plies slots", "m", "positions after the step of the nodes of the guard's rows")
+    impulse = array("3, plies slots", "N s", "impulses of the guard on these nodes")
+    guard_force = array(
+        "plies, 3, slots of State",
+        "N",
+        "forces of the guard on the nodes in the present step; 0 between the steps",
+    )
+    guard_window = array(
+        "plies, 4 int64", "-", "rows and columns of nodes with forces of the guard"
+    )
+    has_planes = flag("whether there is a plane of symmetry")
+    tile_ply = array("tiles int64", "-", "ply of each tile")
+    first_tile = array(
+        "plies + 1 int64", "-", "number of the first tile of each ply, and of all tiles"
+    )
+    tiles_across = array("plies int64", "-", "tiles along the second axis of each ply")
+    travel = array("tiles", "m", "sum over the steps of the largest way of a tile's nodes")
+    way = array("tiles", "m", "that of the last step")
+    travel_then = array("tiles", "m", "travel when pairs of tiles were last listed")
+    boxed = array("tiles int64", "-", "step in which the box of a tile was last found")
+    plane_due = array("tiles", "m", "travel with which a tile can be near a plane of symmetry")
+    box = array("tiles, 6", "m", "lower and upper ends of the boxes of the tiles")
+    order = array("tiles int64", "-", "tiles along x")
+    block_speed = array(
+        "plies, blocks", "m2/s2", "scratch: largest squared speed of the nodes of a block"
+    )
+    pair_tiles = array(
+        "pairs, 2 int64", "-", "pairs of tiles of different plies that are within reach"
+    )
+    pair_due = array("pairs", "m", "sum of the travels of both with which their facets can be near")
+    pair_seen = array(
+        "pairs",
+        "m",
+        "that sum when their points were last looked at; of plies that are no "
+        "neighbours, with which they may touch",
+    )
+    clearance = array(
+        "tiles",
+        "m",
+        "how far the nearest point of a tile was from touching the next ply when they "
+        "were last looked at",
+    )
+    looked_at = array("tiles int64", "-", "step in which the points of a tile were last looked at")
+    holes = array("tiles uint8", "-", "whether elements of a tile have been dropped")
+    covered = array(
+        "tiles int64", "-", "step in which a tile last had one of the next ply within reach"
+    )
+    open = array("tiles int64", "-", "step in which one of these last had a hole")
+    pressed = array(
+        "n, 2 int64",
+        "-",
+        "tiles whose points may touch, with a tile of the ply that they may touch",
+    )
+    entry_nodes = array(
+        "entries, 6 int32",
+        "-",
+        "pairs of facets within reach: nodes of the one and of the other; a bare yarn "
+        "has its last twice",
+    )
+    entry_pair = array("entries int64", "-", "their pair of tiles")
+    entry_end = array(
+        "entries", "m", "pair_due when they were listed; those of another one are dropped"
+    )
+    entry_due = array(
+        "entries", "m", "sum of the travels of their tiles with which they can be near"
+    )
+    facets = array("2, n, 3 int64", "-", "scratch: facets of two tiles")
+    facet_box = array("2, n, 6", "m", "scratch: their boxes")
+    row_nodes = array(
+        "rows, 6 int32",
+        "-",
+        "rows of the present step: nodes of both facets; -1 or -2 for a plane of symmetry",
+    )
+    row_normal = array("rows, 3", "-", "direction from the one to the other")
+    row_need = array("rows", "m", "distance along it that is to be left after the step")
+    row_distance = array("rows", "m", "distance along it at the beginning of the step")
+    node_step = array(
+        "plies slots int64", "-", "step in which the position after the step was last predicted"
+    )
+    node_list = array("plies slots int64", "-", "nodes of the rows")
+    root = array("plies slots int64", "-", "clusters: another node of the same, or the node itself")
+    cluster = array(
+        "plies slots, 5",
+        "kg/s, kg, -",
+        "of the node that stands for a cluster: sums of mass over dt and of that "
+        "times the way, bits of axes along which it cannot move",
+    )
+    count = array(
+        "7 int64",
+        "-",
+        "pairs of tiles, pairs of facets, rows, nodes of these, steps, whether all "
+        "lists are to be made anew, tiles that press",
+        kept=True,
+    )
+    guard = array(
+        "4",
+        "J, -",
+        "of the guard: work taken, impulses given, least distance over the thickness, "
+        "what has failed",
+        kept=True,
+    )
+
+
+class Slip(Row):
+    """Yarns that slide through the crossovers of a ply."""
+
+    active = flag("whether yarns can slip: the threshold is not infinite")
+    cohesion = number("N", "threshold of slip at a crossover without contact force")
+    mu = number("-", "coefficient of friction of yarn on yarn")
+    table = array("cells, 4", "N", "bilinear coefficients of the contact force of the cell")
+    lateral = number(
+        "N", "stiffness of the lateral contact of neighbouring yarns, times the spacing; 0 for none"
+    )
+    closest = number("-", "stretch of a segment below which its crossing yarns touch")
+    least = number("-", "share of yarn below which a segment gives none")
+    share = array("2 x slots", "-", "yarn that a segment holds over that at rest", kept=True)
+    inv_share = array("2 x slots", "-", "1 / share", kept=True)
+    x = array("2 x slots", "-", "effective stretch of a segment: stretch over share", kept=True)
+    config = array(
+        "2 x slots",
+        "N",
+        "configurational force of a segment: minus the derivative of its energy by its yarn",
+        kept=True,
+    )
+    q = array(
+        "2 x slots",
+        "m/s",
+        "flux of warp and weft through a node, at half steps: velocity of the yarn "
+        "relative to the node",
+        kept=True,
+    )
+    q_before = array("2 x slots", "m/s", "flux half a step before the forces", kept=True)
+    friction = array("2 x slots", "N", "force of friction on the flux", kept=True)
+    stop = array("2 x slots", "N", "force that keeps the flux within its bounds", kept=True)
+    residual = array(
+        "2 x slots", "N", "force that the iteration of the two fluxes has left", kept=True
+    )
+    mass = array("2 x slots", "kg", "mass of the node's warp and weft")
+    pull = array("2 x slots", "-", "that mass over the free mass of the node; 0 where it is held")
+    mobility = array(
+        "2 x slots", "1/kg", "1 / reduced mass of the flux; 0 where the yarn cannot slip"
+    )
+    coupling = array(
+        "slots",
+        "kg",
+        "product of the masses of the two yarns over that of the node; 0 where it is held",
+    )
+    part = array(
+        "slots",
+        "-",
+        "part of a crossover that a node stands for; less than 1 on the rim and on "
+        "planes of symmetry",
+    )
+    grip = array(
+        "slots", "N", "force with which the clamp of a gripped side holds the yarn that ends in it"
+    )
+    row_slips = array("ni + 2 boolean", "-", "whether a yarn slips at a node of the row", kept=True)
+    tail = array(
+        "2 x 2 x slots + 2 row_stride",
+        "-",
+        "yarn of a segment without force that hangs from its near and from its far "
+        "node, over that of a segment at rest; at slot k + row_stride",
+        kept=True,
+    )
+    removed = array(
+        "2 x slots uint8",
+        "-",
+        "whether a segment has failed or its yarn has left a crossover: 2 in this "
+        "step, 1 before it",
+        kept=True,
+    )
+    passed = array("2 x slots", "m", "length of yarn that has passed through a node", kept=True)
+    counter = array(
+        "3 int64", "-", "whether a tail is used up, segments pulled out, ends of yarn", kept=True
+    )
+    work = array(
+        "3",
+        "J",
+        "work of friction, of the bounds of a flux, and what the iteration leaves",
+        kept=True,
+    )
+
+
+# tables that parameters of kernels are named after
+PARAMETERS = {
+    "const": Constants,
+    "state": State,
+    "work": Work,
+    "contact": PackContact,
+    "stack": Stack,
+    "slip": Slip,
+}
+unit = units(PARAMETERS)
