@@ -55,8 +55,11 @@ class Table(BaseModel):
                 raise InputError(key=key, allowed=allowed)
 
     @classmethod
-    def unknown(cls, near: str | None) -> tuple[str, str | None]:
-        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it."""
+    def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
+        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it.
+
+        Without a message the line has the value of the key.
+        """
         hint = ";"
         if near:
             hint = f', did you mean "{near}"?'
@@ -306,11 +309,14 @@ def _problems(found, model, given, file):
             near = _meant(names[-1], error["input"], table)
             homes = _homes(model, names[-1])
             meant |= {".".join((*names[:-1], near))} if near and not homes else set()
-            message, allowed = table.unknown(near)
+            message, allowed = table.unknown(names[-1], near)
             if homes:
                 message = f"unknown key here, it is a key of {homes}"
                 allowed = None
-            line = InputError(message, file=file, key=key, allowed=allowed)
+            value = None
+            if message is None:
+                value = error["input"]
+            line = InputError(message, file=file, key=key, value=value, allowed=allowed)
         elif error["type"] == "missing" and key in meant:
             continue
         elif error["type"] == "missing":

@@ -27,12 +27,7 @@ def setup_of(scene):
 
 def model_of(setup):
     return CellModel(
-        setup.fabric,
-        setup.laws,
-        setup.crossover_gap,
-        setup.cell_model,
-        setup.cell_formulation,
-        setup.cell_profile,
+        setup.fabric, setup.laws, setup.crossover_gap, setup.cell_model, setup.cell_formulation
     )
 
 
@@ -94,7 +89,6 @@ def test_table_and_panel(scene):
     table = model_of(setup).table(41)
     for values in (
         *table.values.values(),
-        table.potential,
         table.spline,
         table.tension1,
         table.tension2,

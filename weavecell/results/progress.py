@@ -94,12 +94,17 @@ def watched(
     run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
 ) -> tuple[Any, UnstableError | None]:
     """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
-    from shellfabric.output.hooks import Progress
-
     with bar(title) as advance:
-        watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
+
+        def show(solver):
+            if solver.ended:
+                share = 1.0
+            else:
+                share = solver.time / solver.end_time
+            advance(share, f"{solver.state.projectile_velocity[2]:.1f} m/s")
+
         try:
-            return run((watching, *hooks)), None
+            return run((show, *hooks)), None
         except UnstableError as problem:
             return problem.result, problem
 

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
 PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa")
-_FAILED = ("failed_segments_warp", "failed_segments_weft")
-_SLIP = ("slip_warp_m", "slip_weft_m")
+_FAILED = "failed_segments_warp", "failed_segments_weft"
 
 
 def grid(nodes: FloatArray, quads: IntArray) -> Any:
@@ -61,7 +60,7 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
         }
     )
     together.point_data["area_m2"] = np.concatenate([shape.area for shape in plies])
-    for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED), ("slip", _SLIP)):
+    for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED)):
         columns = np.concatenate([getattr(shape, field) for shape in plies]).T
         together.point_data.update({name: column.copy() for name, column in zip(names, columns)})
     together.field_data["projectile_z_m"] = [float(plies[0].nose_position)]
@@ -79,7 +78,7 @@ def failed_yarns(broken: np.ndarray) -> np.ndarray:
 
 
 def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[IntArray]) -> None:
-    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; its parameters are those of `panel`."""
+    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; parameters as of `panel`."""
     times: dict[str, float] = {}
     for number, plies in enumerate(instants):
         name = f"panel/panel-{number:04d}.vtu"

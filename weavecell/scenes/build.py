@@ -308,14 +308,8 @@ def _warn_of_change(fitted_data, fabric, name):
 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:
-    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
-    return (
-        table.crossover_gap,
-        table.cell_model,
-        table.cell_formulation,
-        table.cell_profile,
-        table.fibre_slack,
-    )
+    """Gap, model and form of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
@@ -347,7 +341,6 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "projectile": _projectile(scene.projectile),
             "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
-            "crossovers": _crossovers(panel),
             "backing": _backing(scene.backing),
             "strength": panel.strength and YarnStrength(**panel.strength.model_dump()),
             "history": scene.history
@@ -365,16 +358,6 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
 def _given(table, *but):
     """{key: value} of the keys that a table sets, without some."""
     return {key: value for key, value in table if value is not None and key not in but}
-
-
-def _crossovers(table):
-    """The friction of sliding crossovers; None of pinned ones."""
-    if table.crossovers == "pinned":
-        return None
-    from shellfabric.sliding.model import CrossoverFriction
-
-    given = {"mu": table.crossover_friction, "cohesion": table.crossover_cohesion}
-    return CrossoverFriction(**{key: value for key, value in given.items() if value is not None})
 
 
 def _projectile(table):

@@ -27,13 +27,19 @@ from numpy.typing import ArrayLike
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
-from shellfabric.impact import ballistic_limit, lambert_jonas
-from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
-from weavecell.studies import assumed_range, probit, protocol, strengths
+from weavecell.studies import (
+    assumed_range,
+    ballistic_limit,
+    lambert_jonas,
+    probit,
+    protocol,
+    strengths,
+)
 from weavecell.studies.assumed_range import AssumedRange
 from weavecell.studies.inputs import Scatter, changed_setup, published
+from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
 FIRST = 0.25  # of the deterministic limit, either way
@@ -153,7 +159,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         told = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
         return Shot(number, velocity, nan, False, **panel, balance=nan, failure=told)
     panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
-    left, through = shot.residual_velocity, shot.perforated
+    left = shot.residual_velocity
+    through = shot.perforated
     return Shot(number, velocity, left, through, **panel, balance=shot.balance)
 
 
@@ -171,16 +178,11 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot. Edges that are not clamped or no lines of the grid (oblique weaves, round openings,
-    impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
-    `elements_per_crossover = 1`.
+    impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
-    named = (
-        setup.grading is not None
-        or setup.elements_per_crossover is not None
-        or setup.crossovers is not None
-    )
+    named = setup.grading is not None or setup.elements_per_crossover is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
-    stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
+    stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
         return setup
     if not clamped or setup.projectile.roaming or stepped:
@@ -194,15 +196,20 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
-    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
-    least, most = BEYOND[0] * V.min(), BEYOND[1] * V.max()
+    V = np.asarray(velocity, float)
+    hit = np.asarray(perforated, bool)
+    least = BEYOND[0] * V.min()
+    most = BEYOND[1] * V.max()
     if hit.all():
         return np.linspace(least, V.min(), count, endpoint=False)
     if not hit.any():
         return np.linspace(most, V.max(), count, endpoint=False)[::-1]
-    low, high = V[~hit].max(), V[hit].min()
+    low = V[~hit].max()
+    high = V[hit].min()
     if low < high:
-        wider = WIDER * (high - low) if scatters else 0.0
+        wider = 0.0
+        if scatters:
+            wider = WIDER * (high - low)
         placed = np.linspace(low - wider, high + wider, count + 2)[1:-1]
     else:
         curve = probit.fit(V, hit)
@@ -234,7 +241,7 @@ def study(
     batch : shots of a round
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
-    report, runs : see `run_cache.results`, with the folder of the shots
+    report, runs : as of `run_cache.results`, with the folder of the shots
 
     Raises
     ------
@@ -297,13 +304,14 @@ def over_assumed(
 
     Parameters
     ----------
-    setup, seed, tolerance, runs : see `study`
+    setup, seed, tolerance, runs : as of `study`
     found : what `study` returned
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
-    ends, middle = assumed_range.changes(setup), 0.5 * sum(found.deterministic)
+    ends = assumed_range.changes(setup)
+    middle = 0.5 * sum(found.deterministic)
 
     def limit_of(changed):
         (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)
