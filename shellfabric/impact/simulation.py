@@ -31,6 +31,7 @@ from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
+from shellfabric.panel.boundary import Boundary
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
