@@ -85,9 +85,6 @@ class Grip:
 Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes
 
 
-Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes
-
-
 def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its forms.
 

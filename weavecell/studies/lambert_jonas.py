@@ -112,7 +112,7 @@ def fit(
     """
     vs = np.asarray(strike_velocity, float)
     vr = np.asarray(residual_velocity, float)
-    free = NAMES
+    free: tuple[str, ...] = NAMES
     if limit is not None:
         free = NAMES[:2]
     _check(vs, vr, confidence)
