@@ -307,7 +307,7 @@ class CellTable:
     @cached_property
     def _stiffness(self):
         """(largest, at rest) [N/m]."""
-        weave = self.cell_model.fabric.weave
+        weave = self.model.fabric.weave
         m1 = weave.warp_count
         m2 = weave.weft_count
         d1, d2 = self.steps

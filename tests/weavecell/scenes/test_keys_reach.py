@@ -173,6 +173,7 @@ ROWS = {
         "pressure_law",
         {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...},
     ),
+    "accuracy.quantity": ({"accuracy": {"uncertainty": "2 %"}}, "deflection", {}),
     "panel.yarn_failure": ({}, False, {"yarn_failure": False, "fabric.assumed": ()}),
     "panel.strength.weibull_shape": (DRAWN, 7.0, {"strength.weibull_shape": 7.0}),
     "panel.strength.seed": (DRAWN, 3, {"strength.seed": 3}),
@@ -338,8 +339,9 @@ def about(value):
     "key", [key for key in ENTRIES if key in OF_THE_RUN or key.startswith("accuracy.")]
 )
 def test_a_key_that_the_run_reads_stands_in_the_scene(key):
-    _, value, _ = row(key)
-    assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
+    context, value, _ = row(key)
+    scene = with_value(merged(SHOT, context), key, value)
+    assert attrgetter(key)(check(scene, None)) == in_si(key, value)
 
 
 @pytest.mark.parametrize("name", ["IMPACT", "LIMITS", "V50", "SWEEP", "COUPON"])
@@ -372,7 +374,7 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.cell_formulation) == ("incompressible", "variational")
+    assert (cell.cell_model, cell.cell_formulation) == ("incompressible", "variational")
     assert cell.crossover_gap == pytest.approx(1e-5)
 
 
