@@ -225,7 +225,7 @@ def behind(table, zones, crossovers):
     state.v[0][: X.size] = (
         speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))
     ).ravel()
-    ply_kernels.initial_forces(state, const, None, panel.work())
+    ply_kernels.initial_forces(state, const, panel.work())
     solver.advance(np.empty((int((100 + crossovers) * d / speed / const.dt), 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())

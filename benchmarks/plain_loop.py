@@ -265,13 +265,13 @@ def nose_only(state, const, work, times):
 @entry(_nrt=False)
 def failure_only(state, const, work, times):
     for _ in range(times):
-        ply_kernels.apply_failure(state, const, None, work)
+        ply_kernels.apply_failure(state, const, work)
 
 
 @entry()
 def audit_only(state, const, out, times):
     for _ in range(times):
-        ply_kernels.energies(state, const, None, out)
+        ply_kernels.energies(state, const, out)
 
 
 def cpu(function, *arguments):

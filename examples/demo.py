@@ -89,9 +89,9 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
         __doc__.split("\n\n")[1].partition(" It takes")[0],
     )
     outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
-    cost = chapters_shot.cost(first, setups[0])
+    settings = chapters_shot.settings(setups[0])
     report = chapters.report(
-        title, lead, (used,), cards, sections, stamp, times, outcome, more=cost
+        title, lead, (used,), cards, sections, stamp, times, outcome, more=(settings,)
     )
     page.write(report, out / "report.html")
     page.write_pictures(sections, out / "pictures")

@@ -190,7 +190,7 @@ class Constants(Row):
     window_limits = numbers(4, "-", "largest contact window (i0, i1, j0, j1)", "int64")
     points_per_side = integer("-", "contact points along each side of an element")
     shape_functions = array(
-        "2, 8, points",
+        "2, 8, padded points",
         "-",
         "shape functions at the contact points, linear and quadratic: rows 0-3 along "
         "the warp, 4-7 along the weft",
@@ -347,7 +347,7 @@ class State(Row, kept=True):
         "blocks, 2", "N", "largest tension of warp and weft in a block, or an upper bound of it"
     )
     last_contact_force = array(
-        "elements, points",
+        "elements, padded points",
         "N",
         "size of the normal contact force of each contact point at the last step",
     )

@@ -64,7 +64,7 @@ image() {
   chown -R 1000:1000 "$root/$at"
   line="$entry impact S-720-stops.toml --out stops && ls -l stops/report.html"
   inside --userspec=1000:1000 "$root"
-  line="$entry crossover S-720 --case yarn --out crossover && ls -l crossover/case.json"
+  line="$entry crossover yarn S-720 --out crossover && ls -l crossover/case.json"
   inside --userspec=1000:1000 "$root"
   du -sh --one-file-system "$root"
 }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 import re
+from operator import attrgetter
 
 import weavecell
-from weavecell.cli.from_signature import _SECTION
+from weavecell.cli.from_signature import _SECTION, unpacked
 
 _ENTRY = re.compile(r"^(\*{0,2}\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
@@ -15,11 +16,9 @@ SECTIONS = {
         "fabrics",
         "fabric",
         "new_fabric",
-        "show_fabric",
+        "show",
         "projectiles",
-        "show_projectile",
         "backings",
-        "show_backing",
     ),
     "Shots": (
         "impact",
@@ -30,7 +29,18 @@ SECTIONS = {
         "compare",
     ),
     "Tests of materials": ("coupon", "biaxial"),
-    "The 3D crossover": ("mesh", "calibrate", "crossover", "surface"),
+    "The 3D crossover": (
+        "mesh",
+        "calibrate",
+        "crossover.yarn",
+        "crossover.platens",
+        "crossover.stack",
+        "crossover.biaxial",
+        "crossover.path",
+        "crossover.shear",
+        "crossover.pull_out",
+        "surface",
+    ),
     "Files and pictures": ("export", "view"),
 }
 
@@ -43,7 +53,7 @@ def text() -> str:
     left = [
         name
         for name in weavecell.__all__
-        if name not in sum(SECTIONS.values(), ()) and name != "__version__"
+        if inspect.isclass(getattr(weavecell, name)) and name not in sum(SECTIONS.values(), ())
     ]
     kinds = {name: getattr(weavecell, name) for name in left}
     results = [
@@ -62,7 +72,7 @@ def text() -> str:
 
 def _function(name):
     """Heading with the signature, what it does, and an entry for each argument."""
-    function = getattr(weavecell, name)
+    function = attrgetter(name)(weavecell)
     signature, last = [], inspect.Parameter.POSITIONAL_OR_KEYWORD
     for one in inspect.signature(function).parameters.values():
         if one.kind is one.KEYWORD_ONLY and last is one.POSITIONAL_OR_KEYWORD:
@@ -74,6 +84,10 @@ def _function(name):
         f"- `{names}`: {_line(meaning)}"
         for names, meaning in _ENTRY.findall(sections[0] if sections else "")
     ]
+    shared: dict[str, str] = {}
+    unpacked(function, shared)
+    for key, meaning in shared.items():
+        entries.append(f"- `{key}`: {meaning}".replace("\\", ""))
     call = f"`{name}({', '.join(signature)})`"
     return "\n\n".join(filter(None, (f"### {name}", call, _first(function), "\n".join(entries))))
 

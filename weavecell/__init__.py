@@ -30,6 +30,9 @@ for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
 # functions and commands of earlier versions: what to use instead
 REMOVED = {
     "fit": "use scipy.optimize.least_squares (docs/coupons.md), or `compare` for the statistics of tests",
+    "show_fabric": "use `show`",
+    "show_projectile": "use `show`",
+    "show_backing": "use `show`",
     "projectile": "give the keyword a dict: projectile={'name': 'FSP 1.10 g', 'obliquity': '30 deg'}",
     "draws": "use `sweep` over the key panel.strength.seed",
     "sensitivity": "use `sweep` with one_at_a_time; examples/sobol_indices.py has Sobol indices",

@@ -69,9 +69,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
                 if several:
-                    hold_apart(
-                        states, consts, contact
-                    )  # the guard: all forces of the step are known
+                    hold_apart(states, consts, contact)
                 fly(states, consts, stack)
                 if not several:
                     grow_active_rows(row_of(states, 0), row_of(consts, 0))
@@ -87,14 +85,12 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
                 if not wakes(state, const, contact, stack, p):
                     continue
                 grow_active_rows(state, const)
-            update_blocks(state, const, work, gate, part, parts)  # motion, forces of elements
+            update_blocks(state, const, work, gate, part, parts)
             barrier_wait(gate, parts)
             if part == 0:
                 break_yarns(state, const, work)
                 other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
-                stack.waits_for_plies[p] = touch(
-                    state, const, work
-                )  # the nose, but before others' pushes
+                stack.waits_for_plies[p] = touch(state, const, work)
                 move_edges(state, const)
                 if several:
                     place(state, const, contact, p)

@@ -56,7 +56,7 @@ def test_a_fabric_of_data_sheets_is_calibrated_and_shot_at(file, tmp_path):
     (tmp_path / "shot.toml").write_text(SHOT)
     run = runner(Path(sys.executable).parent)
     for line in (
-        "fabrics show own.toml",
+        "show own.toml",
         "calibrate own.toml --mesh coarse --jobs 1 --out law",
         "impact shot.toml",
     ):

@@ -52,7 +52,7 @@ SCENES = {
 GROUPS = {
     "panels": (
         "fabrics list --out list.csv",
-        "fabrics show S-728 --out own",
+        "show S-728 --out own",
         f"fabrics new new.toml --from {ROOT}/examples/fabrics/mine.csv",
         "projectiles list",
         "backings list",

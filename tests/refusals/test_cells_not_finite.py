@@ -25,7 +25,7 @@ READERS = {
         "pressure [MPa], closure [um]\n1, 5\n2, 9\n",
     ),
     "path of a crossover": (
-        "crossover S-720 --case path --path t.csv --mesh 3,2,2 --out r",
+        "crossover path S-720 --path t.csv --mesh 3,2,2 --out r",
         "dolfinx",
         "d1 [um], d2 [um]\n3, 4\n5, 6\n",
     ),

@@ -13,7 +13,7 @@ from shellfabric.solver.pack_solver import PackSolver
 def bring(panel, state, x):
     """Move the nodes to x (ni+1, nj+1, 3), all at once and at rest, and find the forces."""
     set_nodal(state.u, x - rest(panel))
-    ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
+    ply_kernels.initial_forces(state, panel.constants(), panel.work())
     return state
 
 

@@ -22,6 +22,7 @@ from fabrics.ply_law import PlyLaw
 from shellfabric.backing import block_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.cloth import boundary_kernels, failure_kernels
+from shellfabric.jit.table import Row
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.element_kernels import DAMAGED, INTACT
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
@@ -79,6 +80,15 @@ def at_rest(x):
 # the forces
 
 
+def arrays_of(row):
+    """The arrays of a table's row, of the rows and tuples in it too."""
+    for part in row:
+        if isinstance(part, Row | tuple):
+            yield from arrays_of(part)
+        elif isinstance(part, np.ndarray):
+            yield part
+
+
 def state_at(panel, *places, damage=INTACT, torn=()):
     """State of a panel whose nodes were at these places, one after the other. Scratch may hold anything.
 
@@ -88,9 +98,7 @@ def state_at(panel, *places, damage=INTACT, torn=()):
     const = panel.constants()
     work = panel.work()
     random = np.random.default_rng(0)
-    for part in (
-        part for parts in work for part in (parts if isinstance(parts, tuple) else (parts,))
-    ):
+    for part in arrays_of(work):
         part[...] = random.uniform(0.5, 2.0, part.shape)
     for family, *place in torn:
         lines = []
@@ -107,7 +115,7 @@ def state_at(panel, *places, damage=INTACT, torn=()):
     state.block_damage[:] = DAMAGED if torn else damage
     for x in places:
         set_nodal(state.u, x - rest(panel))
-        ply_kernels.initial_forces(state, const, None, work)
+        ply_kernels.initial_forces(state, const, work)
     return state
 
 

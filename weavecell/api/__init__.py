@@ -2,24 +2,15 @@
 
 from fabrics import __version__
 from fabrics.base.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.api import crossover
 from weavecell.api.biaxial_paths import BiaxialResult, biaxial
 from weavecell.api.calibration import CalibrationResult, calibrate
 from weavecell.api.comparison import ComparisonResult, TestsResult, compare
 from weavecell.api.coupons import CouponResult, coupon
-from weavecell.api.crossovers import CrossoverResult, crossover
+from weavecell.api.crossover_result import CrossoverResult
 from weavecell.api.exports import DeckResult, export
 from weavecell.api.limits import CriticalVelocityResult, critical_velocity
-from weavecell.api.lists import (
-    Listing,
-    backings,
-    fabrics,
-    new_fabric,
-    projectiles,
-    show_backing,
-    show_fabric,
-    show_projectile,
-    view,
-)
+from weavecell.api.lists import Tables, backings, fabrics, new_fabric, projectiles, show, view
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
@@ -39,7 +30,6 @@ __all__ = [
     "DeckResult",
     "DoubtfulResult",
     "InputError",
-    "Listing",
     "MeshResult",
     "Result",
     "RunSize",
@@ -47,6 +37,7 @@ __all__ = [
     "SurfaceResult",
     "SweepResult",
     "SweepTable",
+    "Tables",
     "TestsResult",
     "UndecidedError",
     "UnstableError",
@@ -67,9 +58,7 @@ __all__ = [
     "new_fabric",
     "projectiles",
     "setup",
-    "show_backing",
-    "show_fabric",
-    "show_projectile",
+    "show",
     "surface",
     "sweep",
     "v50",

@@ -95,11 +95,11 @@ def biaxial(
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
     source = "published"
+    if isinstance(law, CompressionLaw):
+        source = law.provenance
+    elif law is not None:
+        source = str(law)
     if law is not None:
-        if isinstance(law, CompressionLaw):
-            source = law.provenance
-        else:
-            source = str(law)
         fabric = replace(fabric, laws=build.laws_of(fabric, law))
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
@@ -117,17 +117,13 @@ def biaxial(
 
 def _ratio(text):
     """(warp, weft) from "2:1"."""
-    bad = InputError(
-        key="ratio",
-        value=text,
-        allowed='two numbers of at least 0, one of them above, such as "2:1"',
-    )
     try:
         ratio = tuple(float(part) for part in text.split(":"))
     except ValueError:
-        raise bad from None
+        ratio = ()
     if len(ratio) != 2 or not all(map(isfinite, ratio)) or not min(ratio) >= 0 < max(ratio):
-        raise bad
+        allowed = 'two numbers of at least 0, one of them above, such as "2:1"'
+        raise InputError(key="ratio", value=text, allowed=allowed)
     return ratio
 
 
@@ -137,14 +133,13 @@ def _crossovers(fabric, paths, size):
     from unitcell3d.cases import biaxial_and_platens
 
     built = crossover.build(fabric, size=size)
+    w1, w2 = fabric.weave.w
     solved = {}
-    (w1, w2) = fabric.weave.w
     with progress.bar(f"3D crossover of {fabric.name}") as advance:
         for number, (text, path) in enumerate(paths.items()):
             advance(number / len(paths), text)
-            solved[text] = biaxial_and_platens.biaxial(
-                built, fabric, (path.ratio[0] * w1, path.ratio[1] * w2)
-            )
+            strain1, strain2 = path.ratio
+            solved[text] = biaxial_and_platens.biaxial(built, fabric, (strain1 * w1, strain2 * w2))
     return solved
 
 
@@ -203,84 +198,93 @@ class BiaxialResult(Result):
             "tension": path.tension[-1],
             "contact_force": float(path.response["F"][-1]),
         }
-        if history is None:
-            return end
+        if history is not None:
+            end["rms_from_3d"] = self._differences(history)
+        return end
+
+    def _differences(self, history):
+        """[N] rms of the cell's tensions, warp and weft, from those of the 3D crossover at the same strains."""
         w1, w2 = self.fabric.weave.w
         cell = self.model.solve(1 + history["d1"] / w1, 1 + history["d2"] / w2)
-        pairs = ((cell["T1"], history["T1"]), (cell["T2"], history["T2"]))
-        return end | {"rms_from_3d": [sqrt(((own - other) ** 2).mean()) for own, other in pairs]}
+        rms = []
+        for name in ("T1", "T2"):
+            rms.append(sqrt(((cell[name] - history[name]) ** 2).mean()))
+        return rms
 
     def _columns(self):
         paths = self.paths.values()
-        columns: dict[str, Any] = {
-            "ratio": np.repeat(list(self.paths), [len(path.strain) for path in paths])
-        }
+        lengths = [len(path.strain) for path in paths]
         strains = np.concatenate([path.strain for path in paths])
-        columns |= {"warp strain [-]": strains[:, 0], "weft strain [-]": strains[:, 1]}
-        return columns | {
-            name: np.concatenate([path.response[key] for path in paths])
-            for key, name in COLUMNS.items()
+        columns: dict[str, Any] = {
+            "ratio": np.repeat(list(self.paths), lengths),
+            "warp strain [-]": strains[:, 0],
+            "weft strain [-]": strains[:, 1],
         }
+        for key, name in COLUMNS.items():
+            columns[name] = np.concatenate([path.response[key] for path in paths])
+        return columns
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
         from weavecell.report import chapters, page
         from weavecell.results import provenance
 
-        out = Path(out)
-        fabric = self.fabric
-        stamp = provenance.stamp("", fabric)
-        files.write(
-            out / "biaxial.csv", self.to_dataframe().to_csv(index=False, float_format="%.8g")
-        )
+        folder = Path(out)
+        stamp = provenance.stamp("", self.fabric)
+        table = self.to_dataframe().to_csv(index=False, float_format="%.8g")
+        files.write(folder / "biaxial.csv", table)
         for text, history in self.solved.items():
-            history.write(out / f"{text.replace(':', '-')}.h5")
-        json_file.write(out / "biaxial.json", self.summary() | {"provenance": stamp})
+            history.write(folder / f"{text.replace(':', '-')}.h5")
+        json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
         section = self._section()
-        page.write_pictures([section], out / "pictures")
-        title = f"{fabric.name}: biaxial response"
-        card = chapters.law_card(self.model.used_laws[0], source=self.source)
-        lead = "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first "
-        report = chapters.report(
-            title, lead + "yarn.", (fabric,), (card,), (section,), stamp, {"all": self.seconds}
+        page.write_pictures([section], folder / "pictures")
+        title = f"{self.fabric.name}: biaxial response"
+        lead = (
+            "One crossover, stretched in both directions at fixed ratios of strains until its first yarn is at its "
+            "strength."
         )
-        page.write(report, out / "report.html")
+        card = chapters.law_card(self.model.used_laws[0], source=self.source)
+        seconds = {"all": self.seconds}
+        chapters.write(folder, title, lead, (self.fabric,), (card,), (section,), stamp, seconds)
 
     def _section(self):
-        from pandas import DataFrame
-
         from weavecell.report import chapters
         from weavecell.report.page import Table
 
-        strains = {}
-        (w1, w2) = self.fabric.weave.w
+        w1, w2 = self.fabric.weave.w
+        paths = {}
         for text, path in self.paths.items():
+            strains = tuple(path.strain.T)
             history = self.solved.get(text)
-            strains[f"strains {text}"] = tuple(path.strain.T)
             if history is not None:
-                strains[f"strains {text}"] = (
-                    history["d1"] / w1,
-                    history["d2"] / w2,
-                    history["T1"],
-                    history["T2"],
-                )
+                strains = (history["d1"] / w1, history["d2"] / w2, history["T1"], history["T2"])
+            paths[f"strains {text}"] = strains
         label = "law given"
         if self.source == "published":
             label = "published law"
-        drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains)
-        ends = {text: self._end(text) for text in self.paths}
-        table = {
-            "strains, warp : weft": list(ends),
-            "first at its strength": [end["failed"] for end in ends.values()],
-            "strain [%]": [_pair(100 * end["strain"], ".2f") for end in ends.values()],
-            "tension [N]": [_pair(end["tension"], ".1f") for end in ends.values()],
-            "contact force [N]": [end["contact_force"] for end in ends.values()],
-        }
-        if self.solved:
-            table["rms from 3D [N]"] = [_pair(end["rms_from_3d"], ".2f") for end in ends.values()]
-        return replace(
-            drawn, tables=(Table.of(DataFrame(table), "Where each path ends, warp / weft"),)
-        )
+        laws = {label: self.fabric.laws}
+        drawn = chapters.cell(self.fabric, laws, paths=paths)
+        table = Table.of(self._ends(), "Where each path ends, warp / weft")
+        return replace(drawn, tables=(table,))
+
+    def _ends(self):
+        """Where each path ends, as a DataFrame."""
+        from pandas import DataFrame
+
+        rows = []
+        for text in self.paths:
+            end = self._end(text)
+            row = {
+                "strains, warp : weft": text,
+                "first at its strength": end["failed"],
+                "strain [%]": _pair(100 * end["strain"], ".2f"),
+                "tension [N]": _pair(end["tension"], ".1f"),
+                "contact force [N]": end["contact_force"],
+            }
+            if self.solved:
+                row["rms from 3D [N]"] = _pair(end["rms_from_3d"], ".2f")
+            rows.append(row)
+        return DataFrame(rows)
 
     def __str__(self) -> str:
         lines = []

@@ -267,9 +267,9 @@ class CalibrationResult(Result):
             "b_m_N^(1/3)": law.b,
             "rms_m": law.residual_rms,
         }
-        for key, pair in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
-            if pair is not None:
-                found |= {f"{key}_low": pair[0], f"{key}_high": pair[1]}
+        for key, interval in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
+            if interval is not None:
+                found[f"{key}_low"], found[f"{key}_high"] = interval
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
             found |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
         if law.outside_ends():
@@ -279,13 +279,11 @@ class CalibrationResult(Result):
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
         histories = self.calibration.histories
-        columns: dict[str, Any] = {
-            "path": [name for name, path in histories.items() for _ in path["path"]]
-        }
+        lengths = [len(history["path"]) for history in histories.values()]
+        columns: dict[str, Any] = {"path": np.repeat(list(histories), lengths)}
         for name, unit in units.items():
-            columns[f"{name}_{unit}"] = np.concatenate(
-                [np.asarray(path[name]) for path in histories.values()]
-            )
+            parts = [np.asarray(history[name]) for history in histories.values()]
+            columns[f"{name}_{unit}"] = np.concatenate(parts)
         return columns
 
     @property
@@ -294,19 +292,21 @@ class CalibrationResult(Result):
         done = self.calibration
         return {name: path for name, path in done.histories.items() if path is not done.plates}
 
+    @property
+    def _fitted(self):
+        """{label: law} of the fit and of the publication, if there is one."""
+        laws = {"fitted": self.calibration.law}
+        if self.calibration.published is not None:
+            laws["published"] = self.calibration.published
+        return laws
+
     def _drawn(self):
         """Arguments of `report.pictures.fit`."""
         from unitcell3d.identify.calibration import samples
 
-        done = self.calibration
-        laws = {"fitted": done.law} | (
-            {} if done.published is None else {"published": done.published}
-        )
-        return (
-            {name: samples(path) for name, path in self._stretched.items()},
-            laws,
-            (done.plates["F_c"], done.plates["d_c"]),
-        )
+        points = {name: samples(path) for name, path in self._stretched.items()}
+        plates = self.calibration.plates
+        return points, self._fitted, (plates["F_c"], plates["d_c"])
 
     def plot(self) -> Figure:
         """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and laws."""
@@ -319,43 +319,46 @@ class CalibrationResult(Result):
         return self.mesh.to_vtk(folder)
 
     def _around(self):
-        """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} where there are none."""
-        known = self.interval is not None and not isinstance(self.interval, Exception)
-        if known:
-            return self.interval.around(self.law)
-        return {}
+        """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} if they are not known."""
+        if self.interval is None or isinstance(self.interval, Exception):
+            return {}
+        return self.interval.around(self.law)
 
     def _laws(self):
         """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread, what it leaves out."""
         done = self.calibration
         law = self.law
-        pairs = [("fitted", law), ("published", done.published)]
         rows = [
-            _row(name, pair.a, pair.b, pair.residual_rms)
-            for name, pair in pairs
-            if pair is not None
+            _row("fitted", law.a, law.b, law.residual_rms),
+            _row("95 % interval", law.a_interval, law.b_interval),
         ]
-        rows.insert(1, _row("95 % interval", law.a_interval, law.b_interval))
+        if done.published is not None:
+            published = done.published
+            rows.append(_row("published", published.a, published.b, published.residual_rms))
         if done.spread:
             rows.append(_row("each path", done.spread["a"], done.spread["b"]))
-        alone = zip(("warp alone", "weft alone"), done.yarn_laws)
-        rows += [
-            _row(name, own.a, own.b, own.residual_rms) for name, own in alone if own is not None
-        ]
-        rows += [
-            _row(f"{end} end", *ends)
-            for end, ends in zip(("soft", "stiff"), law.assumed_range or ())
-        ]
-        if around := self._around():
+        for name, own in zip(("warp alone", "weft alone"), done.yarn_laws):
+            if own is not None:
+                rows.append(_row(name, own.a, own.b, own.residual_rms))
+        for end, constants in zip(("soft", "stiff"), law.assumed_range or ()):
+            rows.append(_row(f"{end} end", *constants))
+        around = self._around()
+        if around:
             rows.append(_row("of the solid", around["a"], around["b"]))
-        if (ratio := done.ratio_law) is not None:
-            rows.append(("alternative", "-", "-", f"{1e6 * ratio.residual_rms:.2f}"))
+        if done.ratio_law is not None:
+            rows.append(("alternative", "-", "-", f"{1e6 * done.ratio_law.residual_rms:.2f}"))
         return rows
 
     def _shown(self):
         from pandas import DataFrame
 
-        return DataFrame(self._laws(), columns=("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"))
+        return DataFrame(self._laws(), columns=["law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"])
+
+    @property
+    def _forces(self):
+        """Over which forces the law was fitted, in words."""
+        low, high = self.law.F_range or (np.nan, np.nan)
+        return f"over F = {low:.2g} to {high:.3g} N"
 
     def __str__(self) -> str:
         done = self.calibration
@@ -364,46 +367,39 @@ class CalibrationResult(Result):
         if done.friction:
             lines.append(("friction", f"{done.friction:g}"))
         if self.solid is not None:
-            lines += [(name, _known(self.solid, name)) for name in self.solid.values]
+            for name in self.solid.values:
+                lines.append((name, _known(self.solid, name)))
             lines += [("misfit", text) for text in _misfits(self.solid)]
             if isinstance(self.interval, Exception):
                 lines.append(("intervals", f"none: {self.interval}"))
         for name, a, b, rms in self._laws():
-            text = "compliance that depends on the ratio of warp and weft tension"
-            if name != "alternative":
-                text = f"a = {a} mm, b = {b} mm N^(1/3)"
-            lines.append((name, text + (f", {rms} um rms" if rms else "")))
-        low, high = law.F_range or (np.nan, np.nan)
-        lines.append(
-            (
-                "residual",
-                f"{1e6 * (law.residual_rms or 0):.2f} um rms over F = {low:.2g} to {high:.3g} N",
-            )
-        )
-        better = ", although the alternative fits the paths better"
-        if done.chosen == "one law":
-            better = ""
-        lines.append(("impacts use", f"the fitted law{better}"))
+            text = f"a = {a} mm, b = {b} mm N^(1/3)"
+            if name == "alternative":
+                text = "compliance that depends on the ratio of warp and weft tension"
+            if rms:
+                text += f", {rms} um rms"
+            lines.append((name, text))
+        residual = 1e6 * (law.residual_rms or 0)
+        lines.append(("residual", f"{residual:.2f} um rms {self._forces}"))
+        used = "the fitted law"
+        if done.chosen != "one law":
+            used += ", although the alternative fits the paths better"
+        lines.append(("impacts use", used))
         lines += [("note", line) for line in law.outside_ends()]
         for end, why in self.failed.items():
-            lines.append(
-                (
-                    "no range",
-                    f"the {end} end of the assumed solid law has no compression law: {why}",
-                )
-            )
+            text = f"the {end} end of the assumed solid law has no compression law: {why}"
+            lines.append(("no range", text))
         if done.contact is not None:
             lines.append(("plies", done.contact.words()))
         for name, path in done.histories.items():
             if path.failed:
-                lines.append(
-                    (name, f"ended at {100 * path['path'][-1]:.1f} % of its path: {path.failed}")
-                )
+                share = 100 * path["path"][-1]
+                lines.append((name, f"ended at {share:.1f} % of its path: {path.failed}"))
         return "\n".join(f"{name:<13} {text}" for name, text in lines)
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import chapters, page
+        from weavecell.report import chapters
         from weavecell.results import provenance
 
         done = self.calibration
@@ -411,142 +407,146 @@ class CalibrationResult(Result):
         folder = Path(out)
         if self.solid is not None:
             self.solid.write(folder / "solid.json")
-        if around := self._around():
+        around = self._around()
+        if around:
             json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
-        for name, path in {} if self.resumable else done.histories.items():
-            path.write(folder / f"{name.replace(' ', '-')}.h5")
+        if not self.resumable:
+            for name, path in done.histories.items():
+                path.write(folder / f"{name.replace(' ', '-')}.h5")
         self.mesh.save(folder)
         stamp = provenance.stamp("", fabric)
         json_file.write(folder / "provenance.json", stamp)
         lead = (
             "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "
             "the thickness that its yarns lose under their contact force."
-        ) + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else "")
-        card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
+        )
+        if done.friction:
+            lead += f" Coulomb friction between the yarns: {done.friction:g}."
         title = f"{fabric.name}: compression law from the 3D crossover"
-        picture = folder / "crossover.png"
-        sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
-        report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
-        page.write(report, folder / "report.html")
+        card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
+        picture = (folder / "crossover.png").read_bytes()
+        sections = (*self.sections(), chapters.mesh(self.mesh.summary(), picture))
+        chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         done.write(folder)  # law.json, the last: what is there is whole
 
     def sections(self) -> tuple[Section, ...]:
-        """Chapters of the report: the fit, the solid where it was fitted, the response of the shells' cell."""
+        """Chapters of the report: the fit, the solid if it was fitted, the response of the shells' cell."""
         from weavecell.report import chapters
 
         fabric = self.mesh.fabric
-        _, laws, _ = self._drawn()
         w1, w2 = fabric.weave.w
-        paths = {
-            name: (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
-            for name, path in self._stretched.items()
-        }
-        cell = chapters.cell(
-            fabric, {label: (law, law) for label, law in laws.items()}, paths=paths
-        )
-        return (self._fit(), *([] if self.solid is None else [self._of_the_solid()]), cell)
+        paths = {}
+        for name, path in self._stretched.items():
+            paths[name] = (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
+        laws = {label: (law, law) for label, law in self._fitted.items()}
+        found = [self._fit()]
+        if self.solid is not None:
+            found.append(self._of_the_solid())
+        return (*found, chapters.cell(fabric, laws, paths=paths))
 
     def _fit(self):
         """Samples and laws, each path alone, and fibre failure."""
-        from pandas import DataFrame
-
         from weavecell.report import pictures
-        from weavecell.report.page import Figure, Section, Table
+        from weavecell.report.page import Section, Table
 
         done = self.calibration
-        law = self.law
-        rms = "rms [µm]"
-        low, high = law.F_range or (np.nan, np.nan)
-        laws = f"Fitted laws, over F = {low:.2g} to {high:.3g} N; impacts use the fitted one"
-        if (ratio := done.ratio_law) is not None:
+        caption = f"Fitted laws, {self._forces}; impacts use the fitted one"
+        ratio = done.ratio_law
+        if ratio is not None:
             c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
-            laws += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
-        paths = []
-        for name, path in done.histories.items():
-            own = done.path_laws.get(name)
-            off = done.residuals.get(name)
-            if own is None:
-                row = (name, "-", "-", "")
-            else:
-                row = _row(name, own.a, own.b, off)
-            paths.append((*row, _ended(name, path), done.seconds[name]))
-        failures = [
-            (
-                name,
-                one.criterion,
-                ("warp", "weft")[one.yarn],
-                *(1e6 * d for d in one.d),
-                *one.T,
-                one.F_c,
-            )
-            for name, of_path in done.failures.items()
-            for one in of_path
-        ]
-        heads = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
-        ab = ("a [mm]", "b [mm N^(1/3)]")
-        tables = {
-            laws: self._shown(),
-            "Each path": DataFrame(
-                paths, columns=("path", *ab, f"{rms} from the fitted law", "ended", "time [s]")
-            ),
-            "Where the fibre strain first reaches the failure strain": DataFrame(
-                failures, columns=heads
-            ),
-        }
-        notes = "".join(f" Note: {line}." for line in law.outside_ends())
-        drawn = pictures.render(pictures.fit, *self._drawn())
-        return Section(
+            caption += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+        lead = "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted."
+        for line in self.law.outside_ends():
+            lead += f" Note: {line}."
+        drawn = pictures.draw_figure(
             "fit",
-            "Transverse compression: the fit",
-            "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted."
-            + notes,
-            (Figure(drawn, "svg", "Compression of one yarn against the contact force.", "fit"),),
-            tuple(Table.of(table, caption) for caption, table in tables.items()),
+            "Compression of one yarn against the contact force.",
+            pictures.fit,
+            *self._drawn(),
         )
+        tables = (
+            Table.of(self._shown(), caption),
+            Table.of(self._each_path(), "Each path"),
+            Table.of(self._failures(), "Where the fibre strain first reaches the failure strain"),
+        )
+        return Section("fit", "Transverse compression: the fit", lead, (drawn,), tables)
+
+    def _each_path(self):
+        """The law of each path alone, why the path ended, and how long it took."""
+        from pandas import DataFrame
+
+        done = self.calibration
+        rows = []
+        for name, path in done.histories.items():
+            law = done.path_laws.get(name)
+            constants = (name, "-", "-", "")
+            if law is not None:
+                constants = _row(name, law.a, law.b, done.residuals.get(name))
+            rows.append((*constants, _ended(name, path), done.seconds[name]))
+        columns = ["path", "a [mm]", "b [mm N^(1/3)]", "rms [µm] from the fitted law", "ended"]
+        return DataFrame(rows, columns=[*columns, "time [s]"])
+
+    def _failures(self):
+        """The state of each path in which a fibre first fails, by each criterion."""
+        from pandas import DataFrame
+
+        rows = []
+        for name, failures in self.calibration.failures.items():
+            for one in failures:
+                yarn = ("warp", "weft")[one.yarn]
+                d1, d2 = (1e6 * d for d in one.d)
+                rows.append((name, one.criterion, yarn, d1, d2, *one.T, one.F_c))
+        columns = ["path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]"]
+        return DataFrame(rows, columns=columns)
 
     def _of_the_solid(self):
         """The constants of the solid, and which of them the platen curve determines."""
         from pandas import DataFrame
 
         from weavecell.report import pictures, pictures_crossover
-        from weavecell.report.page import Figure, Section, Table
+        from weavecell.report.page import Section, Table
 
         solid = self.solid
-        names = tuple(solid.values)
-        table = DataFrame(
-            {
-                "parameter": names,
-                "fitted [SI]": solid.values.values(),
-                "the fabric's file": [_before(solid.started, name) for name in names],
-                "95 % interval": [
-                    "{:.3g} to {:.3g}".format(*solid.intervals[name]) for name in names
-                ],
-                "determined by the curve": [
-                    "yes" if solid.determined[name] else "no" for name in names
-                ],
-            }
-        )
-        loose = [name for name, known in solid.determined.items() if not known]
+        rows = []
+        loose = []
+        for name, value in solid.values.items():
+            low, high = solid.intervals[name]
+            determined = "yes"
+            if not solid.determined[name]:
+                determined = "no"
+                loose.append(name)
+            before = _before(solid.started, name)
+            rows.append((name, value, before, f"{low:.3g} to {high:.3g}", determined))
+        columns = [
+            "parameter",
+            "fitted [SI]",
+            "the fabric's file",
+            "95 % interval",
+            "determined by the curve",
+        ]
         lead = f"E_c, V_c and K_r of both yarns, fitted to {solid.curve.source}; misfit {_misfit(solid.misfit)}, "
         lead += f"before the fit {_misfit(solid.misfit_before)}. "
-        lead += (
-            f"The curve does not tell {' and '.join(loose)}."
-            if loose
-            else "The curve tells all three."
-        )
+        if loose:
+            lead += f"The curve does not tell {' and '.join(loose)}."
+        else:
+            lead += "The curve tells all three."
         for (key, (low, high)), unit in zip(self._around().items(), ("mm", "mm N^(1/3)")):
             lead += f" What it leaves open makes {key} of the law {1e3 * low:.4f} to {1e3 * high:.4f} {unit} (95 %)."
         caption = "What the platens close against their pressure; zero is free."
-        drawn = Figure(pictures.render(pictures_crossover.plates, solid), "svg", caption, "solid")
-        return Section(
-            "solid", "The solid yarn from a plate test", lead, (drawn,), (Table.of(table),)
-        )
+        drawn = pictures.draw_figure("solid", caption, pictures_crossover.plates, solid)
+        table = Table.of(DataFrame(rows, columns=columns))
+        return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))
 
 
 def _row(name, a, b, rms=None):
     """Two constants, or two intervals of them, and the rms of a fit, in mm and µm as texts."""
-    texts = [" .. ".join(f"{1e3 * v:.4f}" for v in np.atleast_1d(value)) for value in (a, b)]
-    return (name, *texts, "" if rms is None else f"{1e6 * rms:.2f}")
+    texts = []
+    for value in (a, b):
+        texts.append(" .. ".join(f"{1e3 * v:.4f}" for v in np.atleast_1d(value)))
+    misfit = ""
+    if rms is not None:
+        misfit = f"{1e6 * rms:.2f}"
+    return (name, *texts, misfit)
 
 
 def _ended(name, path):
@@ -555,9 +555,9 @@ def _ended(name, path):
 
     if path.failed:
         return path.failed
+    if name == BOTH:
+        return "beyond the failure strain"
     if name != "plates":
-        if name == BOTH:
-            return "beyond the failure strain"
         return "at fibre failure"
     if path["path"][-1] < 1:
         return "at the test's pressure"
@@ -567,12 +567,10 @@ def _ended(name, path):
 def _known(solid, name):
     """A fitted constant with its interval, and what it was before."""
     low, high = solid.intervals[name]
-    known = ", not determined by the curve"
-    if solid.determined[name]:
-        known = ""
-    value = solid.values[name]
-    before = _before(solid.started, name)
-    return f"{value:.4g} ({low:.3g} .. {high:.3g}, 95 %{known}); from {before:.4g}"
+    interval = f"{low:.3g} .. {high:.3g}, 95 %"
+    if not solid.determined[name]:
+        interval += ", not determined by the curve"
+    return f"{solid.values[name]:.4g} ({interval}); from {_before(solid.started, name):.4g}"
 
 
 def _misfits(solid):

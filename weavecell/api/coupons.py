@@ -170,9 +170,8 @@ def _case(target, test, options):
 def _pull_out(case, text, key, *_):
     """(PullOutResult, None: it never ends early)."""
     began = time.perf_counter()
-    curve = coupon_results.run_pull_out(
-        _table(case), case.scene.pull_out, case.scene.fabric.bending
-    )
+    scene = case.scene
+    curve = coupon_results.run_pull_out(_table(case), scene.pull_out, scene.fabric.bending)
     facts = _facts(case, None, began) | {"outcome": "complete"}
     record = coupon_results.pull_out_record(curve, **facts)
     checks = coupon_results.pull_out_indicators(curve)
@@ -184,24 +183,17 @@ def _relaxed(case, text, key, checkpoint, resume):
     began = time.perf_counter()
     scene = case.scene
     table = _table(case)
-    failure = None
-    options = scene.run.model_dump(exclude={"outputs"})
     inputs = scene.test_table
+    options = scene.run.model_dump(exclude={"outputs"})
     fabric = table.model.fabric
+    cell = (fabric.weave, fabric.shear, table.spline)
     stamp = run_cache.stamp(
-        (
-            scene.test,
-            inputs.model_dump(),
-            options,
-            fabric.weave,
-            fabric.shear,
-            table.spline,
-        ),
-        "shellfabric.coupon.quasistatic",
+        (scene.test, inputs.model_dump(), options, *cell), "shellfabric.coupon.quasistatic"
     )
     states = []
     if resume and checkpoint and checkpoint.exists():
         states = coupon_results.read_states(checkpoint, stamp)
+    failure = None
     with progress.bar(_title(case)) as advance:
 
         def keep(state):
@@ -218,10 +210,10 @@ def _relaxed(case, text, key, checkpoint, resume):
             failure = problem
             solved = problem.result
         except KeyboardInterrupt:
-            kept = checkpoint is not None and checkpoint.exists()
-            raise run_folder.Interrupted(
-                "interrupted" + "; --resume goes on from its last step" * kept
-            ) from None
+            message = "interrupted"
+            if checkpoint is not None and checkpoint.exists():
+                message += "; --resume goes on from its last step"
+            raise run_folder.Interrupted(message) from None
     record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
     checks = coupon_results.indicators(solved, scene.run.tolerance)
     return CouponResult(record, solved, case, checks, text, key), failure
@@ -318,26 +310,29 @@ class CouponResult(Result):
     def lines(self) -> list[str]:
         """What the test came to, as printed."""
         facts = self.record.facts
+        lines = []
+        for name, (unit, values) in self._measured().items():
+            value = display.text(values[-1], unit, name)
+            lines.append(f"{name:<34}{value}{self._flag(name)}")
         share = facts["yarn_stiffness_share"]
-        work = 100 * facts["softened_work_share"]
-        softer = f"yarns computed with {share:.2g} of their stiffness, which takes {work:.2g} % of the work"
-        return [
-            *(
-                f"{name:<34}{display.text(values[-1], unit, name)}{self._flag(name)}"
-                for name, (unit, values) in self._measured().items()
-            ),
-            *([softer] if share < 1 else []),
-            *self._assumed_laws(),
+        if share < 1:
+            work = 100 * facts["softened_work_share"]
+            lines.append(
+                f"yarns computed with {share:.2g} of their stiffness, which takes {work:.2g} % of the work"
+            )
+        lines += self._assumed_laws()
+        lines.append(
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
-            f"most, {facts['wall_time_s']:.1f} s",
-        ]
+            f"most, {facts['wall_time_s']:.1f} s"
+        )
+        return lines
 
     def _flag(self, name):
         """What stands beside a number that was computed."""
         prescribed = name == self.record.facts.get("prescribed_name")
-        if self._assumed_laws() and not prescribed:
-            return " (assumed law)"
-        return ""
+        if prescribed or not self._assumed_laws():
+            return ""
+        return " (assumed law)"
 
     def _lead(self):
         facts = self.record.facts
@@ -422,64 +417,68 @@ class CouponResult(Result):
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint."""
-        from weavecell.report import chapters, checks, page, pictures
+        from weavecell.report import checks, page
         from weavecell.results import json_file, provenance
 
-        out = Path(out)
-        case = self.case
-        facts = self.record.facts
-        outputs = self.case.scene.run.outputs
-        stamp = provenance.stamp(self.text, case.fabric)
+        folder = Path(out)
+        stamp = provenance.stamp(self.text, self.case.fabric)
         if self.text:
-            files.write(out / "scene.toml", self.text)
-        content = facts | self._write_record(out) | checks.summary(self.checks)
+            files.write(folder / "scene.toml", self.text)
+        content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed()
-        json_file.write_summary(
-            out / "summary.json", content | {"run_key": self.key, "provenance": stamp}
-        )
+        content |= {"run_key": self.key, "provenance": stamp}
+        json_file.write_summary(folder / "summary.json", content)
+        outputs = self.case.scene.run.outputs
         if not outputs:
             return
+        section = self._section()
+        if "pictures" in outputs:
+            page.write_pictures([section], folder / "pictures")
+        if "report" in outputs:
+            self._write_report(folder, section, stamp)
+
+    def _section(self):
+        """The chapter of the report with the curves and the load steps."""
+        from weavecell.report import page, pictures
+
+        facts = self.record.facts
         figures = []
         for name, (caption, draw, arguments) in self.figures().items():
             kind = "svg"
             if draw is pictures_coupon.cloth:
                 kind = "png"
-            figures.append(
-                page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
-            )
-        stopped = ""
+            figures.append(pictures.draw_figure(name, caption, draw, *arguments, kind=kind))
+        lead = ""
         if facts["failure_message"]:
-            stopped = f"The run was stopped: {facts['failure_message']}."
-        test = pictures_coupon.TESTS[facts["test"]]
-        tables = (page.Table.of(self.table()),)
-        section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
-        if "pictures" in outputs:
-            page.write_pictures([section], out / "pictures")
-        if "report" not in outputs:
-            return
-        model = case.scene.fabric.cell_model
+            lead = f"The run was stopped: {facts['failure_message']}."
+        title = pictures_coupon.TESTS[facts["test"]].capitalize()
+        return page.Section("coupon", title, lead, tuple(figures), (page.Table.of(self.table()),))
+
+    def _write_report(self, folder, section, stamp):
+        from weavecell.report import chapters, checks, page
+
+        case = self.case
+        facts = self.record.facts
         tone = "stopped"
         if self.outcome == "unstable":
             tone = "unstable"
         lines = [" ".join(line.split()) for line in self.lines()]
-        cards = page.Card(test, self.outcome, tuple(lines), tone), *chapters.law_cards(case)
-        sections = (
-            section,
-            chapters.cell(
-                case.fabric,
-                {case.law_name: case.laws},
-                model,
-            ),
-            checks.section(self.checks),
+        test = pictures_coupon.TESTS[facts["test"]]
+        card = page.Card(test, self.outcome, tuple(lines), tone)
+        laws = {case.law_name: case.laws}
+        cell = chapters.cell(case.fabric, laws, case.scene.fabric.cell_model)
+        chapters.write(
+            folder,
+            facts["title"],
+            self._lead(),
+            (case.fabric,),
+            (card, *chapters.law_cards(case)),
+            (section, cell, checks.section(self.checks)),
+            stamp,
+            {"test": facts["wall_time_s"]},
+            f"{section.title}: {self.outcome}, {lines[0]}.",
+            tone,
         )
-        seconds = {"test": facts["wall_time_s"]}
-        title = facts["title"]
-        fabrics = (case.fabric,)
-        outcome = f"{section.title}: {self.outcome}, {lines[0]}."
-        report = chapters.report(
-            title, self._lead(), fabrics, cards, sections, stamp, seconds, outcome, tone
-        )
-        page.write(report, out / "report.html")
 
     def __str__(self) -> str:
         return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self.lines()))
@@ -514,11 +513,13 @@ class PullOutResult(CouponResult):
     def _rows(self):
         """{what it is: text with its unit}."""
         facts = self.record.facts
-        plateau = self.plateau
+        plateau = "not reached"
+        if self.plateau is not None:
+            plateau = f"{self.plateau:.4g} N"
         return {
             "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
             "peak load": f"{self.peak:.4g} N",
-            "plateau load": "not reached" if plateau is None else f"{plateau:.4g} N",
+            "plateau load": plateau,
             "slip length at the peak": f"{1e3 * facts['slip_length_m']:.4g} mm",
             "crossovers that the yarn's end has left": f"{facts['crossovers_left']} of {facts['crossings']}",
             "work of friction": f"{1e3 * facts['crossover_friction_work_J']:.4g} mJ",

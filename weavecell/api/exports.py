@@ -71,9 +71,13 @@ def export(
     folder.check(to, units, match)
     panel = targets.of(target, {}, folder.NOT_HONOURED)
     with out_folder.held(out), panel.named():
-        code, names = folder.CODES[to], {"title": panel.shot_title, "source": panel.law_name}
+        code = folder.CODES[to]
+        names = {"title": panel.shot_title, "source": panel.law_name}
         deck = model.build(panel.setup, code, units, match, **names)
-        stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name
+        if panel.from_file:
+            stem = Path(panel.name).stem
+        else:
+            stem = panel.setup.fabric.name
         folder.write(deck, Path(out), to, stem, match, panel.text, panel.setup.fabric)
     return DeckResult(code.NAME, {card.name: card.mismatch.numbers() for card in deck.cards})
 

@@ -4,129 +4,91 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from html import escape
+from math import isnan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
 from fabrics import projectiles as projectile_data
 from fabrics.base import files
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
-from fabrics.fabric import Fabric
+from fabrics.base.errors import InputError, unknown_name
+from fabrics.base.schema import read_toml
+from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
 from weavecell.api import quantities
-from weavecell.api.result import saved
 
-__all__ = [
-    "Listing",
-    "backings",
-    "fabrics",
-    "new_fabric",
-    "projectiles",
-    "show_backing",
-    "show_fabric",
-    "show_projectile",
-    "view",
-]
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
-# columns of the list of fabrics, what stands in them
-COLUMNS: dict[str, Callable[[Fabric], str]] = {
-    "fabric": lambda f: f.name,
-    "count [1/cm]": lambda f: f"{f.weave.warp_count / 100:.1f}/{f.weave.weft_count / 100:.1f}",
-    "crimp [%]": lambda f: "/".join(f"{100 * yarn.crimp:.2f}" for yarn in f.weave.yarns),
-    "mass [g/m²]": lambda f: f"{1000 * f.weave.areal_density:.1f}",
-    "thick [mm]": lambda f: f"{1000 * f.weave.thickness:.3f}",
-    "strength [N/yarn]": lambda f: "/".join(f"{yarn.strength:.0f}" for yarn in f.weave.yarns),
-    "a [mm]": lambda f: f"{1000 * f.laws[0].a:.4f}" if f.laws else "-",
-    "b [mm N^⅓]": lambda f: f"{1000 * f.laws[0].b:.3f}" if f.laws else "-",
-}
-MASS, STRENGTH = "mass [g/m²]", "strength [N/yarn]"
-SOURCES = ("key", "value", "status", "source")
-PROJECTILE = ("mass", "diameter", "length")
-BACKING = ("density", "modulus", "yield_stress", "rate_exponent", "erosion_strain")
+__all__ = ["Tables", "backings", "fabrics", "new_fabric", "projectiles", "show", "view"]
 
 
-@dataclass(frozen=True, repr=False)
-class Listing(Sequence):
-    """Tables of texts, which a terminal and a notebook show; as a sequence the names in the first column.
-
-    Parameters
-    ----------
-    tables : {title: (headings, rows)}
-    notes : lines below the first table
-    numeric : whether the columns of the first table but the first are numbers, which are set flush right
+class Tables(dict[str, "DataFrame"]):
+    """{title: DataFrame}, one below the other in a terminal and in a notebook.
 
     Examples
     --------
-    >>> print(wc.show_backing("gelatine 10 %"))  # doctest: +ELLIPSIS
+    >>> print(wc.show("gelatine 10 %"))  # doctest: +ELLIPSIS
     gelatine 10 %...
     """
 
-    tables: dict[str, tuple[tuple[str, ...], list[tuple[str, ...]]]]
-    notes: tuple[str, ...] = ()
-    numeric: bool = False
-
-    def __len__(self) -> int:
-        return len(next(iter(self.tables.values()))[1])
-
-    def __getitem__(self, index: Any) -> Any:
-        return [name for name, *_ in next(iter(self.tables.values()))[1]][index]
-
-    def _repr_html_(self) -> str:
-        from pandas import DataFrame
-
-        tables = {
-            title: DataFrame(rows, columns=list(heads))
-            for title, (heads, rows) in self.tables.items()
-        }
-        return "".join(
-            f"<b>{escape(title)}</b>{of.to_html(index=False, border=0)}"
-            for title, of in tables.items()
-        )
-
-    def save(self, out: FilePath) -> None:
-        """Write the first table as CSV."""
-        heads, rows = next(iter(self.tables.values()))
-        files.write_csv(out, [heads, *rows])
-
     def __str__(self) -> str:
-        from rich import box
-        from rich.console import Console
-        from rich.table import Table
-
-        console = Console(force_jupyter=False)
-        with console.capture() as shown:
-            for number, (title, (heads, rows)) in enumerate(self.tables.items()):
-                right = self.numeric and number == 0
-                table = Table(
-                    title=title, title_justify="left", title_style="bold", header_style="bold"
-                )
-                table.box, table.pad_edge, table.padding = box.SIMPLE_HEAD, False, (0, 1, 0, 0)
-                for k, head in enumerate(heads):
-                    name, _, unit = head.partition(" [")
-                    text = (
-                        f"{name}\n[dim]{unit.rstrip(']')}[/]"
-                        if right and unit
-                        else head.replace("[", "\\[")
-                    )
-                    justify: Any = "right" if right and k else "left"
-                    table.add_column(text, justify=justify, overflow="fold", no_wrap=right)
-                for row in rows:
-                    table.add_row(*row)
-                console.print(table)
-                for note in self.notes if number == 0 else ():
-                    console.print(note, markup=False)
-        return shown.get().rstrip("\n")
+        return "\n\n".join(in_terminal(table, title) for title, table in self.items())
 
     __repr__ = __str__
 
+    def _repr_html_(self) -> str:
+        parts = []
+        for title, table in self.items():
+            parts.append(f"<b>{escape(title)}</b>{table.to_html(border=0)}")
+        return "".join(parts)
 
-def fabrics(*, out: FilePath | None = None) -> Listing:
-    """The catalogue, one line a fabric.
+
+def in_terminal(table: DataFrame, title: str = "") -> str:
+    """A table as text: units below the names of columns, numbers with four digits, long texts in several lines."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table(title=title or None, title_justify="left", title_style="bold")
+    shown.box = box.SIMPLE_HEAD
+    shown.pad_edge = shown.show_edge = False
+    rows = table.reset_index()
+    numbers = set(rows.select_dtypes("number"))
+    if numbers:
+        shown.padding = 0
+    for name in rows:
+        if name in numbers:
+            # a word a line keeps nine numbers and a name within the 80 columns of a terminal
+            heading = "\n".join(word.strip("[]") for word in name.split())
+            shown.add_column(heading, justify="right")
+        else:
+            is_name = bool(numbers) and name == table.index.name
+            shown.add_column(name, overflow="fold", no_wrap=is_name)
+    for row in rows.itertuples(index=False):
+        shown.add_row(*map(_cell, row))
+    console = Console(force_jupyter=False)
+    with console.capture() as printed:
+        console.print(shown)
+    return printed.get().rstrip("\n")
+
+
+def _cell(value):
+    if not isinstance(value, float):
+        return str(value)
+    if isnan(value):  # a sphere has no length
+        return "–"
+    return f"{value:.4g}"
+
+
+def fabrics(*, out: FilePath | None = None) -> DataFrame:
+    """The catalogue, a row a fabric.
+
+    Mass and strength are those of the data sheet. Shots use the linear density of the published runs, where the file
+    has it, which gives the mass in shots.
 
     Parameters
     ----------
@@ -134,29 +96,32 @@ def fabrics(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> wc.fabrics()[:2]
-    ['S-720', 'S-726']
-    >>> heads, rows = wc.fabrics().tables["Fabrics of the catalogue (warp / weft)"]
-    >>> dict(zip(heads, rows[0]))["mass [g/m²]"]
-    '252.9'
+    >>> wc.fabrics()["mass [g/m²]"]["S-720"].round(1)
+    252.9
     """
-    rows = [
-        tuple(text(fabric) for text in COLUMNS.values())
-        for fabric in map(catalogue.load, catalogue.list_names())
-    ]
-    loaded = map(catalogue.load, catalogue.list_names())
-    fired = [f.with_effective_density() for f in loaded if f.effective_linear_density is not None]
-    effective = [f"{f.name} {COLUMNS[MASS](f)} g/m² and {COLUMNS[STRENGTH](f)} N" for f in fired]
-    note = (
-        "Mass and strength are those of the data sheet; shots use the effective linear density of the published runs: "
-        f"{'; '.join(effective)}."
-    )
-    title = "Fabrics of the catalogue (warp / weft)"
-    return saved(Listing({title: (tuple(COLUMNS), rows)}, (note,), numeric=True), out)
+    rows = {}
+    for name in catalogue.list_names():
+        fabric = catalogue.load(name)
+        weave = fabric.weave
+        shot_at = fabric
+        if fabric.effective_linear_density is not None:
+            shot_at = fabric.with_effective_density()
+        rows[name] = {
+            "warp count [1/cm]": weave.warp_count / 100,
+            "weft count [1/cm]": weave.weft_count / 100,
+            "warp crimp [%]": 100 * weave.warp.crimp,
+            "weft crimp [%]": 100 * weave.weft.crimp,
+            "mass [g/m²]": 1e3 * weave.areal_density,
+            "mass in shots [g/m²]": 1e3 * shot_at.weave.areal_density,
+            "thick [mm]": 1e3 * weave.thickness,
+            "warp strength [N]": weave.warp.strength,
+            "weft strength [N]": weave.weft.strength,
+        }
+    return _listed("fabric", rows, out)
 
 
-def projectiles(*, out: FilePath | None = None) -> Listing:
-    """Fragment simulators, cylinders and spheres that an input file may name, one line each.
+def projectiles(*, out: FilePath | None = None) -> DataFrame:
+    """Fragment simulators, cylinders and spheres that an input file may name, a row each.
 
     Parameters
     ----------
@@ -164,22 +129,26 @@ def projectiles(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> wc.projectiles()[3]
+    >>> wc.projectiles().index[3]
     'FSP 1.10 g'
     """
-    rows = []
+    rows = {}
     for name in projectile_data.list_names():
         shape, data = projectile_data.entry(name)
-        values = [data[key]["value"] if key in data else "" for key in PROJECTILE]
-        rows.append(
-            (name, shape, *values, f"{data['diameter']['status']}: {data['diameter']['source']}")
-        )
-    heads = ("projectile", "nose", *PROJECTILE, "source of the diameter")
-    return saved(Listing({"Projectiles": (heads, rows)}), out)
+        diameter = data["diameter"]
+        rows[name] = {
+            "nose": shape,
+            "mass [g]": 1e3 * si(data["mass"]["value"], "kg"),
+            "diameter [mm]": 1e3 * si(diameter["value"], "m"),
+        }
+        if "length" in data:  # a sphere has none
+            rows[name]["length [mm]"] = 1e3 * si(data["length"]["value"], "m")
+        rows[name]["status of the diameter"] = diameter["status"]
+    return _listed("projectile", rows, out)
 
 
-def backings(*, out: FilePath | None = None) -> Listing:
-    """Clay and gelatine that an input file may name behind a panel, one line each.
+def backings(*, out: FilePath | None = None) -> DataFrame:
+    """Clay and gelatine that an input file may name behind a panel, a row each.
 
     Parameters
     ----------
@@ -187,108 +156,128 @@ def backings(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> wc.backings()[0]
+    >>> wc.backings().index[0]
     'Roma Plastilina No. 1'
     """
-    rows = []
+    rows = {}
     for name in backing_data.list_names():
-        data, speed = backing_data.entry(name), f"{backing_data.load(name).wave_speed:.0f}"
-        rows.append(
-            (name, *(data[key]["value"] for key in BACKING), speed, data["yield_stress"]["status"])
-        )
-    heads = ("backing", *BACKING, "wave speed [m/s]", "status of the yield stress")
-    return saved(Listing({"Backings": (heads, rows)}), out)
+        material = backing_data.load(name)
+        rows[name] = {
+            "density [kg/m³]": material.density,
+            "modulus [MPa]": material.modulus / 1e6,
+            "yield stress [MPa]": material.yield_stress / 1e6,
+            "rate exponent": material.rate_exponent,
+            "erosion strain": material.erosion_strain,
+            "wave speed [m/s]": material.wave_speed,
+            "status of the yield stress": backing_data.entry(name)["yield_stress"]["status"],
+        }
+    return _listed("backing", rows, out)
 
 
-def show_projectile(name: str) -> Listing:
-    """One projectile: where each number comes from.
+def _listed(kind, rows, out):
+    """The DataFrame of {name: {column: value}}, which is also written to `out` if that is given."""
+    from pandas import DataFrame
 
-    Parameters
-    ----------
-    name : of the list
-
-    Examples
-    --------
-    >>> print(wc.show_projectile("FSP 1.10 g"))  # doctest: +ELLIPSIS
-    FSP 1.10 g, ...
-    """
-    from weavecell.scenes.impact import SHAPES
-
-    shape, data = projectile_data.entry(name, key="PROJECTILE")
-    steel = (
-        "" if name.endswith(".toml") else f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
-    )
-    return Listing({f"{name}, {SHAPES[shape]}{steel}": _sources(data)})
+    table = DataFrame.from_dict(rows, orient="index").rename_axis(kind)
+    if out is not None:
+        files.write(out, table.to_csv(float_format="%.6g"))
+    return table
 
 
-def show_backing(name: str) -> Listing:
-    """One backing: where each number comes from.
+def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
+    """A fabric, a projectile or a backing: what follows from its data, and where each number comes from.
 
     Parameters
     ----------
-    name : of the list
-
-    Examples
-    --------
-    >>> print(wc.show_backing("gelatine 10 %"))  # doctest: +ELLIPSIS
-    gelatine 10 %...
-    """
-    return Listing({name: _sources(backing_data.entry(name, key="BACKING"))})
-
-
-def _sources(data):
-    return SOURCES, [
-        (key, entry["value"], entry["status"], entry["source"]) for key, entry in data.items()
-    ]
-
-
-def show_fabric(fabric: FilePath, *, out: FilePath | None = None) -> Listing:
-    """One fabric: what follows from its data, and where each number comes from.
-
-    Parameters
-    ----------
-    fabric : name of the catalogue, or path of a fabric file
-    out : also copy its data file to this folder, to start your own from
+    name : of one of the lists, or the path of a file of a fabric or of a projectile
+    out : of a fabric, also copy its data file to this folder, to start your own from
 
     Raises
     ------
-    InputError : no such fabric, or the folder holds such a file already
+    InputError : nothing has this name, or the folder holds such a file already
 
     Examples
     --------
-    >>> print(wc.show_fabric("S-720"))  # doctest: +ELLIPSIS
-    S-720: what follows...
+    >>> print(wc.show("FSP 1.10 g"))  # doctest: +ELLIPSIS
+    FSP 1.10 g, ...
     """
+    text = str(name)
+    known = [*catalogue.list_names(), *projectile_data.list_names(), *backing_data.list_names()]
+    if text not in known and not text.endswith(".toml"):
+        raise unknown_name("name", text, known, key="name")
+    if text in backing_data.list_names():
+        tables = Tables({text: _sources(backing_data.entry(text))})
+    elif text in projectile_data.list_names() or _is_of_a_projectile(text):
+        tables = _projectile(text)
+    else:
+        tables = _fabric(text)
+        if out is not None:
+            _copy(text, Path(out))
+            return tables
+    if out is not None:
+        raise InputError(key="out", value=str(out), allowed="left out unless a fabric is shown")
+    return tables
+
+
+def _is_of_a_projectile(name):
+    """Whether a name is the path of a file that says how wide something is, as only a projectile's does."""
+    return name.endswith(".toml") and "diameter" in read_toml(name, what="fabric")[1]
+
+
+def _projectile(name):
+    """Where each number of a projectile comes from."""
+    from weavecell.scenes.impact import SHAPES
+
+    shape, data = projectile_data.entry(name)
+    title = f"{name}, {SHAPES[shape]}"
+    if name in projectile_data.list_names():
+        title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
+    return Tables({title: _sources(data)})
+
+
+def _fabric(name):
+    """What follows from the data of a fabric, what is assumed, and where each number comes from."""
+    from pandas import DataFrame
+
     from weavecell.report import derived
 
-    plain = whole = catalogue.load(fabric)
-    problems = []
+    plain = whole = catalogue.load(name)
+    notes = []
     for complete in (assumed.with_shear, assumed.with_solid_laws):
         try:
             whole = complete(whole)
         except InputError as problem:
-            problems.append(f"note: {problem}")
-    if out is not None:
-        _copy(str(fabric), Path(out))
-    tables: dict[str, Any] = {
-        f"{whole.name}: what follows": (("quantity", "value"), derived.derived(whole))
-    }
+            notes.append(("note", str(problem)))
+    notes += [("note", note) for note in whole.notes]
+    following = DataFrame([*derived.derived(whole), *notes], columns=["quantity", "value"])
+    tables = Tables({f"{whole.name}: what follows": following.set_index("quantity")})
     if rows := _assumptions(plain, whole):
-        tables[f"{whole.name}: what is assumed"] = ("key", "value (range)", "source"), rows
+        columns = ["key", "value (range)", "source"]
+        tables[f"{whole.name}: what is assumed"] = DataFrame(rows, columns=columns).set_index("key")
     tables[f"{whole.name}: where each number comes from"] = _sources(plain.sources)
-    return Listing(tables, (*problems, *whole.notes), numeric=True)
+    return tables
+
+
+def _sources(data):
+    """A row a number: its value, status and source."""
+    from pandas import DataFrame
+
+    table = DataFrame.from_dict(dict(data), orient="index")[["value", "status", "source"]]
+    return table.rename_axis("key").astype(str)
 
 
 def _assumptions(plain, whole):
     """(key, value with its range, source) of what the file does not give and a command takes in its place."""
     from shellfabric.plies import gap as ply_gap
 
-    rows, entries = [], data_sheet.entries()
+    rows = []
+    entries = data_sheet.entries()
     if "crimp" in whole.assumed:
         ends = assumed.crimp_ends(whole).values()
         for k, family in enumerate(data_sheet.FAMILIES):
             crimp, *others = [100 * fabric.weave.yarns[k].crimp for fabric in (whole, *ends)]
-            low, high = min(crimp, *others), max(crimp, *others)
+            low = min(crimp, *others)
+            high = max(crimp, *others)
             if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
@@ -390,10 +379,16 @@ def new_fabric(
         raise InputError("exists already", file=path)
     if family not in (None, *FIBRES):
         raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
-    side = None if frame_side is None else quantities.number(frame_side, "m", "frame_side")
+    if frame_side is None:
+        side = None
+    else:
+        side = quantities.number(frame_side, "m", "frame_side")
     if strip is not None:
         strip = quantities.pair(strip, "m", "strip", "width and length")
-    entered = _asked() if values is None else fabric_file.read_values(values)
+    if values is None:
+        entered = _asked()
+    else:
+        entered = fabric_file.read_values(values)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
     draft, fitted = fabric_file.with_curves(
         draft,
@@ -418,7 +413,9 @@ def _asked():
         while True:
             try:
                 typed = typer.prompt(text, default=default, show_default=bool(default))
-                return fabric_file.check(key, typed) if typed or default is None else ""
+                if typed or default is None:
+                    return fabric_file.check(key, typed)
+                return ""
             except InputError as problem:
                 typer.echo(str(problem), err=True)
 
@@ -426,7 +423,10 @@ def _asked():
     values = {}
     for key in fabric_file.REQUIRED:
         others = fabric_file.INSTEAD.get(key, ())
-        skip = f" (Enter: from the {others[-1]})" if others else ""
+        if others:
+            skip = f" (Enter: from the {others[-1]})"
+        else:
+            skip = ""
         asked = fabric_file.ALL[key]
         text = f"{key} of the warp, {asked.meaning}, such as {asked.example}{skip}"
         warp = value(key, text, "" if others else None)
@@ -434,7 +434,10 @@ def _asked():
             key = others[-1]
             asked = fabric_file.ALL[key]
             warp = value(key, f"{key}, {asked.meaning}, such as {asked.example}")
-        weft = "" if key in fabric_file.OF_FABRIC else value(key, f"{key} of the weft", warp)
+        if key in fabric_file.OF_FABRIC:
+            weft = ""
+        else:
+            weft = value(key, f"{key} of the weft", warp)
         values[key] = fabric_file.Value(warp, weft, source)
     return values
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics.base.checks import FilePath
@@ -31,7 +31,40 @@ __all__ = ["MeshResult", "mesh"]
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
 PERIODIC = (2, 2)  # yarns of the periodic cell
-Section = Literal["sine", "ellipse", "conforming"]
+
+
+class Sections(TypedDict, total=False):
+    """The sections of the yarns.
+
+    Parameters
+    ----------
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]; none if not given
+    """
+
+    section: Literal["sine", "ellipse", "conforming"] | None
+    yarn_gap: float | str
+
+
+class Geometry(Sections, total=False):
+    """The geometry of what is meshed.
+
+    Parameters
+    ----------
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]; none if not given
+    width : width of both yarns, or of warp and weft [m]; else the fabric's
+    crimp : hand (default) or micrograph, as it was measured, or values for both yarns or warp and weft
+    tip_thickness_ratio : thickness of the cut tips over that of the middle; 0.075 if not given
+    overlap : what to do with sections that overlap by more than a shift removes: solve (default) or refuse
+    end_shells : close the yarn ends with shells of this thickness [m]
+    """
+
+    width: float | str | Sequence[float] | None
+    crimp: str | float | Sequence[float]
+    tip_thickness_ratio: float
+    overlap: Literal["solve", "refuse"]
+    end_shells: float | str | None
 
 
 def mesh(
@@ -40,15 +73,9 @@ def mesh(
     mesh: str | float | Sequence[int] = "medium",
     domain: Literal["quarter", "whole", "periodic"] | None = None,
     patch: str | Sequence[int] | None = None,
-    section: Section | None = None,
-    yarn_gap: float | str = "0 mm",
-    width: float | str | Sequence[float] | None = None,
-    crimp: str | float | Sequence[float] = "hand",
-    tip_thickness_ratio: float = 0.075,
-    overlap: Literal["solve", "refuse"] = "solve",
-    end_shells: float | str | None = None,
     format: str = "msh,vtu",
     out: FilePath | None = None,
+    **geometry: Unpack[Geometry],
 ) -> MeshResult:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
@@ -62,15 +89,9 @@ def mesh(
         8,6,2, or an edge length
     domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
     patch : a woven patch of N warp and M weft yarns instead, NxM
-    section : sine, ellipse or conforming; the fabric's own if not given
-    yarn_gap : gap between parallel yarns [m]
-    width : width of both yarns, or of warp and weft [m]; else the fabric's
-    crimp : hand or micrograph, as it was measured, or values for both yarns or warp and weft
-    tip_thickness_ratio : thickness of the cut tips over that of the middle
-    overlap : what to do with sections that overlap by more than a shift removes: solve or refuse
-    end_shells : close the yarn ends with shells of this thickness [m]
     format : files to write, separated by commas: msh, vtu, k, inp, rad
     out : folder of the results; in Python None writes nothing
+    **geometry : geometry of what is meshed, if not that of the fabric
 
     Returns
     -------
@@ -94,26 +115,13 @@ def mesh(
             raise InputError(
                 key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}"
             )
-    options = {
-        "size": size(mesh),
-        "section": section,
-        "gap": quantities.number(yarn_gap, "m", "yarn_gap"),
-        "width": None if width is None else quantities.pair(width, "m", "width"),
-        "crimp": crimp if crimp in ("hand", "micrograph") else quantities.pair(crimp, "", "crimp"),
-        "tip_thickness_ratio": tip_thickness_ratio,
-        "overlap": overlap,
-        "end_shells": None
-        if end_shells is None
-        else quantities.number(end_shells, "m", "end_shells"),
-    }
-    count = None if patch is None else _count(patch)
+    options = options_of(geometry, Geometry) | {"size": size(mesh)}
+    count = None
+    if patch is not None:
+        count = _count(patch)
     with out_folder.held(out) as folder:
-        result = MeshResult(
-            fabric,
-            build(fabric, domain or "quarter", count, **options),
-            tuple(dict.fromkeys(formats)),
-        )
-        return saved(result, folder)
+        built = build(fabric, domain or "quarter", count, **options)
+        return saved(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
 
 
 def of_3d(fabric: Fabric | FilePath) -> Fabric:
@@ -128,7 +136,10 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     from meshing.mesh_plan import with_room
 
     try:
-        plain = fabric if isinstance(fabric, Fabric) else catalogue.load(fabric)
+        if isinstance(fabric, Fabric):
+            plain = fabric
+        else:
+            plain = catalogue.load(fabric)
         whole = with_room(assumed.with_solid_laws(plain))
     except InputError as problem:
         if problem.file or problem.key:
@@ -139,6 +150,37 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     for line in (*whole.notes, *assumed.lines(assumed.given(whole, "failure_length"))):
         logging.getLogger("weavecell").info(line)
     return whole
+
+
+def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
+    """Options of `meshing.crossover.build` from keywords, in SI units.
+
+    Parameters
+    ----------
+    known : Sections or Geometry, whose keywords are allowed
+
+    Raises
+    ------
+    InputError : another keyword, or a value that is not allowed
+    """
+    options: dict[str, Any] = {}
+    for key, value in given.items():
+        if key not in known.__annotations__:
+            allowed = f"one of {', '.join(known.__annotations__)}"
+            raise InputError(key=key, value=value, allowed=allowed)
+        if value is None:
+            continue
+        if key == "yarn_gap":
+            options["gap"] = quantities.number(value, "m", key)
+        elif key == "width":
+            options[key] = quantities.pair(value, "m", key)
+        elif key == "end_shells":
+            options[key] = quantities.number(value, "m", key)
+        elif key == "crimp" and value not in ("hand", "micrograph"):
+            options[key] = quantities.pair(value, "", key)
+        else:
+            options[key] = value
+    return options
 
 
 def size(value: Any) -> Any:
@@ -180,12 +222,11 @@ def build(
     """
     from meshing import crossover, patch
 
-    count = PERIODIC if domain == "periodic" else count
-    return (
-        crossover.build(fabric, domain=domain, **options)
-        if count is None
-        else patch.build(fabric, count, **options)
-    )
+    if domain == "periodic":
+        count = PERIODIC
+    if count is None:
+        return crossover.build(fabric, domain=domain, **options)
+    return patch.build(fabric, count, **options)
 
 
 @dataclass(frozen=True, repr=False)
@@ -211,29 +252,33 @@ class MeshResult(Result):
     @property
     def stem(self) -> str:
         """Name of the files without suffix: "crossover" or "patch"."""
-        return "patch" if hasattr(self.mesh, "count") else "crossover"
+        if hasattr(self.mesh, "count"):
+            return "patch"
+        return "crossover"
 
     def summary(self) -> dict[str, Any]:
         """The main figures of the mesh, as texts."""
         mesh = self.mesh
+        if self.stem == "patch":
+            domain = "{} warp x {} weft yarns".format(*mesh.count)
+        else:
+            domain = mesh.domain
+        bars = [0, 0]
+        for lines, family in zip(mesh.bars, mesh.families):
+            bars[family] += len(lines)
         gap = 1e6 * mesh.least_gap
-        bars = [
-            sum(len(b) for b, f in zip(mesh.bars, mesh.families) if f == family)
-            for family in (0, 1)
-        ]
+        distance = f"apart by at least {gap:.2f} um"
+        if gap < 0:
+            distance = f"overlap by up to {-gap:.2f} um"
         return {
             "fabric": mesh.fabric,
-            "domain": "{} warp x {} weft yarns".format(*mesh.count)
-            if self.stem == "patch"
-            else mesh.domain,
+            "domain": domain,
             "hexahedra": f"{len(mesh.hexes)}",
             "nodes": f"{len(mesh.points)}",
-            "fibre bars": " / ".join(map(str, bars)) + " (warp / weft)",
+            "fibre bars": f"{bars[0]} / {bars[1]} (warp / weft)",
             "worst scaled Jacobian": f"{mesh.min_scaled_jacobian:.3f}",
             "sections": f"{mesh.sections[0].kind}: {mesh.section_fit.report}",
-            "facets of the mesh": f"overlap by up to {-gap:.2f} um"
-            if gap < 0
-            else f"apart by at least {gap:.2f} um",
+            "facets of the mesh": distance,
         }
 
     def _columns(self):
@@ -246,7 +291,9 @@ class MeshResult(Result):
     def _export(self, folder, suffix):
         from weavecell.decks import mesh_files
 
-        path = folder / (f"{self.stem}_0000.rad" if suffix == "rad" else f"{self.stem}.{suffix}")
+        path = folder / f"{self.stem}.{suffix}"
+        if suffix == "rad":
+            path = folder / f"{self.stem}_0000.rad"
         path.parent.mkdir(parents=True, exist_ok=True)
         mesh_files.write(self.mesh, self.fabric, path)
         return path
@@ -262,8 +309,10 @@ class MeshResult(Result):
             for suffix in self.formats:
                 self._export(out, suffix)
             advance(0.6, "drawing")
-            draw = pictures_patch if self.stem == "patch" else pictures_mesh
-            draw.picture(self.mesh, out / f"{self.stem}.png")
+            if self.stem == "patch":
+                pictures_patch.picture(self.mesh, out / "patch.png")
+            else:
+                pictures_mesh.picture(self.mesh, out / "crossover.png")
             pictures_quality.picture(self.mesh, out / "quality.png")
             json_file.write(
                 out / "mesh.json",

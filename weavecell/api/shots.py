@@ -6,7 +6,7 @@ The folder of `weavecell impact`
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
-    pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
+    pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
     window/         finished shots of `--uncertainty` at other velocities, as long
@@ -431,7 +431,7 @@ class ShotResult(ImpactRecord, Result):
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(self._page(used, sections, stamp), out / "report.html")
+            self._write_report(out, used, sections, stamp)
 
     def _sections(self, setup):
         """The chapters that have pictures or follow from options; `setup` is what was run."""
@@ -461,7 +461,8 @@ class ShotResult(ImpactRecord, Result):
                 number = None
                 if self.pack:
                     number = ply + 1
-                sections.append(chapters_shot.measures(self.measured[ply], places, number))
+                if self.measured[ply].yarns:
+                    sections.append(chapters_shot.measures(self.measured[ply], places, number))
         sections += chapters_shot.body(self)
         if case.surface is None:
             laws = {case.law_name: case.laws}
@@ -472,12 +473,13 @@ class ShotResult(ImpactRecord, Result):
         sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
         return sections
 
-    def _page(self, setup, sections, stamp):
-        """The report with the chapters of `_sections`; `setup` is what was run."""
+    def _write_report(self, out, setup, sections, stamp):
+        """Write the report with the chapters of `_sections`; `setup` is what was run."""
         from weavecell.report import chapters, checks
         from weavecell.report.shot import chapters_shot
 
-        return chapters.report(
+        chapters.write(
+            out,
             self.title,
             chapters.struck(setup, self.case.scene, velocity=True),
             setup.fabrics,
@@ -487,7 +489,7 @@ class ShotResult(ImpactRecord, Result):
             {"time integration": self.wall_time},
             chapters_shot.outcome(self),
             self.outcome,
-            chapters_shot.cost(self, setup.meshed),
+            (chapters_shot.settings(setup.meshed),),
         )
 
     def __str__(self) -> str:
@@ -497,12 +499,11 @@ class ShotResult(ImpactRecord, Result):
 
         lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.pack:
-            lines.append(self.contact_words)
-            lines += [f"by ply: {chapters_shot.cut(self.plies['cut_yarns'][-1])}", self.gap_words]
+            cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
+            lines += [self.contact_words, f"by ply: {cut}", self.gap_words]
         error = text(self.energy_error_max, "1", "error", ".3f")
-        lines.append(
-            f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J"
-        )
+        energy = f"{self.strike_energy:.2f} J"
+        lines.append(f"energy error at most {error} of the strike energy, {energy}")
         if self.step_factor < 1.0:
             lines.append(
                 f"made again with {self.step_factor:g} of the time step, to which the first run lost more than 0.4 %"
@@ -511,16 +512,15 @@ class ShotResult(ImpactRecord, Result):
             lines.append(self.rigid_check)
         if self.backing is not None:
             lines.append(chapters_shot.dent(self))
-        share = text(self.viscous_energy_fraction, "1", "share", ".1f")
-        lost = self.energies["failure_dissipation"][-1]
+        viscous = text(self.viscous_energy_fraction, "1", "share", ".1f")
         if self.cut_yarns[-1]:
-            lines.append(
-                f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J"
-            )
-            lines.append(f"viscous energy {share} of what was absorbed until the first failure")
-            lines += [self.viscous_note] if self.viscous_note else []
+            lost = f"failure dissipation {self.energies['failure_dissipation'][-1]:.2f} J"
+            lines.append(f"{lost}, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
+            lines.append(f"viscous energy {viscous} of what was absorbed until the first failure")
+            if self.viscous_note:
+                lines.append(self.viscous_note)
         else:
-            lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
+            lines.append(f"viscous energy {viscous} of the {self.absorbed_energy:.2f} J absorbed")
         if self.assumed_range is not None:
             lines.append(f"assumed laws: {self.assumed_range.words()}")
         if self.pair is not None:

@@ -65,7 +65,7 @@ class StudyResult(Result):
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
-        from weavecell.report import page, pictures
+        from weavecell.report import pictures
         from weavecell.results import json_file, provenance
 
         out = Path(out)
@@ -78,48 +78,50 @@ class StudyResult(Result):
                 json_file.write(out / name, content | {"provenance": stamp})
             else:
                 files.write(out / name, content or pictures.render(self.draw, kind=kind))
-        page.write(self._page(stamp), out / "report.html")
+        self._write_report(out, stamp)
 
-    def _page(self, stamp):
-        """The report: what was found with its picture and table, what is assumed, and sources."""
+    def _write_report(self, out, stamp):
+        """Write the report: what was found with its picture and table, what is assumed, and sources."""
         from weavecell.report import chapters, checks, pictures
-        from weavecell.report.page import Card, Figure, Section, Table
+        from weavecell.report.page import Card, Section, Table
         from weavecell.report.shot import chapters_shot
 
         setup = self.target.setup
         case = self.target.case
         label, value = self.headline
         lines = self.lines()
-        picture = Figure(pictures.render(self.draw), "svg", "", "result")
+        picture = pictures.draw_figure("result", "", self.draw)
         table = Table.of(self.table())
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
+        outcome = f"{label} {value}"
         shown = [line for line in lines if value not in line][:CARD_LINES]
-        span = []
         around = getattr(self, "assumed_range", None)
         if around is not None:
             sections.append(chapters_shot.assumed(around))
             if "what is assumed" not in value:
-                span = [f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"]
+                span = f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"
+                outcome += f", {span}"
+                shown.insert(0, span)
         laws = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
         drawn = hasattr(getattr(self, "study", None), "scatter")
         sections.append(chapters_shot.assumptions(setup, laws, drawn=drawn))
+        outcome += "."
         if self.checks:
             sections.append(checks.section(self.checks))
-        outcome = f"{label} {', '.join([value, *span])}."
         doubtful = [check.name for check in self.checks if check.doubtful]
         if doubtful:
             outcome += f" DOUBTFUL: {', '.join(doubtful)}."
         seconds = {}
         if hasattr(self, "wall_time"):
-            seconds = {"study": self.wall_time}
+            seconds["study"] = self.wall_time
         title = self.title
         if ":" not in title:
             title += f": {label[0].lower()}{label[1:]}"
-        lead = chapters.struck(setup, None if case is None else case.scene)
+        lead = chapters.struck(setup, case and case.scene)
         if hasattr(self, "targets"):  # of a sweep
             lead = f"The first combination: {lead}"
-        cards = (Card(label, value, (*span, *shown)), *chapters.law_cards(case))
-        return chapters.report(title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)
+        cards = (Card(label, value, tuple(shown)), *chapters.law_cards(case))
+        chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)
 
     def __str__(self) -> str:
         return "\n".join(self.lines())

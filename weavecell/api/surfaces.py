@@ -16,6 +16,8 @@ from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.executors import InProcess
@@ -89,22 +91,24 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
-    fabric, stamp = meshes.of_3d(fabric), provenance.stamp("")
-    spans = [_span(value, key) for value, key in ((d1, "d1"), (d2, "d2"))]
+    fabric = meshes.of_3d(fabric)
+    stamp = provenance.stamp("")
+    span1 = _span(d1, "d1")
+    span2 = _span(d2, "d2")
     size = meshes.size(mesh)
-    with out_folder.held(
-        out, resume, [(fabric, spans, points, tolerance, size, friction)]
-    ) as folder:
+    inputs = (fabric, [span1, span2], points, tolerance, size, friction)
+    with out_folder.held(out, resume, [inputs]) as folder:
+        partial = folder and folder / "partial.h5"
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
-                d1=spans[0],
-                d2=spans[1],
+                d1=span1,
+                d2=span2,
                 points=(points, points),
                 tolerance=tolerance,
                 size=size,
                 friction=friction,
-                partial=folder and folder / "partial.h5",
+                partial=partial,
                 resume=resume,
                 jobs=jobs,
                 executor=InProcess() if executor == "local" and jobs == 1 else executor,
@@ -115,10 +119,11 @@ def surface(
             "fabric": fabric.name,
             "mesh": mesh,
             "friction": friction,
-            "d1_m": spans[0],
-            "d2_m": spans[1],
+            "d1_m": span1,
+            "d2_m": span2,
+            "lines": sampled.surface.T1.shape,
+            "tolerance": tolerance,
         }
-        settings |= {"lines": sampled.surface.T1.shape, "tolerance": tolerance}
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)
@@ -127,13 +132,13 @@ def surface(
 
 
 def _span(value, key):
-    ends = value.split("..") if isinstance(value, str) else value
+    """(low, high) [m] of a text such as "0 mm .. 0.03 mm", or of two values."""
+    ends = value
+    if isinstance(value, str):
+        ends = [part.strip() for part in value.split("..")]
     if len(ends) != 2:
         raise InputError(key=key, value=value, allowed='two lengths, such as "0 mm .. 0.03 mm"')
-    low, high = (
-        quantities.number(end.strip() if isinstance(end, str) else end, "m", key) for end in ends
-    )
-    return low, high
+    return quantities.number(ends[0], "m", key), quantities.number(ends[1], "m", key)
 
 
 def _cell(fabric, surface):
@@ -177,18 +182,19 @@ class SurfaceResult(Result):
 
     def _differences(self):
         """{quantity: rms [N] from the shells' cell}."""
-        return {
-            name: sqrt(((getattr(self.surface, name) - of) ** 2).mean())
-            for name, of in self.cell.items()
-        }
+        rms = {}
+        for name, of_cell in self.cell.items():
+            rms[name] = sqrt(((getattr(self.surface, name) - of_cell) ** 2).mean())
+        return rms
 
     def summary(self) -> dict[str, Any]:
         """Settings, errors of the lines that are left out, rms from the shells' cell, counts and times."""
         sampled = self.sampled
+        errors = {}
+        for name, error in sampled.errors.items():
+            errors[name] = {"rms": error.rms, "largest": error.largest}
         return self.settings | {
-            "error_of_left_out_lines": {
-                q: {"rms": e.rms, "largest": e.largest} for q, e in sampled.errors.items()
-            },
+            "error_of_left_out_lines": errors,
             "rms_from_the_shells_cell_N": self._differences() or None,
             "equilibria": sampled.solves,
             "tangents_factorised": sampled.iterations,
@@ -197,17 +203,14 @@ class SurfaceResult(Result):
         }
 
     def _columns(self):
-        import numpy as np
-
         surface = self.surface
         d1, d2 = np.meshgrid(surface.d1, surface.d2, indexing="ij")
-        values = {
-            f"{name}_{'N' if unit == 'N' else 'm'}": getattr(surface, name)
-            for name, (_, unit) in SHOWN.items()
-        }
-        return {
-            name: column.ravel() for name, column in ({"d1_m": d1, "d2_m": d2} | values).items()
-        }
+        columns = {"d1_m": d1.ravel(), "d2_m": d2.ravel()}
+        for name in ("T1", "T2", "F_c"):
+            columns[f"{name}_N"] = getattr(surface, name).ravel()
+        for name in ("h1", "h2"):
+            columns[f"{name}_m"] = getattr(surface, name).ravel()
+        return columns
 
     def plot(self) -> Figure:
         """A matplotlib figure: the three forces over the (d1, d2) plane."""
@@ -219,80 +222,81 @@ class SurfaceResult(Result):
         """Write the files that stand at the top of this module to a folder, but partial.h5."""
         from weavecell.report import chapters, page
 
-        out, stamp, friction = (
-            Path(out),
-            provenance.stamp("", self.fabric),
-            self.settings["friction"],
-        )
-        self.surface.write(out / "surface.h5")
-        json_file.write(out / "surface.json", self.summary() | {"provenance": stamp})
+        folder = Path(out)
+        stamp = provenance.stamp("", self.fabric)
+        self.surface.write(folder / "surface.h5")
+        json_file.write(folder / "surface.json", self.summary() | {"provenance": stamp})
         section = self._section()
-        page.write_pictures([section], out / "pictures")
+        page.write_pictures([section], folder / "pictures")
         title = f"{self.fabric.name}: response surface of the 3D crossover"
         lead = "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
+        friction = self.settings["friction"]
         if friction:
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
-        report = chapters.report(
-            title, lead, (self.fabric,), (), (section,), stamp, self.sampled.seconds
-        )
-        page.write(report, out / "report.html")
+        seconds = self.sampled.seconds
+        chapters.write(folder, title, lead, (self.fabric,), (), (section,), stamp, seconds)
 
     def _section(self):
         from pandas import DataFrame
 
-        from unitcell3d.identify.interpolant import Interpolant
-        from weavecell.report import pictures
-        from weavecell.report.page import Figure, Section, Table
+        from weavecell.report.page import Section, Table
 
-        surface, errors, differences = self.surface, self.sampled.errors, self._differences()
-        interpolant = Interpolant(surface)
+        surface = self.surface
+        differences = self._differences()
         rows = []
-        for name, error in errors.items():
+        for name, error in self.sampled.errors.items():
             factor, unit = SHOWN[name]
             values = factor * getattr(surface, name)
-            span, rms = f"{values.min():.4g} to {values.max():.4g}", differences.get(name, "-")
-            rows.append((f"{name} [{unit}]", span, factor * error.rms, factor * error.largest, rms))
-        columns = (
+            span = f"{values.min():.4g} to {values.max():.4g}"
+            misses = (factor * error.rms, factor * error.largest)
+            rows.append((f"{name} [{unit}]", span, *misses, differences.get(name, "-")))
+        columns = [
             "quantity",
             "range",
             "left-out lines, rms",
             "left-out lines, largest",
             "rms from the shell's cell",
-        )
-        pictured = {
-            "surfaces": (
-                pictures_surface.surfaces,
-                (interpolant,),
-                "Forces over (d1, d2); white: samples.",
-            ),
-            "contours": (
-                pictures_surface.contours,
-                (interpolant,),
-                "Levels of the interpolated quantities.",
-            ),
-            "slices": (
-                pictures_surface.slices,
-                (surface, self.cell, "shell's cell, published law"),
-                "Circles: 3D crossover. Lines: the shell's cell, whose yarns are sine curves with the published law.",
-            ),
-            "missed": (
-                pictures_surface.missed,
-                (surface, errors),
-                "What the interpolant misses on a line that is left out, an upper estimate of its error; ticks: the "
-                "lines.",
-            ),
-        }
-        if not self.cell:
-            del pictured["slices"]
-        figures = []
-        for name, (draw, arguments, caption) in pictured.items():
-            kind = "png" if name in ("surfaces", "contours") else "svg"
-            figures.append(
-                Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
-            )
+        ]
         lead = f"{surface.d1.size} × {surface.d2.size} samples, {self.sampled.solves} equilibria."
         table = Table.of(DataFrame(rows, columns=columns))
-        return Section("surface", "Response surface", lead, tuple(figures), (table,))
+        figures = tuple(self._figures())
+        return Section("surface", "Response surface", lead, figures, (table,))
+
+    def _figures(self):
+        from unitcell3d.identify.interpolant import Interpolant
+        from weavecell.report.pictures import draw_figure
+
+        interpolant = Interpolant(self.surface)
+        yield draw_figure(
+            "surfaces",
+            "Forces over (d1, d2); white: samples.",
+            pictures_surface.surfaces,
+            interpolant,
+            kind="png",
+        )
+        yield draw_figure(
+            "contours",
+            "Levels of the interpolated quantities.",
+            pictures_surface.contours,
+            interpolant,
+            kind="png",
+        )
+        if self.cell:
+            yield draw_figure(
+                "slices",
+                "Circles: 3D crossover. Lines: the shell's cell, whose yarns are sine curves with the published law.",
+                pictures_surface.slices,
+                self.surface,
+                self.cell,
+                "shell's cell, published law",
+            )
+        yield draw_figure(
+            "missed",
+            "What the interpolant misses on a line that is left out, an upper estimate of its error; ticks: the lines.",
+            pictures_surface.missed,
+            self.surface,
+            self.sampled.errors,
+        )
 
     def __str__(self) -> str:
         lines = [
@@ -300,7 +304,8 @@ class SurfaceResult(Result):
         ]
         for name, error in self.sampled.errors.items():
             factor, unit = SHOWN[name]
-            rms, largest = factor * error.rms, factor * error.largest
+            rms = factor * error.rms
+            largest = factor * error.largest
             lines.append(
                 f"{name:<10}left-out lines missed by {rms:.3g} {unit} rms, {largest:.3g} at most"
             )

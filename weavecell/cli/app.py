@@ -18,6 +18,7 @@ import typer
 import weavecell
 from fabrics.base.errors import InputError, WeavecellError, marked
 from weavecell import api
+from weavecell.api import crossover
 from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress, termination
 
@@ -37,23 +38,29 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
     "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),
     "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
-    "crossover": (api.crossover, "S-720 --case shear --shear-angle '50 deg' --mesh coarse"),
+    "crossover yarn": (crossover.yarn, "S-720 --yarn weft"),
+    "crossover platens": (crossover.platens, "S-720 --pressure '20 MPa'"),
+    "crossover stack": (crossover.stack, "S-720 --plies 4"),
+    "crossover biaxial": (crossover.biaxial, "S-720 --end-displacement '0.02 mm'"),
+    "crossover path": (crossover.path, "S-720 --path examples/crossover-path.csv"),
+    "crossover shear": (crossover.shear, "S-720 --shear-angle '50 deg' --mesh coarse"),
+    "crossover pull-out": (crossover.pull_out, "S-720 --friction 0.2"),
     "v50": (api.v50, "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
+    "show": (api.show, "S-720"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
     "fabrics list": (api.fabrics, ""),
-    "fabrics show": (api.show_fabric, "S-720 --out ."),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
     "projectiles list": (api.projectiles, ""),
-    "projectiles show": (api.show_projectile, '"FSP 1.10 g"'),
     "backings list": (api.backings, ""),
-    "backings show": (api.show_backing, '"gelatine 10 %"'),
 }
+# group: what it is, and the command that its help ends with
 GROUPS = {
-    "fabrics": "The fabrics of the catalogue.",
-    "projectiles": "The projectiles by name.",
-    "backings": "The backings by name.",
+    "crossover": ("The 3D crossover under a load.", "shear S-720"),
+    "fabrics": ("The fabrics of the catalogue.", "list"),
+    "projectiles": ("The projectiles by name.", "list"),
+    "backings": ("The backings by name.", "list"),
 }
 
 
@@ -74,11 +81,10 @@ def program(word: str = "") -> typer.Typer:
     )
     app.callback()(_root)
     groups = {"": app}
-    for name, text in GROUPS.items():
+    for name, (text, example) in GROUPS.items():
         groups[name] = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
-        app.add_typer(
-            groups[name], name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]"
-        )
+        epilog = f"Example: [bold]weavecell {name} {example}[/bold]"
+        app.add_typer(groups[name], name=name, epilog=epilog)
     for name, (function, *rest) in chosen.items():
         group, _, word = name.rpartition(" ")
         command, epilog = from_signature.command(function, name, *rest)

@@ -22,6 +22,7 @@ import typer
 
 import weavecell
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from weavecell.api.lists import in_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
 
@@ -54,26 +55,28 @@ def command(
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
     """
     text, meanings = documented(function)
-    given = inspect.signature(function).parameters.values()
-    own = [p for p in given if p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY]
-    parameters = [p for p in own if p.kind is not p.VAR_KEYWORD]
-    required = [
-        p.name
-        for p in parameters
-        if p.name == "target" or (p.default is p.empty and p.name not in ("out", "tests"))
-    ]
-    has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
+    parameters = []
+    for one in inspect.signature(function).parameters.values():
+        of_python = one.name in OF_PYTHON and one.kind is not one.KEYWORD_ONLY
+        if not of_python and one.kind is not one.VAR_KEYWORD:
+            parameters.append(one)
+    parameters += unpacked(function, meanings)
+    returns = inspect.signature(function).return_annotation
+    has_checks = returns not in ("None", "DataFrame", "Tables")
 
     def call(strict: bool = False, **values: Any) -> None:
-        if values.get("out", "") is None and " " not in name:
-            stems = [Path(values[key]).stem for key in required if values[key] is not None]
-            values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
-        values |= {key: LEFT_OUT.get(key) for key, value in values.items() if value is None}
+        if has_checks and "out" in values and values["out"] is None:
+            values["out"] = _folder(name, parameters, values)
+        for key, value in values.items():
+            if value is None:
+                values[key] = LEFT_OUT.get(key)
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
             try:
-                chosen |= {key: _listed(chosen[key]) for key in keywords if key in chosen}
+                for key in keywords:
+                    if key in chosen:
+                        chosen[key] = _listed(chosen[key])
                 result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
@@ -81,7 +84,9 @@ def command(
                 raise
             except InputError as problem:
                 raise _of_option(problem, values) from None
-        if result is not None:
+        if returns == "DataFrame":
+            print(in_terminal(result))
+        elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
             if "out" in values and not values.get("check"):
@@ -90,29 +95,53 @@ def command(
         elif strict and result is not None and result.doubtful:  # done before
             raise DoubtfulError("the result is doubtful")
 
-    strict = Annotated[
-        bool,
-        typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit."),
-    ]
-    signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
-    signature += [_parameter(_keyword(key), _escaped(_meaning(key))) for key in keywords]
+    signature = [_parameter(one, meanings.get(one.name, "")) for one in parameters]
+    for key in keywords:
+        signature.append(_parameter(_keyword(key, "str"), _escaped(_meaning(key))))
     if has_checks:
-        signature.append(
-            inspect.Parameter(
-                "strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict
-            )
-        )
+        help_text = "Exit code 3 if a quality indicator is beyond its limit."
+        strict = Annotated[bool, typer.Option("--strict", help=help_text)]
+        only = inspect.Parameter.KEYWORD_ONLY
+        signature.append(inspect.Parameter("strict", only, default=False, annotation=strict))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
-    made.__annotations__ = {p.name: p.annotation for p in signature}
+    made.__annotations__ = {one.name: one.annotation for one in signature}
     made.__doc__ = text
     return made, f"Example: [bold]weavecell {name} {example}[/bold]"
 
 
-def _keyword(key):
-    return inspect.Parameter(
-        key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None"
-    )
+def _folder(name, parameters, values):
+    """Folder of the results of a command, named after the command and what it is given."""
+    stems = []
+    for one in parameters:
+        required = one.default is one.empty and one.name not in ("out", "tests")
+        if (required or one.name == "target") and values[one.name] is not None:
+            stems.append(Path(values[one.name]).stem)
+    if name not in OF_ONE_RUN:
+        stems = [*name.split(), *stems]
+    return RESULTS / "-".join(stems)
+
+
+def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
+    """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
+
+    Those of `weavecell.setup` are keys of the input file, which a command reads.
+    """
+    *_, last = inspect.signature(function).parameters.values()
+    name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
+    if last.kind is not last.VAR_KEYWORD or name in ("Any", "Keywords"):
+        return []
+    kind = getattr(inspect.getmodule(function), name)
+    meanings |= documented(kind)[1]
+    return [_keyword(key, text.__forward_arg__) for key, text in kind.__annotations__.items()]
+
+
+def _keyword(key, annotation):
+    """A keyword that may be left out."""
+    if "None" not in annotation:
+        annotation += " | None"
+    only = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(key, only, default=None, annotation=annotation)
 
 
 def _meaning(key):
@@ -140,15 +169,17 @@ def documented(function: Callable) -> tuple[str, dict[str, str]]:
     "as of `other`" is what the docstring of that function of the Python interface says.
     """
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
+    parameters = "".join(sections[:1])
     meanings: dict[str, str] = {}
-    for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
-        other = re.fullmatch(r"as of `(\w+)`", meaning)
+    for names, meaning in _ENTRY.findall(parameters):
         known = {}
-        if other:
+        if other := re.fullmatch(r"as of `(\w+)`", meaning):
             known = documented(getattr(weavecell, other[1]))[1]
         words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
-        meanings |= {name: known.get(name, words) for name in names.split(", ")}
-    return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
+        for name in names.split(", "):
+            meanings[name] = known.get(name, words)
+    paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
+    return _escaped("\n\n".join(paragraphs)), meanings
 
 
 def _escaped(text):
@@ -158,58 +189,52 @@ def _escaped(text):
 def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
     name = parameter.name
-    default = parameter.default
+    default = DEFAULTS.get(name, parameter.default)
     if name in LEFT_OUT and default is False:
         default = None
-    else:
-        default = DEFAULTS.get(name, default)
-    kinds = parameter.annotation.split(" | ")
-    kind = next(
-        (kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds),
-        str,
-    )
-    if "str" in kinds or "FilePath" in kinds:
-        kind = str
-    if kinds[0].startswith("list["):
-        kind = list[str]
-    choices = kind is str and re.search(r"Literal\[(.*?)\]", parameter.annotation)
-    metavar = METAVARS.get(
-        name, re.sub("[\"' ]", "", choices[1]).replace(",", "|") if choices else None
-    )
-    settings: dict[str, Any] = {"help": meaning, "metavar": metavar, "min": LEAST.get(name)}
+    kind = _kind(parameter.annotation)
+    choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
+    metavar = METAVARS.get(name)
+    if metavar is None and kind is str and choices:
+        metavar = re.sub("[\"' ]", "", choices[1]).replace(",", "|")
+    only = inspect.Parameter.KEYWORD_ONLY
+    settings: dict[str, Any] = {"help": meaning, "min": LEAST.get(name)}
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
+        left_out = parameter.empty
         if name == "target":
             if "fabric" in meaning:
                 settings["metavar"] = "FILE|FABRIC"
             else:
                 settings["metavar"] = "FILE"
+            if default is None:
+                left_out = None
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
-        if name == "target" and default is None:
-            left_out = None
-        else:
-            left_out = parameter.empty
-        return inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=left_out, annotation=annotation
-        )
-    if default is parameter.empty:
-        default = ...
-        if name == "out":
-            default = None
-    word = _option(name)
-    with_no = default is True or name in LEFT_OUT
-    words = [
-        f"{word}/--no-{word[2:]}" if with_no else word,
-        *(SHORT[key] for key in SHORT if key == name),
-    ]
-    annotation = Annotated[
-        kind if default is not None else kind | None, typer.Option(*words, **settings)
-    ]
-    if default is ...:
-        default = parameter.empty
-    return inspect.Parameter(
-        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
-    )
+        return inspect.Parameter(name, only, default=left_out, annotation=annotation)
+    required = default is parameter.empty and name != "out"
+    if default is parameter.empty and not required:
+        default = None
+    words = [_option(name)]
+    if default is True or name in LEFT_OUT:
+        words = [f"{words[0]}/--no-{words[0][2:]}"]
+    if name in SHORT:
+        words.append(SHORT[name])
+    if default is None:
+        kind = kind | None
+    annotation = Annotated[kind, typer.Option(*words, metavar=metavar, **settings)]
+    return inspect.Parameter(name, only, default=default, annotation=annotation)
+
+
+def _kind(annotation):
+    """The type that typer reads a text as."""
+    kinds = annotation.split(" | ")
+    if kinds[0].startswith("list["):
+        return list[str]
+    if "str" not in kinds and "FilePath" not in kinds:
+        for kind in (bool, int, float):
+            if kind.__name__ in kinds:
+                return kind
+    return str
 
 
 def _option(name):
@@ -220,20 +245,16 @@ def _of_option(problem, names):
     """An InputError of a parameter, with the option that has its value."""
     if problem.key not in names or problem.file is not None:
         return problem
+    key = _option(problem.key)
     if problem.key in ARGUMENTS:
         key = METAVARS.get(problem.key, problem.key.upper())
-    else:
-        key = _option(problem.key)
-    message = (
-        str(problem)
-        .removeprefix(f"{problem.key} = {problem.value!r}: ")
-        .removeprefix(f"{problem.key}: ")
-    )
-    renamed = InputError(
-        f"{key} = {problem.value!r}: {message}"
-        if problem.value is not None
-        else f"{key}: {message}"
-    )
+    message = str(problem)
+    for beginning in (f"{problem.key} = {problem.value!r}: ", f"{problem.key}: "):
+        message = message.removeprefix(beginning)
+    given = key
+    if problem.value is not None:
+        given = f"{key} = {problem.value!r}"
+    renamed = InputError(f"{given}: {message}")
     renamed.key = key
     renamed.value = problem.value
     renamed.allowed = problem.allowed

@@ -19,7 +19,10 @@ from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 
 MATCHES = ("plane", "uniaxial")  # what a law is to be nearest to
-_POINTS, _PLANE, _FURTHER = 81, 81, 2.0
+_POINTS = 81  # of a curve to the strength
+_PLANE = 81  # along each side of the biaxial plane
+# A curve goes on so far beyond its last strain: other codes extrapolate as they like.
+_FURTHER = 2.0
 _STEEPEST = np.radians(80)  # of a shear curve
 
 
@@ -105,7 +108,8 @@ class Cloth:
         L1, L2 = np.meshgrid(
             *(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij"
         )
-        state, (warp, weft) = self.model.solve(L1, L2), self.model.fabric.weave.yarns
+        state = self.model.solve(L1, L2)
+        warp, weft = self.model.fabric.weave.yarns
         return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 
     def curve(self, family: int, match: str) -> FloatArray:
@@ -120,14 +124,18 @@ class Cloth:
             stretch, stress = self.uniaxial(family)
         else:
             L1, L2, inside = self.plane
-            within = inside if family == 0 else inside.T
+            if family == 0:
+                within = inside
+            else:
+                within = inside.T
             count = within.sum(axis=1)
             rows = np.moveaxis(self.stress(L1, L2)[family], family, 0)
             mean = np.where(within, rows, 0).sum(axis=1)[count > 0] / count[count > 0]
             stretch = (L1[:, 0] if family == 0 else L2[0])[count > 0]
             stress = np.minimum(np.maximum.accumulate(mean), self.modulus[family] * (stretch - 1))
         points = np.column_stack([stretch - 1, np.maximum(stress, 0)])
-        end, reach = points[-1], _FURTHER * points[-1, 0]
+        end = points[-1]
+        reach = _FURTHER * points[-1, 0]
         return np.vstack([points, [reach, end[1] + self.modulus[family] * (reach - end[0])]])
 
     def trellis(self) -> FloatArray:

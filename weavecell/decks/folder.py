@@ -70,7 +70,8 @@ def write(
     match : as of `check`
     text, fabric : of the input, for the provenance
     """
-    code, error = CODES[to], error_section(deck)
+    code = CODES[to]
+    error = error_section(deck)
     for name, content in code.write(deck, stem).items():
         files.write(out / name, content)
     page.write_pictures([error], out)
@@ -78,7 +79,10 @@ def write(
     summary = {"code": to, "match": match, "run_in_the_code": False, "error_over_strength": errors}
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
-    tone = "unstable" if worst > LIMIT else "plain"
+    if worst > LIMIT:
+        tone = "unstable"
+    else:
+        tone = "plain"
     head = page.Card(
         "Error of the material card", f"{percent(worst)} of the strength at most", (), tone
     )
@@ -93,13 +97,14 @@ def write(
 
 def error_section(deck: model.Deck) -> page.Section:
     """Error of the cards in a table and a plot."""
-    first, names = deck.cards[0], tuple(card.name for card in deck.cards)
+    first = deck.cards[0]
+    names = tuple(card.name for card in deck.cards)
     errors = [card.mismatch.numbers() for card in deck.cards]
     rows = tuple(
         (words, *(percent(numbers[key]) for numbers in errors)) for key, words in ROWS.items()
     )
     caption = f"Law less cell of {first.name}, where both yarns are below their strength."
-    figure = page.Figure(pictures.render(mismatch.plot, first.mismatch), "svg", caption, "mapping")
+    figure = pictures.draw_figure("mapping", caption, mismatch.plot, first.mismatch)
     lead = (
         "The law is evaluated here by its own equations, and held against the unit cell. "
         f"Not held: {first.law.lost}."

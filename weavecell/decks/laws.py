@@ -102,7 +102,8 @@ class CrimpExchange:
         from scipy.optimize import least_squares
 
         L1, L2, inside = (values[::_EVERY, ::_EVERY] for values in cloth.plane)
-        stress, strength = cloth.stress(L1, L2), cloth.strength[:, None, None]
+        stress = cloth.stress(L1, L2)
+        strength = cloth.strength[:, None, None]
 
         def error(scales):
             return ((scaled(scales).stress(L1, L2) - stress) / strength)[:, inside].ravel()
@@ -118,7 +119,8 @@ class CrimpExchange:
     def _yarn(self, family, stretch, y):
         """(f sin(alpha) + k y, P) of a yarn raised by y."""
         length, height = (of_both[family] for of_both in self.rest)
-        stiffness, h = self.E[family], height + y
+        stiffness = self.E[family]
+        h = height + y
         now = np.hypot(stretch, h)
         force = stiffness * (now - length)
         return force * h / now + FLEX * stiffness * height / length * y, force * stretch / now
@@ -131,7 +133,9 @@ class CrimpExchange:
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """(2, ...) [Pa] nominal along warp and weft, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
-        y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[1]
+        y1 = self._alone(0, L1)
+        y2 = self._alone(1, L2)
+        height = self.rest[1]
         both = _root(
             lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0],
             -height[0],
@@ -139,7 +143,8 @@ class CrimpExchange:
             L1.shape,
         )
         touching = y1 + y2 < 0
-        y1, y2 = np.where(touching, both, y1), np.where(touching, -both, y2)
+        y1 = np.where(touching, both, y1)
+        y2 = np.where(touching, -both, y2)
         return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
@@ -166,11 +171,13 @@ def _root(
     function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]
 ) -> FloatArray:
     """Where a rising function of an array is zero, by bisection; `low` where it is positive there already."""
-    a, b = np.full(shape, low), np.full(shape, high)
+    a = np.full(shape, low)
+    b = np.full(shape, high)
     for _ in range(50):
         middle = 0.5 * (a + b)
         above = function(middle) > 0
-        a, b = np.where(above, a, middle), np.where(above, middle, b)
+        a = np.where(above, a, middle)
+        b = np.where(above, middle, b)
     return 0.5 * (a + b)
 
 

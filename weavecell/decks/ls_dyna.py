@@ -21,16 +21,15 @@ from weavecell.decks.cards import card, numbers, table
 from weavecell.decks.laws import UncoupledCurves
 from weavecell.decks.model import STEEL, Card, Deck
 
-NAME, LAW, KEYWORD = "LS-DYNA", UncoupledCurves, "*MAT_FABRIC (034), FORM 14"
-MEMBRANE, SHELL = 9, 2  # ELFORM
+NAME = "LS-DYNA"
+LAW = UncoupledCurves
+KEYWORD = "*MAT_FABRIC (034), FORM 14"
+MEMBRANE = 9  # ELFORM
+SHELL = 2  # ELFORM
 _MARK = "$#"
 _COURANT = 0.9
-_PLANES = {
-    (False, False): 0,
-    (True, False): 1,
-    (False, True): 2,
-    (True, True): 4,
-}  # CON1: what is held of x and y
+# CON1: what is held of x and y
+_PLANES = {(False, False): 0, (True, False): 1, (False, True): 2, (True, True): 4}
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
@@ -41,7 +40,7 @@ def write(deck: Deck, name: str) -> dict[str, str]:
 
 def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
-    pictures, samples = (s * interval for interval in deck.intervals)
+    pictures, samples = deck.intervals
     title = deck.title.replace(",", "")  # a reader may take a comma for free format
     yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{title}\n"
     yield "*CONTROL_TERMINATION\n" + _card(
@@ -50,8 +49,8 @@ def _control(deck: Deck) -> Iterator[str]:
     yield "*CONTROL_TIMESTEP\n" + _card(DTINIT=0.0, TSSFAC=_COURANT)
     yield "*CONTROL_ENERGY\n" + _card(HGEN=2, RWEN=2, SLNTEN=2, RYLEN=1)
     for database in ("GLSTAT", "MATSUM", "RCFORC", "RBDOUT"):
-        yield f"*DATABASE_{database}\n" + _card(DT=samples)
-    yield "*DATABASE_BINARY_D3PLOT\n" + _card(DT=pictures)
+        yield f"*DATABASE_{database}\n" + _card(DT=s * samples)
+    yield "*DATABASE_BINARY_D3PLOT\n" + _card(DT=s * pictures)
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
@@ -63,7 +62,8 @@ def _mesh(deck: Deck) -> Iterator[str]:
 
 
 def _parts(deck: Deck) -> Iterator[str]:
-    u, nose = deck.units, deck.nose
+    u = deck.units
+    nose = deck.nose
     for material in deck.cards:
         yield f"*SECTION_SHELL_TITLE\nmembrane of {material.name}\n"
         yield _card(SECID=material.number, ELFORM=MEMBRANE, SHRF=1.0, NIP=1)
@@ -77,11 +77,9 @@ def _parts(deck: Deck) -> Iterator[str]:
     yield "*PART_INERTIA\nprojectile\n" + _card(
         PID=deck.nose_part, SECID=deck.nose_card, MID=deck.nose_card
     )
-    (x, y, z), (vx, vy, vz), J = (
-        u.m * nose.centre,
-        u.velocity(nose.velocity),
-        u.kg * u.m**2 * nose.inertia,
-    )
+    x, y, z = u.m * nose.centre
+    vx, vy, vz = u.velocity(nose.velocity)
+    J = u.kg * u.m**2 * nose.inertia
     yield _card(XC=x, YC=y, ZC=z, TM=u.kg * nose.mass, IRCS=0, NODEID=nose.reference)
     yield _card(IXX=J, IXY=0.0, IXZ=0.0, IYY=J, IYZ=0.0, IZZ=J)
     yield _card(VTX=vx, VTY=vy, VTZ=vz, VRX=0.0, VRY=0.0, VRZ=0.0)
@@ -92,7 +90,8 @@ def _parts(deck: Deck) -> Iterator[str]:
 def _materials(deck: Deck) -> Iterator[str]:
     for material in deck.cards:
         yield from _fabric(material, deck)
-    (density, E, nu), u = STEEL, deck.units
+    u = deck.units
+    density, E, nu = STEEL
     yield "*MAT_RIGID_TITLE\nprojectile\n" + _card(
         MID=deck.nose_card, RO=u.density(density), E=u.stress(E), PR=nu
     )
@@ -102,9 +101,14 @@ def _materials(deck: Deck) -> Iterator[str]:
 
 def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     """The material, and its curves: 3 n - 2 of the warp, 3 n - 1 of the weft, 3 n of shear."""
-    law, u, cloth = material.law, deck.units, material.cloth
+    law = material.law
+    u = deck.units
+    cloth = material.cloth
     assert isinstance(law, UncoupledCurves)
-    warp, weft, shear = (3 * material.number - k for k in (2, 1, 0))
+    shear = 3 * material.number
+    warp = shear - 2
+    weft = shear - 1
+    # the steepest part of a curve stands for the modulus, from which the time step follows
     EA, EB = (u.stress(np.max(np.diff(curve[:, 1]) / np.diff(curve[:, 0]))) for curve in law.curves)
     yield f"*MAT_FABRIC_TITLE\n{material.name}\n"
     yield _card(
@@ -147,7 +151,8 @@ def _boundary(deck: Deck) -> Iterator[str]:
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    part_set, part = 2, 3
+    part_set = 2
+    part = 3
     sides = {"SSID": 1, "MSID": deck.nose_part, "SSTYP": part_set, "MSTYP": part}
     contacts = [("SURFACE_TO_SURFACE", sides, deck.nose.friction)]
     if len(deck.plies) > 1:
@@ -173,4 +178,6 @@ def _text(value):
         return " " * 10
     if isinstance(value, (int, np.integer)):
         return f"{value:10d}"
-    return f"{value:10.3E}" if value else f"{0.0:10.1f}"
+    if value:
+        return f"{value:10.3E}"
+    return f"{0.0:10.1f}"

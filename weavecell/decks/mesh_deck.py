@@ -126,7 +126,8 @@ def deck(mesh: YarnMesh, fabric: Fabric) -> Deck:
     groups = {name: nodes + 1 for name, nodes in mesh.groups.items() if name in mesh.faces}
     unions = {name: members for name, members in mesh.collected.items() if name not in mesh.faces}
     surfaces = {name: quads for name, quads in groups.items() if _is_surface(name)}
-    hexes, bars = _hexes(mesh), _bars(mesh)
+    hexes = _hexes(mesh)
+    bars = _bars(mesh)
     parts = [*hexes, *bars, *_shells(mesh)]
     first = 1 + len(mesh.hexes)
     bounds = np.cumsum([first, *(len(b) for b in mesh.bars)])
@@ -167,7 +168,8 @@ def _hexes(mesh):
 
 def _bars(mesh):
     """One part for each area in each family, the largest areas first."""
-    pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
+    pairs = np.concatenate(mesh.bars) + 1
+    areas = np.concatenate(mesh.bar_area)
     of = np.repeat(mesh.families, [len(b) for b in mesh.bars])
     elements = np.arange(len(pairs)) + 1 + len(mesh.hexes)
     for family, yarn in enumerate(YARNS):

@@ -47,7 +47,10 @@ def _parts(numbered):
     """Parts and sections: one section for all solids, one for each area or thickness."""
     yield "*SECTION_SOLID\n" + _ids(1, 2)
     for part in numbered.parts:
-        section = 1 if part.kind == "hex" else part.number
+        if part.kind == "hex":
+            section = 1
+        else:
+            section = part.number
         yield f"*PART\n{part.name}\n" + _ids(
             part.number, section, material_number(part.family, part.kind)
         )

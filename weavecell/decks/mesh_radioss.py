@@ -14,7 +14,10 @@ from weavecell.decks.cards import fields, lines
 from weavecell.decks.mesh_deck import deck, material_number, set_lines
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
-FULL, FULL_PRESSURE, COROTATIONAL, EDGE_12 = 17, 3, 2, 20  # Isolid, Icpre, Iframe, Ip
+FULL = 17  # Isolid
+FULL_PRESSURE = 3  # Icpre
+COROTATIONAL = 2  # Iframe
+EDGE_12 = 20  # Ip: the first axis from node 1 to node 2
 
 
 def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
@@ -74,7 +77,10 @@ def _parts(numbered):
         + _reals(0)
     )
     for part in numbered.parts:
-        number = 1 if part.kind == "hex" else part.number
+        if part.kind == "hex":
+            number = 1
+        else:
+            number = part.number
         if part.kind == "bar":
             yield f"/PROP/TYPE2/{number}\n{part.name}\n" + _reals(part.size, 0)
         elif part.kind == "shell":

@@ -37,12 +37,11 @@ STEEL = (
     0.3,
 )  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
 _TABLE = 8  # samples a side of a cell's table that nothing uses
-_SKIN, _CLEARANCE = (
-    0.1,
-    0.01,
-)  # [ply thicknesses] of the projectile's shells, and from them to the first ply
+_SKIN = 0.1  # [ply thicknesses] thickness of the projectile's shells
+_CLEARANCE = 0.01  # [ply thicknesses] from them to the first ply
 _SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
-_PICTURES, _SAMPLES = 50, 1000  # of a run
+_PICTURES = 50  # of a run
+_SAMPLES = 1000  # of the histories of a run
 _NEAREST = {
     "plane": "nearest to the cell over the biaxial plane",
     "uniaxial": "nearest to it in uniaxial tension",
@@ -287,11 +286,14 @@ def build(
             Ply(p + 1, f"ply {p + 1}", cards[id(panel)], points, quads(panel) + first, held)
         )
         first += len(points)
-    materials, share, mirrors = tuple(cards.values()), pack.plies[0].share, pack.plies[0].mirrors
+    materials = tuple(cards.values())
+    share = pack.plies[0].share
+    mirrors = pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
     law = f"{code.KEYWORD}, {_NEAREST[match]}"
     header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
-    end, friction = setup.end_time, pack.friction
+    end = setup.end_time
+    friction = pack.friction
     return Deck(
         _ascii(title)[:70],
         header,
@@ -317,12 +319,11 @@ def _nose(setup, share, thickness, ply, first):
         if seen < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
-    mass, centre, number = (
-        share * shot.mass,
-        start - shot.radius * shot.frame[2],
-        first + len(points),
-    )
-    inertia, velocity = 0.4 * mass * shot.radius**2, setup.strike_velocity * shot.flight
+    mass = share * shot.mass
+    centre = start - shot.radius * shot.frame[2]
+    number = first + len(points)
+    inertia = 0.4 * mass * shot.radius**2
+    velocity = setup.strike_velocity * shot.flight
     return Nose(
         start + points, faces + first, centre, number, mass, inertia, velocity, shot.friction
     )

@@ -16,17 +16,15 @@ from scipy.ndimage import map_coordinates
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.projectile.projectile import Projectile
 
-_LEAST, _MOST = (
-    6,
-    24,
-)  # elements along a side of the grid; one more where an element, not a node, is to face the middle
+# Least and most elements along a side of the grid; one more if an element, not a node, is to face the middle.
+_LEAST = 6
+_MOST = 24
 _POINTED = "cone", "stl"  # whose tip is a node
-_GRID, _ROUND = (
-    0.5,
-    0.875,
-)  # [radii] of arc to the sides of the grid, and to the first ring that is a circle
+_GRID = 0.5  # [radii] of arc to the sides of the grid
+_ROUND = 0.875  # [radii] of arc to the first ring that is a circle
 _BEND = np.radians(45)  # of the meridian within one element
-_RAYS, _TURNS = 101, 145  # samples of the surface from tip to side, and about the axis
+_RAYS = 101  # samples of the surface from tip to side
+_TURNS = 145  # samples of the surface about the axis
 
 
 def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
@@ -42,7 +40,8 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
     )
     surface = shot.surface(rise=_RAYS, around=_TURNS)
     arc, measure = _meridian(surface[:, 0], 0.5 * np.pi * shot.radius / n)
-    grid_arc, total = _GRID * shot.radius, arc[-1]
+    grid_arc = _GRID * shot.radius
+    total = arc[-1]
     first, last = np.interp([grid_arc, total - grid_arc], arc, measure)
     rings = np.interp(np.linspace(first, last, 2 + int(last - first)), measure, arc)[1:-1]
     side = np.linspace(-1, 1, n + 1)

@@ -20,13 +20,16 @@ from weavecell.decks.cards import card, numbers, table
 from weavecell.decks.laws import FLEX, CrimpExchange
 from weavecell.decks.model import STEEL, Card, Deck
 
-NAME, LAW, KEYWORD = "OpenRadioss", CrimpExchange, "/MAT/LAW58 (FABR_A)"
+NAME = "OpenRadioss"
+LAW = CrimpExchange
+KEYWORD = "/MAT/LAW58 (FABR_A)"
 VERSION = 2023
 _MARK = "#"
 _QEPH = 24  # Ishell
 _BROKEN = 1.001  # times the strain of failure: of rupture
 _COURANT = 0.5  # 0.9 becomes unstable once elements are lost
-_STIFF = 0.03, 1.0  # scales of the contact stiffness (Stfac): of the steel nose, and of two plies
+_STIFF_NOSE = 0.03  # scale of the contact stiffness (Stfac) of the steel nose
+_STIFF_PLIES = 1.0  # the same of two plies
 _NO_FAILURE = (
     "No failure: for a law with strains of its fibres (LAW58) OpenRadioss as of 2026-08-21",
     "(mulawc.F90, failure model 31) gives /FAIL/FABRIC the strain of the neighbouring element, and to the",
@@ -52,20 +55,21 @@ def _head(deck: Deck) -> Iterator[str]:
 
 
 def _materials(deck: Deck) -> Iterator[str]:
-    (density, E, nu), u = STEEL, deck.units
     for material in deck.cards:
         yield from _fabric(material, deck)
-    yield (
-        f"/MAT/LAW1/{deck.nose_card}\nprojectile\n"
-        + _card(RHO_I=u.density(density))
-        + _card(E=u.stress(E), nu=nu)
-    )
+    density, E, nu = STEEL
+    yield f"/MAT/LAW1/{deck.nose_card}\nprojectile\n"
+    yield _card(RHO_I=deck.units.density(density)) + _card(E=deck.units.stress(E), nu=nu)
 
 
 def _fabric(material: Card, deck: Deck) -> Iterator[str]:
-    law, u, number = material.law, deck.units, material.number
+    law = material.law
+    u = deck.units
+    number = material.number
     assert isinstance(law, CrimpExchange)
-    (E1, E2), (S1, S2), G = u.stress(law.E), law.crimp, u.stress(material.cloth.shear.G1)
+    E1, E2 = u.stress(law.E)
+    S1, S2 = law.crimp
+    G = u.stress(material.cloth.shear.G1)
     yield f"/MAT/LAW58/{number}\n{material.name}\n" + _card(RHO_I=u.density(material.cloth.density))
     yield _card(E1=E1, B1=0.0, E2=E2, B2=0.0, FLEX=FLEX)
     yield _card(G0=G, GT=G, AlphaT=0.0, Gsh=G)
@@ -74,12 +78,13 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     yield _card(fct_ID1=0, _=None, Fscale1=0.0)
     yield _card(fct_ID2=0, _=None, Fscale2=0.0)
     yield _card(fct_ID3=number, _=None, Fscale3=1.0)
-    (start1, start2), (end1, end2) = law.limit, _BROKEN * law.limit
+    start1, start2 = law.limit
+    end1, end2 = _BROKEN * law.limit
     strains = _card(
         Eps_f1=start1, Eps_r1=end1, Eps_f2=start2, Eps_r2=end2, _=None, Ndir=2
     ).splitlines()[1]
-    failure = f"/FAIL/FABRIC/{number}", strains, f"{0:20.12E}"
-    yield "".join(f"#{line}\n" for line in (*_NO_FAILURE, *failure))
+    for line in (*_NO_FAILURE, f"/FAIL/FABRIC/{number}", strains, f"{0:20.12E}"):
+        yield f"#{line}\n"
     yield f"/FUNCT/{number}\n{material.name}, shear\n"
     yield table(_MARK, "%20.12E%20.12E", "X Y", law.table[:, 0], u.stress(law.table[:, 1]))
 
@@ -111,9 +116,9 @@ def _mesh(deck: Deck) -> Iterator[str]:
     yield "/NODE\n" + table(
         _MARK, "%10d%20.12E%20.12E%20.12E", "node_ID X Y Z", range(1, len(points) + 1), points
     )
-    shells, names = deck.shells, "shell_ID node_ID1 node_ID2 node_ID3 node_ID4"
+    names = "shell_ID node_ID1 node_ID2 node_ID3 node_ID4"
     for part in range(1, deck.nose_part + 1):
-        own = shells[shells[:, 1] == part]
+        own = deck.shells[deck.shells[:, 1] == part]
         yield f"/SHELL/{part}\n" + table(_MARK, "%10d" * 5, names, own[:, 0], own[:, 2:])
 
 
@@ -125,50 +130,54 @@ def _groups(deck: Deck) -> Iterator[str]:
         yield f"/BCS/{number}\n{name}\n" + _held(fixed[name], number)
     for part in range(1, deck.nose_part + 1):
         for kind in ("GRNOD", "SURF"):
-            yield f"/{kind}/PART/{_group(part)}\npart {part}\n" + numbers(
-                _MARK, "part_ID", [part], 10
-            )
+            yield f"/{kind}/PART/{_group(part)}\npart {part}\n"
+            yield numbers(_MARK, "part_ID", [part], 10)
     yield f"/GRNOD/PART/{_plies(deck)}\nplies\n"
     yield numbers(_MARK, "part_ID", [ply.number for ply in deck.plies], 10)
 
 
 def _body(deck: Deck) -> Iterator[str]:
-    nose, u, main, surface = (
-        deck.nose,
-        deck.units,
-        _group(deck.nose_part + 2),
-        _group(deck.nose_part),
-    )
-    J, (vx, vy, vz) = u.kg * u.m**2 * nose.inertia, u.velocity(nose.velocity)
-    yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n" + numbers(
-        _MARK, "node_ID", [nose.reference], 10
-    )
+    u = deck.units
+    nose = deck.nose
+    main = _group(deck.nose_part + 2)
+    surface = _group(deck.nose_part)
+    J = u.kg * u.m**2 * nose.inertia
+    vx, vy, vz = u.velocity(nose.velocity)
+    yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n"
+    yield numbers(_MARK, "node_ID", [nose.reference], 10)
     yield "/RBODY/1\nprojectile\n"
-    node, mass = nose.reference, u.kg * nose.mass
-    flags = {"grnd_ID": surface, "Ikrem": 0, "ICoG": 4, "surf_ID": 0}
-    yield _card(node_ID=node, sens_ID=0, skew_ID=0, Ispher=0, Mass=mass, **flags)
-    yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
-    yield f"/BCS/{main}\nprojectile\n" + _held(
-        "".join(str(int(mirror)) for mirror in deck.mirrors) + "0 111", main
+    yield _card(
+        node_ID=nose.reference,
+        sens_ID=0,
+        skew_ID=0,
+        Ispher=0,
+        Mass=u.kg * nose.mass,
+        grnd_ID=surface,
+        Ikrem=0,
+        ICoG=4,
+        surf_ID=0,
     )
+    yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
+    mirror_x, mirror_y = deck.mirrors
+    yield f"/BCS/{main}\nprojectile\n" + _held(f"{mirror_x:d}{mirror_y:d}0 111", main)
     for number, nodes in enumerate((main, surface), 1):
-        yield f"/INIVEL/TRA/{number}\nprojectile\n" + _card(
-            Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0
-        )
+        yield f"/INIVEL/TRA/{number}\nprojectile\n"
+        yield _card(Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0)
     yield f"/TH/RBODY/1\nprojectile\n{'DEF':<10}\n" + _card(body_ID=1)
     yield f"/TH/NODE/2\nmotion\n{'DEF':<10}\n"
     yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.watched().items())
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    half, heights = 0.5 * deck.cards[0].cloth.thickness, [ply.points[0, 2] for ply in deck.plies]
-    pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF[0])]
+    half = 0.5 * deck.cards[0].cloth.thickness
+    heights = [ply.points[0, 2] for ply in deck.plies]
+    pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF_NOSE)]
     for p, (z, beyond) in enumerate(pairwise(heights), 1):
         gap = min(2 * half, _GAP * (beyond - z))
-        pairs += [
-            (_group(a), _group(b), gap, deck.friction, _STIFF[1])
-            for a, b in ((p, p + 1), (p + 1, p))
-        ]
+        ply = _group(p)
+        next_ply = _group(p + 1)
+        pairs.append((ply, next_ply, gap, deck.friction, _STIFF_PLIES))
+        pairs.append((next_ply, ply, gap, deck.friction, _STIFF_PLIES))
     for number, (nodes, surface, gap, friction, stiffness) in enumerate(pairs, 1):
         yield f"/INTER/TYPE7/{number}\ncontact {number}\n"
         yield _card(
@@ -196,10 +205,11 @@ def _contact(deck: Deck) -> Iterator[str]:
 
 def _engine(deck: Deck, name: str) -> Iterator[str]:
     s = deck.units.s
-    pictures, samples = (s * interval for interval in deck.intervals)
+    pictures, samples = deck.intervals
     yield "".join(f"# {line}\n" for line in deck.header)
-    yield f"/RUN/{name}/1\n{s * deck.end_time:.9G}\n/VERS/{VERSION}\n/TFILE\n{samples:.9G}\n/PRINT/-100\n"
-    yield f"/DT\n{_COURANT} 0\n/ANIM/DT\n0 {pictures:.9G}\n/ANIM/VECT/VEL\n/ANIM/VECT/CONT\n/MON/ON\n"
+    yield f"/RUN/{name}/1\n{s * deck.end_time:.9G}\n/VERS/{VERSION}\n"
+    yield f"/TFILE\n{s * samples:.9G}\n/PRINT/-100\n/DT\n{_COURANT} 0\n"
+    yield f"/ANIM/DT\n0 {s * pictures:.9G}\n/ANIM/VECT/VEL\n/ANIM/VECT/CONT\n/MON/ON\n"
 
 
 def _group(part):
@@ -225,4 +235,8 @@ def _card(**fields: Any) -> str:
 def _text(value):
     if isinstance(value, float):
         return f"{value:20.12E}"
-    return value if isinstance(value, str) else f"{'' if value is None else value:>10}"
+    if isinstance(value, str):
+        return value
+    if value is None:
+        return " " * 10
+    return f"{value:>10}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from fabrics.base.units import FACTORS
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.report import pictures
+from weavecell.report import page, pictures
 from weavecell.report.derived import density_kind, derived
 from weavecell.report.page import Card, Figure, Report, Section, Table
 from weavecell.scenes import words
@@ -27,29 +28,31 @@ def fabric_card(fabric: Fabric) -> Card:
     """Which fabric."""
     weave = fabric.weave
     written = fabric.sources.get("warp.linear_density", {}).get("value", "")
-    unit = next((unit for unit in ("denier", "dtex", "tex") if unit in written), "dtex")
-    density = " / ".join(
-        f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns
+    for unit in ("denier", "dtex", "tex"):
+        if unit in written:
+            break
+    else:
+        unit = "dtex"
+    warp, weft = (yarn.linear_density / FACTORS["kg/m"][unit] for yarn in weave.yarns)
+    density = f"{warp:.0f} / {weft:.0f} {unit}, warp / weft"
+    if fabric.effective_linear_density is not None:
+        kinds = {"effective": "from a measured areal density", "nominal": "of the data sheet"}
+        density += f", {kinds[density_kind(fabric)]}"
+    lines = (
+        density,
+        f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
+        f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
+        f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
     )
-    kinds = {"effective": ", from a measured areal density", "nominal": ", of the data sheet"}
-    kind = "" if fabric.effective_linear_density is None else kinds[density_kind(fabric)]
-    return Card(
-        "Fabric",
-        fabric.name,
-        (
-            f"{density} {unit}, warp / weft{kind}",
-            f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
-            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
-            f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
-        ),
-    )
+    return Card("Fabric", fabric.name, lines)
 
 
 def law_card(
     law: CompressionLaw, published: CompressionLaw | None = None, source: str = ""
 ) -> Card:
-    """Which compression law, beside the published one; its constants where it was fitted."""
-    title, headline = "Compression of the yarns", source.partition(" (")[0]
+    """Which compression law, beside the published one; its constants if it was fitted."""
+    title = "Compression of the yarns"
+    headline = source.partition(" (")[0]
     if law.a == law.b == 0:  # of a cell whose yarns are not compressed
         return Card(title, headline or "none", ("none: the yarns keep their thickness",))
     lines = [f"at a crossover by {1e6 * float(law.d(F)):.1f} µm under {F} N" for F in (10, 100)]
@@ -65,28 +68,23 @@ def law_cards(case: Any) -> tuple[Card, ...]:
     """The card of the law of what was built from an input file; none of a response surface, or without a file."""
     if case is None or getattr(case, "surface", None) is not None:
         return ()
+    if not case.materials:
+        return (law_card(case.laws[0], source=case.law_name),)
     cards = []
-    for of in case.materials or (case,):
-        card = law_card(of.laws[0], source=of.law_name)
-        name = f"{card.label}, {of.fabric.name}" if case.materials else card.label
-        cards.append(replace(card, label=name))
+    for material in case.materials:
+        card = law_card(material.laws[0], source=material.law_name)
+        cards.append(replace(card, label=f"{card.label}, {material.fabric.name}"))
     return tuple(cards)
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
     """The meshed crossover."""
+    caption = "The whole crossover; by symmetry a quarter of it is solved."
     return Section(
         "mesh",
         "The crossover in hexahedra",
         "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
-        (
-            Figure(
-                picture,
-                "png",
-                "The whole crossover; by symmetry a quarter of it is solved.",
-                "mesh",
-            ),
-        ),
+        (Figure(picture, "png", caption, "mesh"),),
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
     )
@@ -108,41 +106,56 @@ def cell(
     """
     from shellfabric.cell.model import CellModel
 
-    paths = paths or {
-        "both yarns stretched alike": (STRAINS, STRAINS),
-        "warp stretched, weft held": (STRAINS, 0 * STRAINS),
-    }
-    cases = {}
-    for title, (warp, weft, *tensions) in paths.items():
-        share = np.linspace(0, 1, 97)
-        ends = float(warp[-1]), float(weft[-1])
+    if not paths:
+        paths = {
+            "both yarns stretched alike": (STRAINS, STRAINS),
+            "warp stretched, weft held": (STRAINS, 0 * STRAINS),
+        }
+    models = {label: CellModel(fabric, of, cell_model=model) for label, of in laws.items()}
+    share = np.linspace(0, 1, len(STRAINS))
+    cases: dict[str, dict[str, Any]] = {}
+    for title, (*strains, tension1, tension2) in _with_tensions(paths):
+        ends = [float(strain[-1]) for strain in strains]
         main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
-        for label, pair in laws.items():
-            state = CellModel(fabric, pair, cell_model=model).solve(
-                1 + share * ends[0], 1 + share * ends[1]
-            )
+        for label, of_law in models.items():
+            state = of_law.solve(1 + share * ends[0], 1 + share * ends[1])
             curves[label] = (state["N1"], state["N2"])
-        measured = ((warp, weft)[main], *tensions) if tensions else None
+        measured = None
+        if tension1 is not None:
+            measured = (strains[main], tension1, tension2)
         cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
-    content = pictures.render(pictures.cell, cases)
     lead = "Tension of one yarn against the strain of the cell: lines are the shell's cell"
-    lead += ", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."
+    if any(case["points"] for case in cases.values()):
+        lead += ", circles the 3D crossover"
     caption = "Crimp exchange: each yarn bears on the other and carries load before it is straight."
-    points = [
-        f"Compression of the yarns, {label}: d_c = a - b / (F + F0)^(1/3), a = {1e3 * law.a:.4f} mm, "
-        f"b = {1e3 * law.b:.4f} mm N^(1/3), {'F0 = (b / a)^3' if law.form == 'regularised' else 'F0 = 0'}."
-        for label, (law, _) in laws.items()
-    ]
-    figure = Figure(content, "svg", caption, "cell")
-    return Section("cell", "Biaxial response of the cell", lead, (figure,), points=tuple(points))
+    figure = pictures.draw_figure("cell", caption, pictures.cell, cases)
+    points = []
+    for label, (law, _) in laws.items():
+        regularised = "F0 = 0"
+        if law.form == "regularised":
+            regularised = "F0 = (b / a)^3"
+        points.append(
+            f"Compression of the yarns, {label}: d_c = a - b / (F + F0)^(1/3), a = {1e3 * law.a:.4f} mm, "
+            f"b = {1e3 * law.b:.4f} mm N^(1/3), {regularised}."
+        )
+    title = "Biaxial response of the cell"
+    return Section("cell", title, f"{lead}.", (figure,), points=tuple(points))
+
+
+def _with_tensions(paths):
+    """(title, (strain1, strain2, T1, T2)) of each path; tensions that are not known are None."""
+    for title, path in paths.items():
+        yield title, (*path, None, None)[:4]
 
 
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
     """Targets and values: rows of (quantity, target, value, met)."""
     rows = tuple(rows)
     missed = [quantity for quantity, _, _, met in rows if met == "no"]
-    lead = f"Not met: {'; '.join(missed)}." if missed else "All are met."
+    lead = "All are met."
+    if missed:
+        lead = f"Not met: {'; '.join(missed)}."
     return Section(
         "summary",
         "Compared with the published outcomes",
@@ -155,17 +168,16 @@ def sources(*fabrics: Fabric) -> Section:
     """Where each number comes from."""
     tables = []
     for fabric in fabrics:
-        of = f" {fabric.name}" if fabrics[1:] else ""
-        data = sorted(fabric.sources.items())
-        rows = tuple((key, entry["value"], entry["status"], entry["source"]) for key, entry in data)
-        tables.append(
-            Table(("key", "value", "status", "source"), rows, caption=f"Data of the fabric{of}")
-        )
-        tables.append(
-            Table(
-                ("quantity", "value"), tuple(derived(fabric)), caption=f"What follows from them{of}"
-            )
-        )
+        name = ""
+        if len(fabrics) > 1:
+            name = f" {fabric.name}"
+        rows = []
+        for key, entry in sorted(fabric.sources.items()):
+            rows.append((key, entry["value"], entry["status"], entry["source"]))
+        columns = ("key", "value", "status", "source")
+        tables.append(Table(columns, tuple(rows), f"Data of the fabric{name}"))
+        following = tuple(derived(fabric))
+        tables.append(Table(("quantity", "value"), following, f"What follows from them{name}"))
     return Section(
         "sources",
         "Where each number comes from",
@@ -179,31 +191,36 @@ def making(
     stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()
 ) -> Section:
     """How the page was made: times, further tables, versions, machine and scene; folded."""
+    tables = [*more]
+    if timings:
+        times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
+        stages = Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",))
+        tables.insert(0, stages)
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
-    times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
-    stages = Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",))
-    tables = *([stages] if times else []), *more, Table(("what", "version or value"), rows)
-    scene = (("Scene", stamp["scene"]),) if stamp["scene"] else ()
+    tables.append(Table(("what", "version or value"), rows))
+    scene: tuple[tuple[str, str], ...] = ()
+    if stamp["scene"]:
+        scene = (("Scene", stamp["scene"]),)
     title = "How this was computed: times, settings, versions, input"
-    return Section("making", title, tables=tables, details=scene, folded=True)
+    return Section("making", title, tables=tuple(tables), details=scene, folded=True)
 
 
 def struck(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -> str:
     """What is shot at, how it is held, what is behind it, and the projectile, in a sentence."""
     plies = f"One ply of {setup.name}"
-    if setup.plies > 1:
-        plies = (
-            f"{setup.plies} plies: {setup.name}"
-            if setup.lay_up
-            else f"{setup.plies} plies of {setup.name}"
-        )
-        plies += "" if setup.lay_up else f", {setup.stacking}"
+    if setup.plies > 1 and setup.lay_up:
+        plies = f"{setup.plies} plies: {setup.name}"
+    elif setup.plies > 1:
+        plies = f"{setup.plies} plies of {setup.name}, {setup.stacking}"
     if scene is None:
         return f"{plies}."
-    behind = "" if scene.backing is None else f", before {words.backing_in_words(scene.backing)}"
-    at = f" at {scene.projectile.strike_velocity:g} m/s" if velocity else ""
-    panel, projectile = words.panel_in_words(scene.panel), words.shot_in_words(scene.projectile)
-    return f"{plies}, {panel}{behind}, struck{at} by {projectile}."
+    sentence = f"{plies}, {words.panel_in_words(scene.panel)}"
+    if scene.backing is not None:
+        sentence += f", before {words.backing_in_words(scene.backing)}"
+    sentence += ", struck"
+    if velocity:
+        sentence += f" at {scene.projectile.strike_velocity:g} m/s"
+    return f"{sentence} by {words.shot_in_words(scene.projectile)}."
 
 
 def report(
@@ -238,3 +255,8 @@ def report(
         outcome,
         tone,
     )
+
+
+def write(out: Path, *contents: Any, **more: Any) -> None:
+    """Write report.html with the contents of `report` to a folder."""
+    page.write(report(*contents, **more), out / "report.html")

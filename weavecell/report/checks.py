@@ -25,35 +25,40 @@ def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
     """The worst indicators of a status, each with value and limit; "" if there is none."""
-    found = sorted(
-        (one for one in indicators if one.status == status),
-        key=lambda one: one.excess,
-        reverse=True,
-    )
-    more = f"; {len(found) - _SHOWN} more in the summary" if len(found) > _SHOWN else ""
-    return "; ".join(map(str, found[:_SHOWN])) + more if found else ""
+    found = [one for one in indicators if one.status == status]
+    found.sort(key=lambda one: one.excess, reverse=True)
+    text = "; ".join(map(str, found[:_SHOWN]))
+    if len(found) > _SHOWN:
+        text += f"; {len(found) - _SHOWN} more in the summary"
+    return text
 
 
 def words(indicators: Sequence[Indicator]) -> str:
     """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
     found = status(indicators)
-    return found if found == OK else f"{found}: {line(indicators, found)}"
+    if found == OK:
+        return found
+    return f"{found}: {line(indicators, found)}"
 
 
 def of_shot(shot: Shot) -> str:
     """A shot in a few words, for the progress of a search."""
-    doubt = ", doubtful" if status(shot.checks) == DOUBTFUL else ""
-    return f"{shot.outcome} at {shot.strike_velocity:.1f} m/s{doubt}"
+    words = f"{shot.outcome} at {shot.strike_velocity:.1f} m/s"
+    if status(shot.checks) == DOUBTFUL:
+        words += ", doubtful"
+    return words
 
 
 def of_bracket(limit: Limit) -> str:
     """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
-    found = [
-        f"{shot.outcome} shot at {shot.strike_velocity:.4g} m/s ({line(shot.checks)})"
-        for shot in limit.ends
-        if status(shot.checks) == DOUBTFUL
-    ]
-    return f"doubtful {' and '.join(found)}" if found else OK
+    found = []
+    for shot in limit.ends:
+        if status(shot.checks) == DOUBTFUL:
+            velocity = f"{shot.strike_velocity:.4g} m/s"
+            found.append(f"{shot.outcome} shot at {velocity} ({line(shot.checks)})")
+    if not found:
+        return OK
+    return f"doubtful {' and '.join(found)}"
 
 
 def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
@@ -72,15 +77,17 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
 
 def section(indicators: Sequence[Indicator]) -> Section:
     """The section of a report."""
-    texts = {found: line(indicators, found) for found in (DOUBTFUL, NOTED)}
-    sentences = [f"{found.capitalize()}: {text}." for found, text in texts.items() if text]
-    lead = " ".join(sentences) if sentences else "Every indicator is within its limit."
-    notes = ["" if one.note is None else f" (noted above {one.note:g})" for one in indicators]
-    rows = tuple(
-        (one.name, one.number, f"{one.limit:g}", one.status + note, one.meaning)
-        for one, note in zip(indicators, notes)
-    )
+    sentences = []
+    for found in (DOUBTFUL, NOTED):
+        if text := line(indicators, found):
+            sentences.append(f"{found.capitalize()}: {text}.")
+    lead = " ".join(sentences) or "Every indicator is within its limit."
+    rows = []
+    for one in indicators:
+        state = one.status
+        if one.note is not None:
+            state += f" (noted above {one.note:g})"
+        rows.append((one.name, one.number, f"{one.limit:g}", state, one.meaning))
     columns = ("indicator", "value", "limit", "status", "value is")
-    return Section(
-        "checks", "Quality checks", lead, tables=(Table(columns, rows, numeric=columns[1:3]),)
-    )
+    table = Table(columns, tuple(rows), numeric=columns[1:3])
+    return Section("checks", "Quality checks", lead, tables=(table,))

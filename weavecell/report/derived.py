@@ -33,7 +33,9 @@ def derived(fabric: Fabric) -> list[tuple[str, str]]:
 def density_kind(fabric: Fabric) -> str:
     """ "effective" of a fabric that has the linear densities of the published runs, "nominal" of the data sheet's."""
     used = tuple(yarn.linear_density for yarn in fabric.weave.yarns)
-    return "effective" if used == tuple(fabric.effective_linear_density or ()) else "nominal"
+    if used == tuple(fabric.effective_linear_density or ()):
+        return "effective"
+    return "nominal"
 
 
 def _densities(fabric):
@@ -44,7 +46,10 @@ def _densities(fabric):
     )
     both = {"effective": fabric.effective_linear_density, "nominal": nominal}
     kind = density_kind(fabric)
-    other = "nominal" if kind == "effective" else "effective"
+    if kind == "effective":
+        other = "nominal"
+    else:
+        other = "effective"
     weave = fabric.with_yarns(linear_density=both[other]).weave
     names = {
         "effective": "effective, of the published runs (erratum E-07 of the thesis)",

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from weavecell.report import page
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import (
     BLUE,
@@ -68,13 +69,29 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
         from matplotlib import rcParams
         from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-        figure, content = draw(pyplot, *arguments), io.BytesIO()
+        figure = draw(pyplot, *arguments)
+        content = io.BytesIO()
         figure.set_dpi(rcParams["savefig.dpi"])
         if kind == "svg":
             FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None})
         else:
             figure.canvas.print_png(content, pil_kwargs={"compress_level": 4})
     return content.getvalue()
+
+
+def draw_figure(
+    name: str, caption: str, draw: Callable, *arguments: Any, kind: str = "svg", **shape: bool
+) -> page.Figure:
+    """Draw a picture of a page.
+
+    Parameters
+    ----------
+    name : of its file
+    draw, arguments, kind : as of `render`
+    shape : wide and tall, as of `page.Figure`
+    """
+    content = render(draw, *arguments, kind=kind)
+    return page.Figure(content, kind, caption, name, **shape)
 
 
 def place(
@@ -202,7 +219,10 @@ def velocity(pyplot: Any, runs: Any) -> Any:
     seen = dict.fromkeys(strikes, 0)
     for label, (t, v) in runs.items():
         strike = round(float(v[0]), 6)
-        broad = {"lw": 5.5, "alpha": 0.4} if seen[strike] == 0 and len(runs) > len(strikes) else {}
+        if seen[strike] == 0 and len(runs) > len(strikes):
+            broad = {"lw": 5.5, "alpha": 0.4}
+        else:
+            broad = {}
         axes.plot(
             US * t,
             v,
@@ -232,7 +252,8 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     strike = np.array([shot.strike_velocity for shot in shots])
     residual = np.array([shot.residual_velocity for shot in shots])
     through = np.array([shot.perforated for shot in shots])
-    low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
+    low = 0.94 * min(strike.min(), limit.low)
+    high = 1.02 * strike.max()
     figure, axes = _of_velocities(pyplot, title, low, high)
     if not fit.reason:
         velocities = (
@@ -261,10 +282,12 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         label="stopped",
         zorder=3,
     )
-    zone, alpha = (limit.low, limit.high), 0.8
+    zone = (limit.low, limit.high)
+    alpha = 0.8
     name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
     if not limit.single:
-        zone, alpha = limit.mixed_zone, 0.25
+        zone = limit.mixed_zone
+        alpha = 0.25
         name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
@@ -288,13 +311,19 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
     tests : weavecell.studies.compare.ReducedTests
     found : weavecell.studies.compare.Comparison; None of tests alone
     """
-    table, strike, curve = tests.table, tests.table["velocity [m/s]"], tests.curve
-    velocities = [*strike] if curve.reason else [*strike, curve.V50]
+    table = tests.table
+    strike = tests.table["velocity [m/s]"]
+    curve = tests.curve
+    if curve.reason:
+        velocities = [*strike]
+    else:
+        velocities = [*strike, curve.V50]
     fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
     if found is not None:
         velocities += [found.limit.low, found.limit.high]
         fits.append((found.computed, BLUE, "computed, Lambert-Jonas"))
-    low, high = 0.94 * min(velocities), 1.02 * max(velocities)
+    low = 0.94 * min(velocities)
+    high = 1.02 * max(velocities)
     figure, axes = _of_velocities(pyplot, title, low, high)
     if not curve.reason:
         start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])

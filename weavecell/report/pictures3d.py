@@ -1,7 +1,6 @@
-"""A deformed panel and its projectile in space, seen from behind or from the front.
+"""A deformed panel and its projectile in space, seen from behind or from the front, drawn off screen by pyvista.
 
-Images are drawn by matplotlib, from the farthest element to the nearest: VTK ends a process in which it finds no OpenGL
-library, as on nodes of a cluster, and takes seconds for its first picture. A window has the same elements by pyvista.
+Without a display VTK draws by EGL. There is no scalar bar: VTK's aborts a process that has loaded dolfinx.
 """
 
 from __future__ import annotations
@@ -15,13 +14,12 @@ from fabrics.base.checks import FloatArray
 from weavecell.report.pictures_style import RED, STEEL, tension_map
 
 SIZE = (1120, 612)  # [pixels] width and height of an image
-_CLOTH_DEPTH = 1e-3  # [m] by which the projectile lies behind fabric that it touches
-_VIEWER = 0.55, -1.4, 0.95  # direction of the viewer behind the panel
-_LIGHTS, _INTENSITIES = (
-    np.array([(0.62, 0.58, 0.53), (-0.6, 0.1, 0.79)]),
-    (0.475, 0.185),
-)  # directions in these axes
-_AMBIENT = 0.48
+# The projectile is drawn this far [m] behind where it is: fabric that it touches would else be drawn inside of it.
+_CLOTH_DEPTH = 1e-3
+_VIEWER = np.array([0.55, -1.4, 0.95])  # direction of the viewer behind the panel
+_DISTANCE = (
+    2.0  # [m] of the camera: more than any panel is wide; without effect in a parallel projection
+)
 
 
 def panel(
@@ -43,48 +41,28 @@ def panel(
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.collections import PolyCollection
-    from matplotlib.colors import to_rgb
-    from matplotlib.figure import Figure
+    import pyvista
 
-    fabric = coloured(grid, strength, mirrors)
-    quads, colours = fabric.points[fabric.cells.reshape(-1, 5)[:, 1:]], fabric["colour"] / 255
-    steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(
-        -1, 4, 3
-    )
-    colours = np.vstack([colours, np.tile(to_rgb(STEEL), (len(steel), 1))])
-    side, axes_of_view = -1 if front else 1, _axes(front)
-    seen = (
-        np.concatenate([quads, steel - side * _CLOTH_DEPTH * axes_of_view[2]]) - centre
-    ) @ axes_of_view.T
-    normal = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
-    normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.maximum(
-        np.linalg.norm(normal, axis=1, keepdims=True), 1e-300
-    )
-    light = _AMBIENT + np.maximum(normal @ (_LIGHTS * (1, side, 1)).T, 0) @ _INTENSITIES
-    order = np.argsort(seen[..., 2].mean(axis=1), kind="stable")
-    paint = np.clip(colours * light[:, None], 0, 1)[order]
-    figure = Figure(figsize=(SIZE[0] / 100, SIZE[1] / 100), dpi=100, facecolor="white")
-    figure.set_layout_engine("none")
-    axes = figure.add_axes((0, 0, 1, 1), xlim=np.array([-1, 1]) * half_height * SIZE[0] / SIZE[1])
-    axes.set_ylim(-half_height, half_height)
-    axes.axis("off")
-    elements = PolyCollection(
-        seen[order, :, :2], facecolors=paint, edgecolors=paint, linewidths=0.5
-    )
-    axes.add_collection(elements, autolim=False)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.array(canvas.buffer_rgba())[..., :3]
+    from weavecell.report.pictures_mesh import plotter
 
-
-def _axes(front):
-    """(3, 3) axes of the view: to the right, up, towards the viewer."""
-    x, y, z = _VIEWER
-    viewer = np.array([x, y, -z if front else z]) / np.linalg.norm(_VIEWER)
-    right = np.cross((0, 0, 1), viewer) / np.linalg.norm(np.cross((0, 0, 1), viewer))
-    return np.array([right, np.cross(viewer, right), viewer])
+    viewer = _VIEWER / np.linalg.norm(_VIEWER)
+    if front:
+        viewer = viewer * [1, 1, -1]
+    scene = plotter(SIZE, "three lights")
+    try:
+        fabric = coloured(grid, strength, mirrors)
+        scene.add_mesh(fabric, scalars="colour", rgb=True, ambient=0.5, diffuse=0.5)
+        surface = body - _CLOTH_DEPTH * viewer
+        projectile = pyvista.StructuredGrid(*np.moveaxis(surface, -1, 0))
+        scene.add_mesh(projectile, color=STEEL, ambient=0.3, diffuse=0.8, specular=0.3)
+        scene.enable_parallel_projection()
+        focus = np.asarray(centre, float)
+        scene.camera_position = [focus + _DISTANCE * viewer, focus, (0, 0, 1)]
+        scene.camera.parallel_scale = half_height
+        scene.reset_camera_clipping_range()
+        return scene.screenshot(return_img=True)
+    finally:
+        scene.close()
 
 
 def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:

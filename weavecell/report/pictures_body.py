@@ -10,7 +10,6 @@ from weavecell.report.pictures_style import BLUE, FAINT, INK, RED
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
-    from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
 
 _AT = 24e-3  # [m] least half-width of the cut that is shown
@@ -87,35 +86,5 @@ def crater(pyplot: Any, blocks: Any) -> Any:
     figure.supxlabel("from the impact point [mm]", fontsize=12)
     figure.supylabel("depth [mm]", fontsize=12)
     bar_ = figure.colorbar(faces, ax=grid, shrink=0.8, pad=0.01, label="effective plastic strain")
-    bar_.outline.set_visible(False)
-    return figure
-
-
-def depth_map(pyplot: Any, block: BackingResult) -> Any:
-    """Depth of the face of a block, mirrored, seen along the flight.
-
-    Parameters
-    ----------
-    block : shellfabric.backing.coupling.BackingResult
-    """
-    x, y, depth = MM * np.moveaxis(block.depth_map, -1, 0)
-    for axis in (0, 1) if block.share < 1 else ():  # the quarter and its mirror images
-        back = tuple(slice(None, 0, -1) if c == axis else slice(None) for c in (0, 1))
-        signs = (-1, 1, 1) if axis == 0 else (1, -1, 1)
-        x, y, depth = (
-            np.concatenate([sign * v[back], v], axis) for sign, v in zip(signs, (x, y, depth))
-        )
-    reach = max(MM * _AT, 3.0 * MM * block.half_width)
-    most = max(MM * block.back_face_signature, 1e-6)
-    figure, axes = pyplot.subplots(figsize=(6.4, 5.2), layout="constrained")
-    map_ = axes.contourf(x, y, depth, levels=np.linspace(0, most, 41), cmap="YlOrBr", extend="both")
-    axes.contour(x, y, depth, levels=most * np.arange(1, 5) / 5, colors=INK, linewidths=0.7)
-    axes.set(xlabel="along the warp [mm]", ylabel="along the weft [mm]")
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-    axes.grid(False)
-    ticks = most * np.arange(6) / 5
-    bar_ = figure.colorbar(
-        map_, ax=axes, shrink=0.9, ticks=ticks, format="%.1f", label="depth [mm]"
-    )
     bar_.outline.set_visible(False)
     return figure

@@ -70,26 +70,21 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import LinearSegmentedColormap
 
-    coupon, x = solved.coupon, 1e3 * solved.states[-1].x
-    degrees, tension = (
-        np.degrees(np.abs(solved.shear())),
-        np.concatenate(coupon.tensions(solved.states[-1].x)),
-    )
+    coupon = solved.coupon
+    x = 1e3 * solved.states[-1].x
+    degrees = np.degrees(np.abs(solved.shear()))
+    tension = np.concatenate(coupon.tensions(solved.states[-1].x))
     width, height = np.ptp(x, axis=0)
     tall = float(np.clip(height / width, 0.15, 2.0))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 2.0 + 4.4 * tall))
-    shears, most = (
-        LinearSegmentedColormap.from_list("shear", _SHEARS),
-        max(float(np.quantile(degrees, 0.995)), 1.0),
-    )
+    shears = LinearSegmentedColormap.from_list("shear", _SHEARS)
+    most = max(float(np.quantile(degrees, 0.995)), 1.0)
     looks: dict[str, Any] = {"edgecolors": "face", "linewidth": 0.2, "rasterized": True}
     elements = PolyCollection(x[coupon.quads], array=degrees, cmap=shears, clim=(0, most), **looks)
     left.add_collection(elements)
     tightest_last = np.argsort(tension)
-    edges, tension = (
-        np.concatenate([x[family] for family in coupon.edges])[tightest_last],
-        tension[tightest_last],
-    )
+    edges = np.concatenate([x[family] for family in coupon.edges])[tightest_last]
+    tension = tension[tightest_last]
     top = max(float(np.quantile(tension, 0.995)), solved.force_floor)
     yarns = LineCollection(
         edges, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True
@@ -117,7 +112,8 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
 
 def _zones(axes, solved):
     """The borders of the zones of a bias coupon, lines of the fabric along the yarns from its clamped corners."""
-    points, x = solved.coupon.points, 1e3 * solved.states[-1].x
+    points = solved.coupon.points
+    x = 1e3 * solved.states[-1].x
     half = np.array([np.ptp(points[:, 0]) / 2, np.abs(points[solved.grips > 0][:, 1]).min()])
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     along = np.linspace(0, 2 * half[0], 60)
@@ -143,19 +139,19 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
     """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of yarns that do not
     stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
-    prescribed, (unit, factor) = (
-        record.facts["prescribed_name"],
-        shown(record.unit(names[0]), names[0]),
-    )
+    prescribed = record.facts["prescribed_name"]
+    unit, factor = shown(record.unit(names[0]), names[0])
     across_unit, across = shown(record.unit(prescribed), prescribed)
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
     for name in names:
         known = name.startswith(_KNOWN)
-        looks = (
-            {"ls": "--", "lw": 1.6, "zorder": 3} if known else {"ls": "-", "marker": "o", "ms": 4.5}
-        )
-        colour = INK if known else next(colours)
+        if known:
+            looks = {"ls": "--", "lw": 1.6, "zorder": 3}
+            colour = INK
+        else:
+            looks = {"ls": "-", "marker": "o", "ms": 4.5}
+            colour = next(colours)
         axes.plot(
             across * record[prescribed], factor * record[name], color=colour, label=name, **looks
         )

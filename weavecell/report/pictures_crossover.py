@@ -18,14 +18,16 @@ if TYPE_CHECKING:
     from fabrics.base.record import Record
     from meshing.mesh import YarnMesh
 
-UM, MPA = 1e6, 1e-6
+UM = 1e6
+MPA = 1e-6
 WINDOW = (1500, 900)
 
 
 def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
-    strain, name = 100 * record["strain"], ("warp", "weft")[record.facts["yarn"]]
+    strain = 100 * record["strain"]
+    name = ("warp", "weft")[record.facts["yarn"]]
     axes.plot(
         strain,
         record["T_taut"],
@@ -43,10 +45,8 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         label=f"{name}, solid and bars",
     )
     axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
-    at, beside = (
-        (100 * record.facts["crimp"], 1),
-        {"xytext": (4, -4), "textcoords": "offset points", "va": "top"},
-    )
+    at = (100 * record.facts["crimp"], 1)
+    beside = {"xytext": (4, -4), "textcoords": "offset points", "va": "top"}
     axes.annotate("crimp", at, xycoords=("data", "axes fraction"), color=FAINT, **beside)
     axes.set(xlabel="strain of the end distance [%]", ylabel="tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")
@@ -74,11 +74,15 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         if pressure.size:
             law = PlateCurve.pressure_law(fabric.areal_density_measured, int(plies))
             start = record["closure"][np.searchsorted(record["pressure"], pressure[0])] - closure[0]
-            closed, label = UM * (law.closure + start) / plies, "pressure law (eqs. 2-5, 2-6)"
+            closed = UM * (law.closure + start) / plies
+            label = "pressure law (eqs. 2-5, 2-6)"
             axes.semilogy(closed, MPA * law.pressure, color=ORANGE, ls="--", label=label)
     axes.set_ylim(bottom=1e-3)
     axes.set(xlabel="closure of the plates per ply [µm]", ylabel="mean pressure [MPa]")
-    plural = "one ply" if plies == 1 else f"{plies} plies"
+    if plies == 1:
+        plural = "one ply"
+    else:
+        plural = f"{plies} plies"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure
@@ -114,7 +118,8 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         2, 1, figsize=(7.6, 7.0), sharex=True, height_ratios=(1.5, 1)
     )
     turned = np.arange(np.flatnonzero(record["gamma"] == 0)[-1], len(record["gamma"]))
-    gamma, tau = record["gamma"][turned], record["tau"][turned]
+    gamma = record["gamma"][turned]
+    tau = record["tau"][turned]
     upper.plot(gamma, MPA * tau, "o", color=WARP, ms=4.5, mfc="white", label="3D yarns")
     fine = np.linspace(0, gamma[-1], 300)
     try:
@@ -215,10 +220,8 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     from weavecell.report.pictures_mesh import COLOURS, plotter
 
     bodies, images = _bodies(mesh, record, submeshes)
-    scene, looks = (
-        plotter(WINDOW),
-        {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7},
-    )
+    scene = plotter(WINDOW)
+    looks = {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7}
     try:
         for family, grid, x in bodies:
             for image in images(x, grid):

@@ -1,21 +1,17 @@
-"""Plots of what was recorded along yarns and at the edges, from arrays in SI units to matplotlib figures."""
+"""Plots of what was recorded along yarns, from arrays in SI units to matplotlib figures."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weavecell.report.pictures_style import (
     COLOURS,
-    DASHES,
-    FAINT,
     INK,
     ORANGE,
     RED,
-    WARP,
-    WEFT,
     tension_map,
 )
 from weavecell.results.display import MM, US
@@ -24,7 +20,6 @@ if TYPE_CHECKING:
     from shellfabric.output.histories import YarnHistory
 
 _WAVES = {"longitudinal": INK, "transverse": RED}
-_CURVES = 8  # deflection profiles drawn
 
 
 def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) -> Any:
@@ -100,61 +95,6 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.3), ncols=2, fontsize=10)
     bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01, label="tension [N]")
     bar.outline.set_visible(False)
-    return figure
-
-
-def profiles(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
-    """Deflection along warp and weft at evenly spaced instants, one panel a yarn."""
-    figure, grid = _panels(pyplot, len(yarns), 3.4)
-    chosen = np.unique(np.linspace(0, t.size - 1, _CURVES + 1).round().astype(int)[1:])
-    for axes, yarn in zip(grid, yarns):
-        for number, k in enumerate(chosen):
-            shade = 0.25 + 0.75 * number / max(1, chosen.size - 1)
-            colour = WARP if yarn.family == "warp" else WEFT
-            label = f"{US * t[k]:.0f} µs" if k in (chosen[0], chosen[-1]) else None
-            axes.plot(
-                MM * yarn.place[k],
-                MM * yarn.deflection[k],
-                color=colour,
-                alpha=shade,
-                lw=1.8,
-                label=label,
-            )
-        axes.set(
-            title=f"along the {yarn.family}",
-            xlabel="from the impact point [mm]",
-            ylabel="deflection [mm]",
-        )
-        axes.set_xlim(MM * min(0.0, yarn.X[0]), MM * yarn.X[-1])
-        axes.legend(
-            loc="upper right",
-            title=f"every {US * (t[chosen[1]] - t[chosen[0]]):.0f} µs" if chosen.size > 1 else None,
-        )
-    return figure
-
-
-def edges(pyplot: Any, t: np.ndarray, sides: Mapping[str, np.ndarray]) -> Any:
-    """Force of the fabric on the edges through time: the pull inwards, and the lift along the flight.
-
-    Parameters
-    ----------
-    sides : {name: (n, 2)} [N]
-    """
-    figure, (pull, lift) = pyplot.subplots(1, 2, figsize=(10.4, 3.6))
-    for family, colour in (("warp", WARP), ("weft", WEFT)):
-        ends = {f"{family} yarns, {end} end": sides[f"{family}_{end}"] for end in ("high", "low")}
-        high, low = ends.values()
-        if np.array_equal(high, low):  # mirrored
-            ends = {f"{family} yarns, either end": sides[f"{family}_high"]}
-        for (label, forces), dash in zip(ends.items(), DASHES):
-            for column, axes in enumerate((pull, lift)):
-                axes.plot(US * t, forces[:, column], dash, color=colour, lw=1.8, label=label)
-    pull.set(title="pull inwards", xlabel="time after strike [µs]", ylabel="force on an edge [N]")
-    lift.set(title="lift along the flight", xlabel="time after strike [µs]")
-    for axes in (pull, lift):
-        axes.set_xlim(0, US * t[-1])
-        axes.axhline(0, color=FAINT, lw=0.8)
-    pull.legend(loc="upper left", fontsize=10)
     return figure
 
 

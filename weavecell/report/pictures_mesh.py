@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Sequence
+from ctypes.util import find_library
 from typing import Any
 
 import numpy as np
@@ -10,6 +13,7 @@ import pyvista
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
 from fabrics.base.files import replace_whole
 from meshing.crossover import Crossover
 from meshing.inputs import YARNS
@@ -17,10 +21,8 @@ from weavecell.report.pictures_style import INK
 from weavecell.report.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
-FOOT, MARGIN = (
-    0.15,
-    0.05,
-)  # of the window's height: kept for the caption, and free around the crossover
+FOOT = 0.15  # of the window's height, kept for the caption
+MARGIN = 0.05  # of the window's height, free around the crossover
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 
@@ -58,8 +60,25 @@ def save(scene: Any, path: FilePath) -> None:
         scene.close()
 
 
+def can_draw() -> bool:
+    """Whether there is a library that draws off screen: VTK ends a process in which it finds none."""
+    if sys.platform != "linux":
+        return True
+    libraries = ["EGL", "OSMesa"]
+    if os.environ.get("DISPLAY"):
+        libraries.append("GL")
+    return any(find_library(name) for name in libraries)
+
+
 def plotter(window: Sequence[int], lights: Any = "light kit", off_screen: bool = True) -> Any:
-    """A scene on white, in a window or off screen."""
+    """A scene on white, in a window or off screen.
+
+    Raises
+    ------
+    InputError : there is no library to draw with
+    """
+    if not can_draw():
+        raise InputError("no OpenGL library for pictures in space was found: install libegl1")
     vtkLogger.SetStderrVerbosity(
         vtkLogger.VERBOSITY_ERROR
     )  # else a warning for each kind of screen that is missing

@@ -82,7 +82,8 @@ def _aim(scene, patch):
     right /= np.linalg.norm(right)
     up = np.cross(toward, right)
     seen = points @ np.stack([right, up], axis=1)
-    (left, bottom), (far, top) = seen.min(axis=0), seen.max(axis=0)
+    left, bottom = seen.min(axis=0)
+    far, top = seen.max(axis=0)
     scale = max(top - bottom, (far - left) * WINDOW[1] / WINDOW[0]) / (2 * FILL)
     middle = (left + far) / 2 * right + (bottom + top) / 2 * up
     scene.enable_parallel_projection()

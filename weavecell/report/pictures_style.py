@@ -13,9 +13,11 @@ RED = "#D55E00"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 
-WARP, WEFT = BLUE, RED
+WARP = BLUE
+WEFT = RED
 TINTS = {"warp": "#3d93c8", "weft": "#e27a3a"}  # of the same, for solids under a light
-FITTED, PUBLISHED = BLUE, ORANGE
+FITTED = BLUE
+PUBLISHED = ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
 

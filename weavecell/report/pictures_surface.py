@@ -73,7 +73,8 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
         factor, unit, decimals = (1, "N", 0) if force else (UM, "µm", 0)
         values = factor * interpolant(name, x[:, None], y[None, :])
         axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
-        low, high = values.min(), values.max()
+        low = values.min()
+        high = values.max()
         # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
         levels = [
             v

@@ -22,7 +22,8 @@ _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
     """Lowest and highest velocity over each assumed range alone, the widest on top, with its share; all together."""
-    nominal, y = around.rows[0].velocity or 0.0, np.arange(len(around.widths))
+    nominal = around.rows[0].velocity or 0.0
+    y = np.arange(len(around.widths))
     low, high = np.array(list(around.widths.values())).T
     figure, axis = pyplot.subplots(figsize=(9, 1.8 + 0.42 * y.size))
     axis.axvspan(around.low, around.high, color=FAINT, alpha=0.25, lw=0, label="all runs")
@@ -45,7 +46,8 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     figure, (axis, lower) = pyplot.subplots(
         2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1)
     )
-    left, right = V.min() - 2, V.max() + 2
+    left = V.min() - 2
+    right = V.max() + 2
     if not curve.reason:
         edges = probit.band(V, hit, curve, _PROBABILITIES)
         ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
@@ -59,8 +61,12 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
     axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
     parts = np.array_split(np.argsort(V), max(1, V.size // 10))
-    places, shares = [V[part].mean() for part in parts], [hit[part].mean() for part in parts]
-    label = f"share of {len(parts[-1])} shots" if parts[1:] else f"share of all {V.size} shots"
+    places = [V[part].mean() for part in parts]
+    shares = [hit[part].mean() for part in parts]
+    if parts[1:]:
+        label = f"share of {len(parts[-1])} shots"
+    else:
+        label = f"share of all {V.size} shots"
     axis.plot(places, shares, "D", ms=6, color=FAINT, label=label)
     axis.axvspan(
         *study.deterministic,
@@ -111,7 +117,8 @@ def sweep(
         table[quantity.column] = table[quantity.column].astype(float).fillna(middle)
     table = table.dropna(subset=[quantity.column])
     for values, rows in table.groupby(list(others) or (lambda _: 0), sort=False):
-        y, error = rows[quantity.column], None
+        y = rows[quantity.column]
+        error = None
         if quantity.ends is not None:
             low, high = (rows[end] for end in quantity.ends)
             error = np.maximum([y - low, high - y], 0)

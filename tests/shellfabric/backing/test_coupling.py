@@ -127,15 +127,18 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     )
 
 
-def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric):
+def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric, monkeypatch):
+    first = []
+
+    def step(self, state):
+        if first:
+            raise UnstableError("a brick is turned inside out", where="here", when="now")
+        first.append(state)  # as the run is laid out
+
+    monkeypatch.setattr(BackingCoupling, "step", step)
     pack = ImpactSetup(fabric, 100.0, **QUICK, plies=2, numerics=Numerics(threads=2))
     march = PackSolver(pack.target(), 100.0, QUICK["end_time"])
     assert march.threads == 2
-
-    def step(state):
-        raise UnstableError("a brick is turned inside out", where="here", when="now")
-
-    march.backing.step = step
     with pytest.raises(UnstableError, match="inside out"):
         march.run()
 

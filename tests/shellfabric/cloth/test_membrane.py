@@ -122,7 +122,7 @@ def test_uniform_tension_cancels_exactly():
     s, k = panel.constants().row_stride, np.arange(state.u[0].size)
     state.u[0][:] = (k // s) * 2.0**-16
     state.u[1][:] = (k % s) * 2.0**-16
-    ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
+    ply_kernels.initial_forces(state, panel.constants(), panel.work())
     f = node_forces(panel, state)
     assert np.abs(f).max() > 0.1
     assert np.abs(f[1:-1, 1:-1]).max() == 0.0
@@ -241,7 +241,7 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
         np.random.default_rng(0).normal(scale=1e-3, size=(*inside.shape, 3)) * inside[..., None],
     )
     state.active_rows[:] = 0, const.ni
-    ply_kernels.initial_forces(state, const, None, panel.work())
+    ply_kernels.initial_forces(state, const, panel.work())
     advance(solver, 400)
     # what is no number any more is at rest
     assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds

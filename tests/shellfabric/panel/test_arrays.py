@@ -6,6 +6,9 @@ from conftest_tools import grid
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
 
+from shellfabric.panel.model import Numerics
+from shellfabric.projectile.projectile import Projectile
+
 SYMMETRIES = ("quarter", "half", "whole")
 
 
@@ -68,3 +71,15 @@ def test_strength_of_each_yarn():
         assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
     assert np.isposinf(make_panel(yarn_failure=False).constants().warp_lines.strength).all()
+
+
+@pytest.mark.parametrize("contact_points", [2, 3, 4])
+def test_friction_is_kept_of_each_contact_point(contact_points):
+    """However many eights their shape functions fill."""
+    numerics = Numerics(threads=1, contact_points=contact_points)
+    panel = make_panel(numerics=numerics, projectile=Projectile(friction=0.2))
+    state = panel.state(50.0)
+    points = panel.constants().points_per_side ** 2
+    assert points == contact_points**2
+    assert state.friction_state.shape == (state.in_contact.size, points, 6)
+    assert state.last_contact_force.shape == (state.in_contact.size, 8 * -(-points // 8))

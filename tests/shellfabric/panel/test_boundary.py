@@ -69,7 +69,7 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
     for strain in (0.002, 0.02):
         state = panel.state(1.0)
         set_nodal(state.u, strain * rest(panel) * [1, 0, 0])
-        ply_kernels.initial_forces(state, const, None, panel.work())
+        ply_kernels.initial_forces(state, const, panel.work())
         boundary_kernels.update_slip_nodes(state, const, 0.0)
         force, v = (
             grid(const, part)[-1, :-1]

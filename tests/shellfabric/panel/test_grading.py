@@ -164,7 +164,7 @@ def reflected(table, zones, wavelength):
         state.v,
         (speed * 1e-6 * k * np.sin(2 * k * within(X + 0.5 * speed * const.dt)))[..., None] * along,
     )
-    ply_kernels.initial_forces(state, const, None, panel.work())
+    ply_kernels.initial_forces(state, const, panel.work())
     advance(solver, int(150 * d / speed / const.dt))
     kinetic = (grid(const, state.mass) * grid(const, state.v[0]) ** 2).sum(axis=1)
     return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())

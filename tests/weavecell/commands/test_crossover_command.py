@@ -14,7 +14,7 @@ from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
 from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path
-from weavecell.api import crossovers
+from weavecell.api import crossover_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
@@ -35,7 +35,7 @@ def run(command, tmp_path):
 
     def called(case, words, path=PATH):
         (tmp_path / "p.csv").write_text(path)
-        code, out, err = command(f"crossover S-720 --case {case} {words} --mesh 3,2,2 --out c")
+        code, out, err = command(f"crossover {case} S-720 {words} --mesh 3,2,2 --out c")
         folder = tmp_path / "c"
         return code, out, err, table_of(folder, "case.json"), Record.read(folder / "case.h5")
 
@@ -47,7 +47,7 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
     code, out, err, content, record = run(case, CASES[case])
     assert (code, record.failed) == (0, ""), err
     found = content["found"]
-    again = crossovers.CASES[case].summary(catalogue.load("S-720"), record)
+    again = crossover_result.CASES[case].summary(catalogue.load("S-720"), record)
     assert json.loads(json.dumps(again)) == found
     assert all(key in out for key in found)
     if case == "path":
@@ -79,10 +79,7 @@ def test_a_failed_case_keeps_what_it_computed(run):
 
 def test_the_example_of_a_path_is_good():
     assert np.abs(load_path.read(EXAMPLE)).max() == pytest.approx(20e-6)
-    assert (
-        f"weavecell crossover S-720 --case path --path examples/{EXAMPLE.name}"
-        in EXAMPLE.read_text()
-    )
+    assert f"weavecell crossover path S-720 --path examples/{EXAMPLE.name}" in EXAMPLE.read_text()
 
 
 @pytest.mark.slow

@@ -51,7 +51,7 @@ def test_all_chapters_are_there_and_nothing_is_fetched(page):
     ]
     assert [link for link in links if link.startswith("#")] == [f"#{key}" for key in ids]
     assert all(link.startswith(("data:image/", "#")) for link in links)
-    assert tags.count("img") == 11
+    assert tags.count("img") == 8
     assert "link" not in tags
     text = re.sub(r"data:image/[a-z+]+;base64,[A-Za-z0-9+/=]+", "", page)
     for word in ("http", "@import", "url("):
@@ -168,10 +168,10 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     }
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
-    chapters_shot.chapter(replace(record, **changes), None)
+    chapters_shot.chapter(replace(record, **changes))
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
-    assert names == ["histories", "energies", "reactions", "cuts", "cell"]
+    assert names == ["histories", "energies", "cuts", "cell"]
 
 
 def test_another_file_is_refused_and_a_failing_record_leaves_nothing(record, tmp_path):

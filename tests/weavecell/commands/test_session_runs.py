@@ -126,8 +126,8 @@ def calibrated(folder):
 
 
 def pulled(_):
-    found = wc.crossover(
-        "S-720", "pull-out", friction=0.15, end_displacement=["5 um", 9e-6], mesh=(3, 2, 2)
+    found = wc.crossover.pull_out(
+        "S-720", friction=0.15, end_displacement=["5 um", 9e-6], mesh=(3, 2, 2)
     )
     return {"found": found.summary()}
 

@@ -44,7 +44,7 @@ def close(found, wanted, of):
 
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("to", folder.CODES)
-@pytest.mark.parametrize("fabric", wc.fabrics())
+@pytest.mark.parametrize("fabric", wc.fabrics().index)
 def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, units):
     files = text(replace(deck(fabric, to), units=UNITS[units]), to)
     content = next(iter(files.values()))

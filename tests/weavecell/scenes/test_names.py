@@ -124,6 +124,6 @@ def test_a_backing_is_its_material(name):
             1e5 if field.name == "yield_stress" else wanted, rel=1e-12
         )
     assert material != load("backing")
-    assert name in wc.backings()
+    assert name in wc.backings().index
     written = impact.check(SHOT | {"backing": {"material": name}}, None).backing
     assert (written.rate_exponent, written.min_size) == (material.rate_exponent, None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,14 +21,16 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Cut
     from weavecell.studies.assumed_range import AssumedRange
 
-# beside a number of cut yarns that is not whole
+# stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
+CUT_INSTANTS = (0.2, 0.5, 1.0)  # shares of the run at which the fabric is shown cut open
 
 
 def outcome(record: ImpactRecord) -> str:
     """The result of an impact in one line."""
-    strike, end = f"{record.strike_velocity:g} m/s", text(record.time[-1], "s", form=".0f")
+    strike = f"{record.strike_velocity:g} m/s"
+    end = text(record.time[-1], "s", form=".0f")
     if record.outcome == "unstable":
         return f"UNSTABLE at {strike}: the run was ended after {end} and has no result ({record.failure_message})."
     words = {
@@ -36,20 +38,25 @@ def outcome(record: ImpactRecord) -> str:
         "perforated": f"Perforated at {strike}",
         "in flight": f"Not decided at {strike}, in flight at the end, {end}",
     }[record.outcome]
-    velocity = [] if record.outcome == "stopped" else [residual(record)]
-    deflection = [] if record.outcome == "perforated" else [_deflection(record)]
+    found = []
+    if record.outcome != "stopped":
+        found.append(residual(record))
+    found += _dent(record)
+    if record.outcome != "perforated":
+        found.append(_deflection(record))
+    found.append(_load(record))
+    sentence = f"{words}: {', '.join(found)}."
     doubtful = [check.name for check in record.checks if not check.ok]
-    end = f". DOUBTFUL: {', '.join(doubtful)}." if doubtful else "."
-    return f"{words}: {', '.join([*velocity, *_dent(record), *deflection, _load(record)])}{end}"
+    if doubtful:
+        sentence += f" DOUBTFUL: {', '.join(doubtful)}."
+    return sentence
 
 
 def residual(record: ImpactRecord) -> str:
     """Velocity at the end, as text."""
-    name = (
-        "velocity at the end"
-        if record.outcome in ("in flight", "unstable")
-        else "residual velocity"
-    )
+    name = "residual velocity"
+    if record.outcome in ("in flight", "unstable"):
+        name = "velocity at the end"
     return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
@@ -64,8 +71,10 @@ def _deflection(record):
 
 
 def _dent(record):
-    """The depth of the dent in the block, where there is one."""
-    return [] if record.backing is None else [dent(record)]
+    """The depth of the dent, in a list that is empty without a block."""
+    if record.backing is None:
+        return []
+    return [dent(record)]
 
 
 def _load(record):
@@ -77,38 +86,38 @@ def _load(record):
 
 
 def cut(counts: Sequence[float]) -> str:
-    """Numbers of cut yarns, with what they count where one is not whole."""
-    numbers = ", ".join(f"{count:.1f}".removesuffix(".0") for count in counts)
-    whole = all(float(count).is_integer() for count in counts)
-    return f"{numbers} cut yarns of warp and weft" + ("" if whole else f" ({PARTS})")
+    """Numbers of cut yarns, with what they count if one is not whole."""
+    numbers = [f"{count:.1f}".removesuffix(".0") for count in counts]
+    words = f"{', '.join(numbers)} cut yarns of warp and weft"
+    if all(float(count).is_integer() for count in counts):
+        return words
+    return f"{words} ({PARTS})"
 
 
 def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
-    tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
+    tone = headline = record.outcome
+    if record.outcome == "in flight":
+        tone = "plain"
+        headline = "still moving"
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
     lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
-    return Card(
-        record.title,
-        "still moving" if record.outcome == "in flight" else record.outcome,
-        lines,
-        tone,
-    )
+    return Card(record.title, headline, lines, tone)
 
 
-def chapter(record: ImpactRecord, panel: Figure) -> Section:
-    """Histories, energies, cuts, the picture of the panel and results of one impact."""
-    figures = [_histories(record), _energies(record), _edges(record), _cuts(record), panel]
+def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
+    """Histories, energies, cuts, pictures of the panel and results of one impact."""
+    figures = (_histories(record), _energies(record), _cuts(record), *panel)
     tables = [results(record)]
     if record.count > 1:
-        figures += _of_plies(record)
         tables.append(ply_table(record))
-    return Section("impact", "Impact", "", tuple(figures), tuple(tables))
+    return Section("impact", "Impact", "", figures, tuple(tables))
 
 
 def results(record: ImpactRecord) -> Table:
     """Every number of the summary but the energies."""
-    facts, rows = record.facts(), [("outcome", record.outcome)]
+    facts = record.facts()
+    rows = [("outcome", record.outcome)]
     for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
         if key.unit and key.name in facts:
             rows.append((key.label, display.number(facts[key.name], key.unit, key.name)))
@@ -129,41 +138,27 @@ def ply_table(record: ImpactRecord) -> Table:
     )
     deepest = text(record.max_penetration_ratio.max(), "1", "share", ".0f")
     caption = (
-        f"Plies, from the front. Cut yarns: {PARTS}. A ply was pressed into the next by at most {deepest} of its "
-        "thickness."
+        f"Plies, from the front. Cut yarns: {PARTS}. The energy of a ply is its kinetic and stored energy and what it "
+        f"has dissipated. A ply was pressed into the next by at most {deepest} of its thickness. The force of the "
+        "projectile on each ply, its deflection and tensions over time are in histories.h5 under /plies."
     )
     if record.guard_impulses:
         caption += f" Plies were kept from passing through each other by {record.guard_impulses:g} impulses."
     return Table.of(table, caption)
 
 
-def cost(record: ImpactRecord, setup: ImpactSetup) -> tuple[Table, ...]:
-    """Tables for those who develop the code: cost of the time integration, and settings of the model."""
-    unstored = np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1]
-    rows = (
-        ("elements", f"{record.elements}"),
-        ("steps", f"{record.steps}"),
-        ("factor on the time step, below 1 of a run made again", f"{record.step_factor:g}"),
-        ("time integration [s]", f"{record.wall_time:.4g}"),
-        ("ns per element and step", f"{record.ns_per_element_step:.4g}"),
-        ("formulation residual [%]", f"{100 * unstored / record.strike_energy:.4g}"),
-    )
-    caption = "Cost. Formulation residual: work of the cell's forces that the yarns do not store, of the strike energy."
-    settings = {
+def settings(setup: ImpactSetup) -> Table:
+    """Settings of the solver, for those who develop the code."""
+    values = {
         "cell model": setup.cell_model,
         "cell formulation": setup.cell_formulation,
         "stretches along each side of the cell table": setup.table_size,
         "time between energy audits": text(setup.audit_interval, "s"),
-        **{name.replace("_", " "): value for name, value in vars(setup.numerics).items()},
     }
-    return (
-        Table(("quantity", "value"), rows, caption, ("value",)),
-        Table(
-            ("setting", "value"),
-            tuple((k, f"{v}") for k, v in settings.items()),
-            "Settings of the solver",
-        ),
-    )
+    for name, value in vars(setup.numerics).items():
+        values[name.replace("_", " ")] = value
+    rows = [(name, str(value)) for name, value in values.items()]
+    return Table(("setting", "value"), tuple(rows), "Settings of the solver")
 
 
 def _histories(record):
@@ -173,8 +168,9 @@ def _histories(record):
         "Velocity of the projectile; back-face deflection, the largest displacement of the last ply along the normal; "
         f"contact force on the projectile, mean over {interval}."
     )
-    content = pictures.render(pictures_shot.histories, record)
-    return Figure(content, "svg", caption, "histories", wide=False, tall=True)
+    return pictures.draw_figure(
+        "histories", caption, pictures_shot.histories, record, wide=False, tall=True
+    )
 
 
 def _cuts(record):
@@ -185,9 +181,8 @@ def _cuts(record):
     )
     if record.count > 1:
         caption += " Plies are dark at the front and light at the rear."
-    return Figure(
-        pictures.render(pictures_shot.cuts, _cut_views(record), CLOSE_UP), "svg", caption, "cuts"
-    )
+    views = _cut_views(record)
+    return pictures.draw_figure("cuts", caption, pictures_shot.cuts, views, CLOSE_UP)
 
 
 def _energies(record):
@@ -196,21 +191,9 @@ def _energies(record):
         "Energy of projectile and fabric; dotted: the strike energy. Below, the error of the energy balance in % of "
         "the strike energy (green band: 1 %)."
     )
-    caption += f" Note: {record.viscous_note}." if record.viscous_note else ""
-    return Figure(
-        pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False
-    )
-
-
-def _edges(record):
-    """Tensions at the edges."""
-    caption = (
-        "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
-    )
-    caption += ", summed over the plies." if record.count > 1 else "."
-    return Figure(
-        pictures.render(pictures_shot.reactions, record), "svg", caption, "reactions", wide=False
-    )
+    if record.viscous_note:
+        caption += f" Note: {record.viscous_note}."
+    return pictures.draw_figure("energies", caption, pictures_shot.energies, record, wide=False)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -221,34 +204,14 @@ def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutVie
 
 
 def _cut_views(record):
-    """Three instants."""
+    """The cuts nearest to the instants that are shown, each once."""
     times = np.array([cut.time for cut in record.cuts])
-    numbers = dict.fromkeys(
-        int(np.argmin(np.abs(times - share * times[-1]))) for share in (0.2, 0.5, 1.0)
-    )
-    return [cut_view(record, record.cuts[n], text(times[n], "s", form=".0f")) for n in numbers]
-
-
-def _of_plies(record):
-    """Figures of what each ply of a pack bears."""
-    plies = record.plies
-    both = zip((plies["peak_warp"], plies["peak_weft"]), record.strength.T)
-    tension = np.max([column / strength for column, strength in both], axis=0)
-    peaks, cut, energy = (
-        record.peak_tension / record.strength,
-        plies["cut_yarns"][-1],
-        plies["energy"][-1],
-    )
-    bears = "What each ply bears. The energy of a ply is its kinetic and stored energy and what it has dissipated."
-    pushes = (
-        "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
-        "from its own plane; highest tension of its warp or weft so far, over the strength."
-    )
-    shares = pictures.render(pictures_shot.shares, peaks, cut, energy)
-    histories = pictures.render(
-        pictures_shot.pushes, record.time, plies["push"], plies["deflection"], tension
-    )
-    return [Figure(shares, "svg", bears, "plies"), Figure(histories, "svg", pushes, "pushes")]
+    views = {}
+    for share in CUT_INSTANTS:
+        nearest = int(np.argmin(np.abs(times - share * times[-1])))
+        title = text(times[nearest], "s", form=".0f")
+        views[nearest] = cut_view(record, record.cuts[nearest], title)
+    return list(views.values())
 
 
 def assumptions(
@@ -263,68 +226,87 @@ def assumptions(
     body : whether a rigid projectile is justified, in words
     drawn : whether each yarn has a strength of its own
     """
-    strengths = [
-        (fabric.name, [f"{yarn.strength:.0f}" for yarn in fabric.weave.yarns])
-        for fabric in setup.fabrics
-    ]
-    strength = ", ".join(
-        f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths
-    )
-    pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
-    pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
-    if setup.plies == 1:
-        pinned += " A nose may push slippery yarns aside and pass far below this limit."
-    pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
-    fails = f"A yarn fails at its strength, {strength}, at any strain rate; "
-    fails += (
-        "each yarn's is drawn about that."
-        if drawn or setup.strength
-        else "it is the same for all yarns."
-    )
-    shot, between = setup.projectile, setup.ply_friction
-    projectile = "Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis."
-    projectile += f" {body[0].upper()}{body[1:]}." if body else ""
-    projectile += (
-        f" Friction on the fabric {shot.friction:g}."
-        if shot.friction
-        else " No friction on the fabric."
-    )
+    fails = "Yarns do not fail."
+    if setup.yarn_failure:
+        fails = _failure_in_words(setup, drawn)
     rows = [
-        ("crossovers", pinned),
-        ("failure of yarns", fails if setup.yarn_failure else "Yarns do not fail."),
+        ("crossovers", _crossovers_in_words(setup)),
+        ("failure of yarns", fails),
         ("strain rate", "Stiffness and strength of the yarns do not depend on it."),
-        ("projectile", projectile),
+        ("projectile", _projectile_in_words(setup.projectile, body)),
     ]
     if setup.plies > 1:
-        rows.append(("between plies", f"Friction {between:g}." if between else "No friction."))
+        friction = "No friction."
+        if setup.ply_friction:
+            friction = f"Friction {setup.ply_friction:g}."
+        rows.append(("between plies", friction))
     if setup.backing is not None:
-        rows.append(
-            ("block behind", backings.assumed_line(setup.backing.name, setup.backing.material))
-        )
+        words = backings.assumed_line(setup.backing.name, setup.backing.material)
+        rows.append(("block behind", words))
     rows += [("assumed law", line) for line in lines]
-    return Section(
-        "assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),)
-    )
+    table = Table(("of", "in this run"), tuple(rows))
+    return Section("assumptions", "Assumptions", tables=(table,))
+
+
+def _crossovers_in_words(setup):
+    """That yarns are pinned at their crossovers, and what that means for the result."""
+    sentences = [
+        "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
+        "In the one pair of tests at hand (S-726) the computed limit is too high.",
+    ]
+    if setup.plies == 1:
+        sentences.append("A nose may push slippery yarns aside and pass far below this limit.")
+    sentences += [f"{_capitalised(note)}." for note in setup.notes]
+    return " ".join(sentences)
+
+
+def _failure_in_words(setup, drawn):
+    strengths = []
+    for fabric in setup.fabrics:
+        warp, weft = fabric.weave.yarns
+        strengths.append(
+            f"{warp.strength:.0f} / {weft.strength:.0f} N ({fabric.name}, warp / weft)"
+        )
+    scatter = "it is the same for all yarns"
+    if drawn or setup.strength:
+        scatter = "each yarn's is drawn about that"
+    return f"A yarn fails at its strength, {', '.join(strengths)}, at any strain rate; {scatter}."
+
+
+def _projectile_in_words(projectile, body):
+    sentences = ["Elastic-plastic along its axis."]
+    if projectile.body == "rigid":
+        sentences = ["Rigid."]
+    if body:
+        sentences.append(f"{_capitalised(body)}.")
+    if projectile.friction:
+        sentences.append(f"Friction on the fabric {projectile.friction:g}.")
+    else:
+        sentences.append("No friction on the fabric.")
+    return " ".join(sentences)
+
+
+def _capitalised(sentence):
+    """A sentence with a capital at its beginning, names within it as they are."""
+    return sentence[0].upper() + sentence[1:]
 
 
 def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     """The mesh, of a set-up with the mesh that was used."""
     weave = setup.fabric.weave
-    side = (
-        1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]
-    )  # [crossovers]
-    fewer = "" if setup.grading is None else " about the impact point, fewer outside"
+    if setup.grading is None:
+        side = 1 / setup.resolved_elements_per_crossover  # [crossovers]
+        where = ""
+    else:
+        side = setup.grading[0][1]
+        where = " about the impact point, fewer outside"
+    sides = [display.number(2 * spacing * side, "m", form=".2f") for spacing in weave.w]
+    longest = 2 * max(weave.w) * side
     step = record.time[-1] / record.steps
     rows = (
-        ("elements per crossover, along each side", f"{1 / side:.3g}{fewer}"),
-        (
-            "smallest element [mm]",
-            " x ".join(display.number(2 * w * side, "m", form=".2f") for w in weave.w),
-        ),
-        (
-            "projectile radius / longest side of it",
-            f"{setup.projectile.radius / (2 * max(weave.w) * side):.2g}",
-        ),
+        ("elements per crossover, along each side", f"{1 / side:.3g}{where}"),
+        ("smallest element [mm]", " x ".join(sides)),
+        ("projectile radius / longest side of it", f"{setup.projectile.radius / longest:.2g}"),
         ("elements of the modelled part", f"{record.elements}"),
         ("modelled part of the panel", setup.symmetry),
         ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
@@ -334,9 +316,8 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
         "depends on the mesh."
     )
-    return Section(
-        "panel-mesh", "Mesh", lead, tables=(Table(("mesh", "value"), rows, numeric=("value",)),)
-    )
+    table = Table(("mesh", "value"), rows, numeric=("value",))
+    return Section("panel-mesh", "Mesh", lead, tables=(table,))
 
 
 def assumed(around: AssumedRange) -> Section:
@@ -349,62 +330,55 @@ def assumed(around: AssumedRange) -> Section:
     figures: tuple[Figure, ...] = ()
     if around.high > around.low:
         caption = "What each assumption changes alone, and all runs together."
-        picture = pictures.render(pictures_uncertainty.tornado, around, "")
-        figures = (Figure(picture, "svg", caption, "assumed-range"),)
-    runs = [
-        (run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows
-    ]
+        draw = pictures_uncertainty.tornado
+        figures = (pictures.draw_figure("assumed-range", caption, draw, around, ""),)
+    rows = []
+    for run in around.rows:
+        rows.append((run.laws, run.outcome or "-", display.number(run.velocity, "m/s")))
     columns = ("laws", "outcome", f"{around.quantity} [m/s]")
-    table = Table(columns, tuple(runs), numeric=columns[2:])
+    table = Table(columns, tuple(rows), numeric=columns[2:])
     return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
-    """What was recorded along yarns and at the edges.
+    """What was recorded along yarns.
 
     Parameters
     ----------
-    recorded : shellfabric.output.histories.Histories
+    recorded : shellfabric.output.histories.Histories of at least one yarn
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
     """
     from weavecell.results.wave_fronts import fronts
 
-    t, waves = recorded.t, fronts(recorded)
-    through = [
-        yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None
-    ]
-    drawn: list[tuple[str, str, tuple[Any, ...]]] = []
-    of_ply = f"-ply-{ply}" if ply else ""
-    if recorded.yarns:
-        within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
-        drawn = [
-            (
-                "tensions",
-                "Tension and fibre strain of the yarns that were followed.",
-                (recorded.yarns, within),
-            ),
-            (
-                "fronts",
-                "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse "
-                "one (red: the foot of the pyramid); the lines are fitted.",
-                (through, waves),
-            ),
-            ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
-        ]
-    drawn.append(
-        ("edges", "Force of the fabric on the edges of the whole panel.", (recorded.edges,))
+    waves = fronts(recorded)
+    of_ply = ""
+    title = "Along the yarns"
+    if ply is not None:
+        of_ply = f"-ply-{ply}"
+        title += f", ply {ply}"
+    reach = max(yarn.X[-1] for yarn in recorded.yarns)
+    within = [place for place in places if place <= reach]
+    nearest = [recorded.through(family) for family in ("warp", "weft")]
+    through = [yarn for yarn in nearest if yarn is not None]
+    tensions = pictures.draw_figure(
+        f"tensions{of_ply}",
+        "Tension and fibre strain of the yarns that were followed.",
+        pictures_histories.tensions,
+        recorded.t,
+        recorded.yarns,
+        within,
     )
-    figures = tuple(
-        Figure(
-            pictures.render(getattr(pictures_histories, name), t, *arguments),
-            "svg",
-            caption,
-            name + of_ply,
-        )
-        for name, caption, arguments in drawn
+    arrivals = pictures.draw_figure(
+        f"fronts{of_ply}",
+        "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse one (red: "
+        "the foot of the pyramid); the lines are fitted. Deflections along the yarns and the forces on the edges of "
+        "the panel are in histories.h5 under /measured.",
+        pictures_histories.fronts,
+        recorded.t,
+        through,
+        waves,
     )
-    title = f"Along the yarns and at the edges{f', ply {ply}' if ply else ''}"
     columns = (
         "front",
         "yarn",
@@ -412,52 +386,61 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
         "95 % interval [m/s]",
         "speed along the yarn [m/s]",
     )
-    table = (
-        (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),)
-        if waves
-        else ()
-    )
-    return Section(f"measures{of_ply}", title, "", figures, table)
+    tables: tuple[Table, ...] = ()
+    if waves:
+        rows = [_front_row(wave, recorded) for wave in waves]
+        tables = (Table(columns, tuple(rows), numeric=columns[2:]),)
+    return Section(f"measures{of_ply}", title, "", (tensions, arrivals), tables)
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Sections of an elastic projectile and of a block behind the panel, where there are any."""
+    """Sections of an elastic projectile and of a block behind the panel, if the run has them."""
     sections = []
     if record.bar is not None:
-        bar = record.bar
-        lead = f"{record.rigid_check}. " if record.rigid_check else ""
-        lead += f"Plastic strain has shortened it by {text(bar.shortening, 'm', form='.3g')}."
-        swing = (
-            f" They swing in {text(bar.swing, 's', form='.3g')}." if np.isfinite(bar.swing) else ""
-        )
-        caption = (
-            "Tip, tail and centre of mass of the projectile; the first mode has "
-            f"{text(bar.period, 's', form='.3g')}.{swing}"
-        )
-        figure = Figure(pictures.render(pictures_body.bar, bar), "svg", caption, "bar")
-        sections.append(Section("bar", "The projectile as a bar", lead, (figure,)))
+        sections.append(_bar(record))
     if record.backing is not None:
-        block = record.backing
-        lead = f"{dent(record).capitalize()}. "
-        if not record.block_moves:
-            lead += (
-                f"Volume of the dent {text(block.volume, 'm3', form='.3g')}. "
-                f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
-                f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
-                f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. "
-            )
-        part = "the block" if block.share == 1 else "its modelled part"
-        lead += f"{int(block.gone.sum())} bricks of {part} are eroded."
-        picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
-        caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
-        deep = pictures.render(pictures_body.depth_map, block, kind="png")
-        seen = "Depth of the face of the block at the end of the run, seen along the flight; lines every fifth of it."
-        figures = (
-            Figure(picture, "png", caption, "crater"),
-            Figure(deep, "png", seen, "depth-map"),
-        )
-        sections.append(Section("backing", "The block behind", lead, figures))
+        sections.append(_block(record))
     return sections
+
+
+def _bar(record):
+    """Section of an elastic projectile."""
+    bar = record.bar
+    lead = f"Plastic strain has shortened it by {text(bar.shortening, 'm', form='.3g')}."
+    if record.rigid_check:
+        lead = f"{record.rigid_check}. {lead}"
+    caption = (
+        "Tip, tail and centre of mass of the projectile; the first mode has "
+        f"{text(bar.period, 's', form='.3g')}."
+    )
+    if np.isfinite(bar.swing):
+        caption += f" They swing in {text(bar.swing, 's', form='.3g')}."
+    figure = pictures.draw_figure("bar", caption, pictures_body.bar, bar)
+    return Section("bar", "The projectile as a bar", lead, (figure,))
+
+
+def _block(record):
+    """Section of a block behind the panel."""
+    block = record.backing
+    lead = f"{dent(record).capitalize()}. "
+    if not record.block_moves:
+        lead += (
+            f"Volume of the dent {text(block.volume, 'm3', form='.3g')}. "
+            f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
+            f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
+            f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. "
+        )
+    part = "its modelled part"
+    if block.share == 1:
+        part = "the block"
+    lead += f"{int(block.gone.sum())} bricks of {part} are eroded."
+    caption = (
+        "The block cut along the warp through the impact point, at the end of the run, to scale. The depth of every "
+        "node of its face is in histories.h5 under /backing/depth_map."
+    )
+    blocks = {record.title: block}
+    figure = pictures.draw_figure("crater", caption, pictures_body.crater, blocks, kind="png")
+    return Section("backing", "The block behind", lead, (figure,))
 
 
 def dent(record: ImpactRecord) -> str:
@@ -469,12 +452,12 @@ def dent(record: ImpactRecord) -> str:
 
 
 def _front_row(wave, recorded):
+    """Kind, yarn and speeds of a front; dashes if it has none."""
     if not np.isfinite(wave.speed):
         return wave.kind, wave.family, "-", "-", "-"
-    along = (
-        f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}"
-        if wave.kind == "longitudinal"
-        else "-"
-    )
+    along = "-"
+    if wave.kind == "longitudinal":
+        # along the yarn the wave has further to go, by the crimp
+        along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}"
     low, high = wave.interval
     return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along

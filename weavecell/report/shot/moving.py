@@ -68,24 +68,20 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     count = min(len(instants), max(2, _MOST_BYTES // each))
     chosen = [instants[k] for k in np.linspace(0, len(instants) - 1, count).round().astype(int)]
     places = np.array([grid.points for grid, _ in chosen])
-    low, high = places.min(axis=(0, 1)), places.max(axis=(0, 1))
+    low = places.min(axis=(0, 1))
+    high = places.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535
     whole = np.round((places - low) / step).astype(np.int64)
     differences = np.diff(whole, axis=0, prepend=0).astype("<u2")  # modulo 2^16
     ply = np.asarray(first["ply"]) - 1
-    tension = [
-        np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) for grid, _ in chosen
-    ]
+    tension = []
+    for grid, _ in chosen:
+        tension.append(np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]))
     shares = np.array(tension) / record.strength[ply]
     body = record.projectile - np.append(np.zeros(2), record.projectile[..., 2].max())
-    rings = [
-        body[:-1, :-1],
-        body[1:, :-1],
-        body[1:, 1:],
-        body[:-1, :-1],
-        body[1:, 1:],
-        body[:-1, 1:],
-    ]
+    corner = body[:-1, :-1]
+    across = body[1:, 1:]
+    rings = [corner, body[1:, :-1], across, corner, across, body[:-1, 1:]]  # two triangles each
     triangles = np.stack(rings, axis=2).reshape(-1, 3)
     parts = (
         triangles.astype("<f4"),
@@ -96,15 +92,18 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         ply.astype(np.uint8),
     )
     packed = zlib.compress(b"".join(part.tobytes() for part in parts), 6)
-    noses = [
-        [*record.nose_place(t), float(grid.field_data["projectile_z_m"][0])] for grid, t in chosen
-    ]
-    top, deepest = (
-        max(0.1, np.ceil(10 * shares.max()) / 10),
-        max(float(np.ptp(places[..., 2])), 1e-6),
-    )
+    noses = []
+    for grid, t in chosen:
+        noses.append([*record.nose_place(t), float(grid.field_data["projectile_z_m"][0])])
+    top = max(0.1, np.ceil(10 * shares.max()) / 10)
+    deepest = max(float(np.ptp(places[..., 2])), 1e-6)
     of_tension = {"value": top, "text": f"{100 * top:.0f} % of the strength"}
     ends = dict.fromkeys(("tension", "warp", "weft"), of_tension)
+    ends["deflection"] = {"value": deepest, "text": text(deepest, "m", form=".1f")}
+    elevation = -0.6  # from the side where the projectile is
+    if record.outcome == "perforated":
+        elevation = 0.6
+    palette = np.round(255 * tension_map()(np.linspace(0, 1, 256))[:, :3]).astype(int)
     head = {
         "nodes": first.n_points,
         "elements": first.n_cells,
@@ -117,15 +116,11 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "mirrors": [bool(record.mirror_x), bool(record.mirror_y)],
         "width": pictures3d.width(places[0], record.mirror_x),
         "depth": deepest,
-        "elevation": 0.6
-        if record.outcome == "perforated"
-        else -0.6,  # from the side where the projectile is
+        "elevation": elevation,
         "projectile": noses,
         "captions": [chapters_shot.instant(record, t) for _, t in chosen],
-        "ends": ends | {"deflection": {"value": deepest, "text": text(deepest, "m", form=".1f")}},
-        "palette": np.round(255 * tension_map()(np.linspace(0, 1, 256))[:, :3])
-        .astype(int)
-        .tolist(),
+        "ends": ends,
+        "palette": palette.tolist(),
         "failed": [round(255 * part) for part in to_rgb(RED)],
         "steel": [round(255 * part) for part in to_rgb(STEEL)],
         "data": base64.b64encode(packed).decode("ascii"),

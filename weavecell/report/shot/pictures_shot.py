@@ -1,4 +1,4 @@
-"""Plots of one impact, on one ply or on a pack: histories, cuts, where the energy is, and what each ply bears."""
+"""Plots of one impact, on one ply or on a pack: histories, cuts, and where the energy is."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weavecell.report.pictures import ENERGIES, place
-from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
+from weavecell.report.pictures_style import FAINT, INK, STEEL
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
@@ -78,9 +78,11 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         layout="none",
     )
     place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
-    top = max(foremost(row.cut) for row in rows) if top is None else top
+    if top is None:
+        top = max(foremost(row.cut) for row in rows)
     for axes_row, row in zip(grid, rows):
-        cut, colours = row.cut, shades(len(row.thickness))
+        cut = row.cut
+        colours = shades(len(row.thickness))
         for axes, near in zip(axes_row, (False, True)):
             body = row.projectile
             axes.fill(
@@ -167,7 +169,8 @@ def _band(line, thickness):
 def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
     """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction; `recoil`
     [J] of cut yarns, by its own name, for the last of the viscous energy."""
-    drawn, viscous = dict(energies), energies["viscous"]
+    drawn = dict(energies)
+    viscous = energies["viscous"]
     drawn["viscous"] = np.minimum(viscous, viscous[-1] - recoil)
     drawn["recoil_of_cut_yarns"] = viscous - drawn["viscous"]
     drawn["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
@@ -184,7 +187,8 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     figure, (top, low) = pyplot.subplots(
         2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none"
     )
-    t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
+    t = US * record.time
+    error = 100 * record.energies["error"] / record.strike_energy
     drawn = parts(record.energies, record.recoil_of_cut_yarns)
     known = [row for row in ENERGIES if np.any(drawn.get(row[0], 0.0))]
     values = [np.maximum(drawn[name], 0.0) for name, _, _ in known]
@@ -207,77 +211,9 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     return figure
 
 
-def reactions(pyplot: Any, record: ImpactRecord) -> Any:
-    """Tension at the clamped ends of the two yarns through the impact point, of all plies."""
-    figure, axes = pyplot.subplots(figsize=(5.6, 5.6), layout="none")
-    place(figure, 1.1, 0.2, 0.7, 0.15)
-    for name, colour, dash in (("warp", WARP, "-"), ("weft", WEFT, "--")):
-        tension = record.plies[f"reaction_{name}"].sum(axis=1)
-        axes.plot(US * record.time, tension, dash, color=colour, label=f"{name} yarn")
-    axes.set(xlabel="time after strike [µs]", ylabel="tension at the clamped edge [N]")
-    axes.set_xlim(left=0)
-    axes.legend(loc="upper left")
-    return figure
-
-
 def shades(count: int) -> list:
     """Colours of plies from the front to the rear, in even steps."""
     from matplotlib.colors import LinearSegmentedColormap
 
     ramp = LinearSegmentedColormap.from_list("plies", _STEPS)
     return [ramp(n / max(1, count - 1)) for n in range(count)]
-
-
-def shares(pyplot: Any, peaks: np.ndarray, cut: np.ndarray, energy: np.ndarray) -> Any:
-    """What each ply bears: highest tension, cut yarns, energy at the end.
-
-    Parameters
-    ----------
-    peaks : (plies, 2) [-] highest tension of warp and weft over the strength
-    cut : (plies,) yarns
-    energy : (plies,) [J]
-    """
-    figure, row = pyplot.subplots(1, 3, figsize=(10.4, 3.6))
-    ply = np.arange(1, len(cut) + 1)
-    for column, (name, colour) in enumerate((("warp", BLUE), ("weft", RED))):
-        row[0].bar(ply + 0.2 * (2 * column - 1), peaks[:, column], 0.38, color=colour, label=name)
-    row[0].axhline(1.0, color=FAINT, ls=":", lw=1.2)
-    row[0].set(title="highest tension / strength", ylim=(0, max(1.3, 1.25 * float(peaks.max()))))
-    row[0].legend(loc="upper right", ncols=2)
-    row[1].bar(ply, cut, 0.7, color=ORANGE)
-    row[1].set(title="cut yarns", ylim=(0, max(1.0, 1.1 * float(np.max(cut)))))
-    row[2].bar(ply, energy, 0.7, color=BLUE)
-    row[2].set(title="energy at the end [J]", ylim=(0, 1.1 * float(np.max(energy))))
-    for axes in row:
-        axes.set_xlabel("ply, from the front")
-        axes.set_xticks(ply if len(ply) <= 8 else ply[:: -(-len(ply) // 8)])
-        axes.grid(axis="x", visible=False)
-    return figure
-
-
-def pushes(
-    pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray, tension: np.ndarray
-) -> Any:
-    """Force of the nose on each ply it touches, deflections of the plies, and their highest tensions.
-
-    Parameters
-    ----------
-    t : (n,) [s]
-    push, deflection, tension : (n, plies) [N, m, -], of the tension the share of the strength
-    """
-    figure, (left, right, third) = pyplot.subplots(1, 3, figsize=(10.4, 3.7))
-    colours = shades(push.shape[1])
-    for ply, colour in enumerate(colours):
-        label = f"ply {ply + 1}" if ply in (0, push.shape[1] - 1) else None
-        if np.any(push[:, ply]):
-            left.plot(US * t, 1e-3 * push[:, ply], color=colour, lw=1.6, label=f"ply {ply + 1}")
-        right.plot(US * t, MM * deflection[:, ply], color=colour, lw=1.6, label=label)
-        third.plot(US * t, 100 * tension[:, ply], color=colour, lw=1.6)
-    left.set(title="projectile on a ply [kN]", xlabel="time after strike [µs]")
-    right.set(title="deflection [mm]", xlabel="time after strike [µs]")
-    third.set(title="peak tension / strength [%]", xlabel="time after strike [µs]")
-    left.legend(loc="upper right", ncols=2)
-    right.legend(loc="upper left")
-    for axes in (left, right, third):
-        axes.set_xlim(0, US * float(t[-1]))
-    return figure

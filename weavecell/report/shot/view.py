@@ -7,6 +7,7 @@ file are drawn.
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import textwrap
@@ -22,7 +23,7 @@ from fabrics.base import files
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.files import replace_whole
-from weavecell.report import page, pictures, pictures3d
+from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
@@ -59,8 +60,9 @@ class Panel:
 
     def body(self, grid: Any, t: float) -> FloatArray:
         """(a, b, 3) [m] surface of the projectile at time t, the instant of a grid."""
-        surface, (z,) = self.record.projectile, grid.field_data["projectile_z_m"]
-        return surface + np.append(self.record.nose_place(t), z - surface[..., 2].max())
+        surface = self.record.projectile
+        height = grid.field_data["projectile_z_m"][0] - surface[..., 2].max()
+        return surface + np.append(self.record.nose_place(t), height)
 
     def instants(self) -> list[tuple[Any, float]]:
         """(grid, time [s]) of each snapshot."""
@@ -75,10 +77,14 @@ class Panel:
     def image(self, grid: Any, t: float) -> np.ndarray:
         """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the side where this is."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
-        strength, centre = self.record.strength[grid["ply"] - 1], (0.0, 0.0, 0.02 * width)
-        front = self.record.outcome != "perforated"
         return pictures3d.panel(
-            grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre, front=front
+            grid,
+            self.record.strength[grid["ply"] - 1],
+            self.body(grid, t),
+            self.mirrors,
+            half_height=0.37 * width,
+            centre=(0.0, 0.0, 0.02 * width),
+            front=self.record.outcome != "perforated",
         )
 
     def headline(self) -> str:
@@ -118,32 +124,38 @@ def show(
     if cut and (panel is None or (screenshot is None and movie is None)):
         allowed = "given with --screenshot or --movie, of a folder with panel.pvd and histories.h5"
         raise InputError(key="--cut", allowed=allowed)
-    if movie is not None or html is not None:
-        if panel is None:
+    if panel is None:
+        if movie is not None or html is not None:
             allowed = "a folder with panel.pvd and histories.h5, for --movie and --html"
             raise InputError(key="PATH", value=str(path), allowed=allowed)
-        if movie is not None:
-            _write_movie(panel, movie, cut)
-        if html is not None:
-            page.write(moving.page(panel.record, panel.instants()), html)
-        if screenshot is None:
-            return
-    if screenshot is not None and panel is not None:
-        with plots() as pyplot, replace_whole(screenshot) as beside:
-            last = cut_figure(pyplot, panel, -1) if cut else snapshot(pyplot, panel, file)
-            last.savefig(beside, format="png", dpi=170)
+        _show_elements(file, None, screenshot)
         return
+    if movie is not None:
+        _write_movie(panel, movie, cut)
+    if html is not None:
+        page.write(moving.page(panel.record, panel.instants()), html)
+    if screenshot is not None:
+        with plots() as pyplot, replace_whole(screenshot) as beside:
+            if cut:
+                last = cut_figure(pyplot, panel, -1)
+            else:
+                last = snapshot(pyplot, panel, file)
+            last.savefig(beside, format="png", dpi=170)
+    if movie is html is screenshot is None:
+        _show_elements(file, panel, None)
+
+
+def _show_elements(file, panel, screenshot):
+    """Show the elements of a file in a window, or write a picture of them."""
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
         raise InputError(
             "there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif"
         )
-    from weavecell.report.pictures_mesh import plotter, save
-
-    scene = plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
+    scene = pictures_mesh.plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
     add(scene, file, panel)
     if screenshot is not None:
-        save(scene, screenshot)
+        pictures_mesh.save(scene, screenshot)
     else:
         scene.show(title=f"weavecell: {file}")
 
@@ -167,12 +179,16 @@ def find(path: Path) -> Path:
 def panel_of(path: Path, file: Path) -> Panel | None:
     """The shot at one ply or pack that a path belongs to; None where it is none, or has no histories.h5."""
     path = Path(path)
-    folder = path if path.is_dir() else path.parent if path.suffix == ".pvd" else file.parent.parent
-    if (folder / "panel.pvd").exists() and (folder / "histories.h5").exists():
-        return Panel(
-            ImpactRecord.read(folder / "histories.h5"), vtk.read_series(folder / "panel.pvd")
-        )
-    return None
+    folder = file.parent.parent
+    if path.is_dir():
+        folder = path
+    elif path.suffix == ".pvd":
+        folder = path.parent
+    histories = folder / "histories.h5"
+    series = folder / "panel.pvd"
+    if not histories.exists() or not series.exists():
+        return None
+    return Panel(ImpactRecord.read(histories), vtk.read_series(series))
 
 
 def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
@@ -189,10 +205,15 @@ def end(pyplot: Any, record: ImpactRecord) -> Any:
     )
 
 
-def still(record: ImpactRecord) -> page.Figure:
-    """The last instant of a record for a report."""
+def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
+    """The last instant of a record for a report; empty, with a warning, on a machine that cannot draw it."""
+    if not pictures_mesh.can_draw():
+        logging.getLogger("weavecell").warning(
+            "the report has no picture of the panel: no OpenGL library was found, install libegl1"
+        )
+        return ()
     caption = "The panel at the end of the run, to scale, from the side where the projectile is."
-    return page.Figure(pictures.render(end, record, kind="png"), "png", caption, "panel")
+    return (pictures.draw_figure("panel", caption, end, record, kind="png"),)
 
 
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
@@ -233,20 +254,20 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
 def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
     """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of every step-th cut."""
     with plots() as pyplot:
-        figures = (
-            (
-                cut_figure(pyplot, panel, number)
-                for number in range(
-                    (len(panel.record.cuts) - 1) % step, len(panel.record.cuts), step
-                )
-            )
-            if cut
-            else (snapshot(pyplot, panel, file) for file, _ in panel.series)
-        )
-        for figure in figures:
+        for figure in _figures(pyplot, panel, cut, step):
             figure.set_dpi(dpi)
             figure.canvas.draw()
             yield np.array(figure.canvas.buffer_rgba())[..., :3]
+
+
+def _figures(pyplot, panel, cut, step):
+    if not cut:
+        for file, _ in panel.series:
+            yield snapshot(pyplot, panel, file)
+        return
+    count = len(panel.record.cuts)
+    for number in range((count - 1) % step, count, step):  # the last is among them
+        yield cut_figure(pyplot, panel, number)
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
@@ -263,22 +284,29 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     grid: Any = pyvista.read(file)
     text = file.name
     if "tension_warp_N" in grid.cell_data:
+        mirrors = (False, False)
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
         if panel is not None:
+            mirrors = panel.mirrors
             t = panel.time_of(file)
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
-            scene.add_mesh(
-                pyvista.StructuredGrid(*np.moveaxis(panel.body(grid, t), -1, 0)), color=STEEL
-            )
-        fabric = pictures3d.coloured(
-            grid, np.array([top, top]), panel.mirrors if panel else (False, False)
-        )
+            body = np.moveaxis(panel.body(grid, t), -1, 0)
+            scene.add_mesh(pyvista.StructuredGrid(*body), color=STEEL)
+        fabric = pictures3d.coloured(grid, np.array([top, top]), mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
-        scalars = "yarn" if "yarn" in grid.cell_data else None
-        look = {"show_edges": True, "edge_color": INK, "show_scalar_bar": False}
-        scene.add_mesh(grid, scalars=scalars, cmap=[WARP, WEFT], **look)
+        scalars = None
+        if "yarn" in grid.cell_data:
+            scalars = "yarn"
+        scene.add_mesh(
+            grid,
+            scalars=scalars,
+            cmap=[WARP, WEFT],
+            show_edges=True,
+            edge_color=INK,
+            show_scalar_bar=False,
+        )
     scene.camera_position = "iso"
     scene.add_axes(color=INK)
     scene.add_text(text, position="upper_left", font_size=11, color=INK)
@@ -312,25 +340,24 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     from PIL import Image
 
     found = [Image.fromarray(image) for image in images]
-    middle = found[len(found) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
+    # one palette for all, that of the middle picture: colours do not flicker
+    middle = found[len(found) // 2].quantize(COLOURS)
     palette = np.array(middle.getpalette()).reshape(-1, 3)
     palette[palette.min(axis=1) > 245] = 255  # white stays white
-    torn = np.outer(
-        (255, 215, 175), to_rgb(RED)
-    )  # in light and shade; too few pixels for a palette by frequency
-    palette = np.concatenate([palette[: 256 - len(torn)], torn.astype(palette.dtype)])
+    # failed yarns, in light and shade, are too few pixels for a palette by frequency
+    torn = np.outer((255, 215, 175), to_rgb(RED)).astype(palette.dtype)
+    palette = np.concatenate([palette[: 256 - len(torn)], torn])
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
-    first, *others = [
-        picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found
-    ]
-    times = [*[round(1e3 * FRAME_TIME)] * len(others), round(1e3 * LAST_FRAME_TIME)]
+    reduced = [image.quantize(palette=common, dither=Image.Dither.NONE) for image in found]
+    times = [round(1e3 * FRAME_TIME)] * len(reduced)
+    times[-1] = round(1e3 * LAST_FRAME_TIME)
     content = BytesIO()
-    first.save(
+    reduced[0].save(
         content,
         format="GIF",
         save_all=True,
-        append_images=others,
+        append_images=reduced[1:],
         duration=times,
         loop=0,
         optimize=True,

@@ -1,0 +1,377 @@
+"""The 3D crossover under a load: a function, and a command, for each case.
+
+The fabric has the linear density of its data sheet. A case that finds no equilibrium keeps what it has computed and
+ends with exit code 3. All cases need dolfinx and PETSc.
+
+The folder of `weavecell crossover`
+    case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
+    case.json   settings, results, provenance
+    pictures/   curve.svg, deformed.png
+
+Examples
+--------
+>>> sheared = wc.crossover.shear("S-720", shear_angle="50 deg", mesh="coarse")  # doctest: +SKIP
+>>> sheared.record["tau"].max()  # [Pa]  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, Unpack
+
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
+from fabrics.friction.pull_out import FRICTION
+from weavecell.api import meshes, quantities
+from weavecell.api.crossover_result import CASES, CrossoverResult
+from weavecell.api.meshes import Sections
+from weavecell.api.result import saved
+from weavecell.results import out_folder, progress
+
+__all__ = ["biaxial", "path", "platens", "pull_out", "shear", "stack", "yarn"]
+
+FAMILIES = ("warp", "weft")
+Mesh = str | float | tuple[int, int, int]
+
+
+def yarn(
+    fabric: Fabric | FilePath,
+    *,
+    yarn: Literal["warp", "weft"] = "warp",
+    bars: int | None = None,
+    failure: bool = False,
+    reduced_integration: bool = False,
+    domain: Literal["quarter", "whole"] = "quarter",
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Pull one yarn straight.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    yarn : family of the yarn
+    bars : fibre lines that carry bars; all if not given
+    failure : let fibres fail at their failure strain
+    reduced_integration : one integration point, to see the zero-energy modes
+    domain : a quarter of the crossover, by symmetry, or the whole
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` is the CrossoverResult up to then, which is written
+    """
+    from unitcell3d.cases import single_yarn
+    from unitcell3d.material import solid_law
+
+    options = {"family": _family(yarn), "bars": bars, "failure": failure}
+    if reduced_integration:
+        options["integration"] = solid_law.ONE_POINT
+    _check(domain, "quarter", "whole")
+    return _solved("yarn", single_yarn.pull, options, fabric, domain, mesh, out, sections)
+
+
+def platens(
+    fabric: Fabric | FilePath,
+    *,
+    pressure: float | str | None = None,
+    friction: float = 0.0,
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Press one ply between platens.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    pressure : pressure at the end [Pa]; the highest of the thesis if not given
+    friction : Coulomb's coefficient between the yarns
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    return _pressed("platens", 1, fabric, pressure, friction, mesh, out, sections)
+
+
+def stack(
+    fabric: Fabric | FilePath,
+    *,
+    plies: int = 2,
+    pressure: float | str | None = None,
+    friction: float = 0.0,
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Press several plies between platens.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    plies : number of plies
+    pressure : pressure at the end [Pa]; the highest of the thesis if not given
+    friction : Coulomb's coefficient between the yarns
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    if plies < 1:
+        raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
+    return _pressed("stack", plies, fabric, pressure, friction, mesh, out, sections)
+
+
+def _pressed(case, plies, fabric, pressure, friction, mesh, out, sections):
+    from unitcell3d.cases import stack
+
+    options = {"plies": plies, "numerics": _numerics(friction)}
+    if pressure is not None:
+        options["pressure"] = quantities.number(pressure, "Pa", "pressure")
+    return _solved(case, stack.stack_compression, options, fabric, "quarter", mesh, out, sections)
+
+
+def biaxial(
+    fabric: Fabric | FilePath,
+    *,
+    end_displacement: float | str | list[float],
+    failure: bool = False,
+    friction: float = 0.0,
+    domain: Literal["whole", "periodic"] = "whole",
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Stretch warp and weft.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    end_displacement : displacement of each yarn end, of both yarns or of warp and weft [m]
+    failure : let fibres fail at their failure strain
+    friction : Coulomb's coefficient between the yarns
+    domain : the whole crossover, or a periodic cell of 2 x 2 yarns
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    from unitcell3d.cases import periodic_cell
+
+    ends = quantities.pair(end_displacement, "m", "end_displacement")
+    if not any(ends):
+        allowed = "a length that is not 0"
+        raise InputError(key="end_displacement", value=end_displacement, allowed=allowed)
+    options = {"d": ends, "failure": failure, "numerics": _numerics(friction)}
+    _check(domain, "whole", "periodic")
+    return _solved("biaxial", periodic_cell.biaxial, options, fabric, domain, mesh, out, sections)
+
+
+def path(
+    fabric: Fabric | FilePath,
+    *,
+    path: FilePath,
+    failure: bool = False,
+    friction: float = 0.0,
+    domain: Literal["quarter", "whole"] = "quarter",
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Take the yarn ends along a path.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    path : CSV file of the corners of the path, headed "d1 [um], d2 [um]"
+    failure : let fibres fail at their failure strain
+    friction : Coulomb's coefficient between the yarns
+    domain : a quarter of the crossover, by symmetry, or the whole
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    from unitcell3d.cases import load_path
+
+    corners = load_path.read(path)
+    options = {"corners": corners, "failure": failure, "numerics": _numerics(friction)}
+    _check(domain, "quarter", "whole")
+    return _solved("path", load_path.along, options, fabric, domain, mesh, out, sections)
+
+
+def shear(
+    fabric: Fabric | FilePath,
+    *,
+    shear_angle: float | str = "0.6 rad",
+    end_displacement: float | str | list[float] = "0 mm",
+    failure: bool = False,
+    friction: float = 0.0,
+    domain: Literal["whole", "periodic"] = "whole",
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Shear the weave, which may be stretched before.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    shear_angle : angle at the end [rad]
+    end_displacement : displacement of each yarn end before the shear, of both yarns or of warp and weft [m]
+    failure : let fibres fail at their failure strain
+    friction : Coulomb's coefficient between the yarns
+    domain : the whole crossover, or a periodic cell of 2 x 2 yarns
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    from unitcell3d.cases import periodic_cell
+
+    gamma = quantities.number(shear_angle, "rad", "shear_angle")
+    if not 0 < gamma <= periodic_cell.STEEPEST:
+        allowed = f"above 0 and at most {periodic_cell.STEEPEST} rad"
+        raise InputError(key="shear_angle", value=shear_angle, allowed=allowed)
+    options = {
+        "gamma": gamma,
+        "stretch": quantities.pair(end_displacement, "m", "end_displacement"),
+        "failure": failure,
+        "numerics": _numerics(friction),
+    }
+    _check(domain, "whole", "periodic")
+    return _solved("shear", periodic_cell.shear, options, fabric, domain, mesh, out, sections)
+
+
+def pull_out(
+    fabric: Fabric | FilePath,
+    *,
+    yarn: Literal["warp", "weft"] = "warp",
+    end_displacement: float | str | list[float] | None = None,
+    pressure: float | str | list[float] | None = None,
+    pull: float | str | None = None,
+    friction: float = FRICTION,
+    mesh: str | float | tuple[int, int, int] = "coarse",
+    out: FilePath | None = None,
+    **sections: Unpack[Sections],
+) -> CrossoverResult:
+    """Pull one yarn along its axis until it slides.
+
+    The yarns are pressed together by end displacements of the crossing yarn, or by platens.
+
+    Parameters
+    ----------
+    fabric : as of `mesh`
+    yarn : family of the yarn that is pulled
+    end_displacement : displacements of the crossing yarn's ends, one for each transverse load [m]; four shares of its
+        crimp if neither these nor pressures are given
+    pressure : pressures of platens in their place, one for each transverse load [Pa]
+    pull : displacement of the yarn along its axis [m]; as far as it takes to slide if not given
+    friction : Coulomb's coefficient between the yarns
+    mesh : as of `mesh`
+    out : folder of the results; in Python None writes nothing
+    **sections : sections of the yarns, as of `mesh`
+
+    Raises
+    ------
+    InputError, UnstableError : as `yarn`
+    """
+    from unitcell3d.cases import pull_out as case
+
+    family = _family(yarn)
+    lengths = []
+    if end_displacement is not None:
+        lengths = quantities.numbers(end_displacement, "m", "end_displacement")
+    pressures = []
+    if pressure is not None:
+        pressures = quantities.numbers(pressure, "Pa", "pressure")
+    if pressures and lengths:
+        raise InputError(key="pressure", value=pressure, allowed="left out with --end-displacement")
+    if pressures and not min(pressures) > 0:
+        raise InputError(key="pressure", value=pressure, allowed="pressures above 0")
+    options = {"pressures": pressures, "pulled": family, "numerics": _numerics(friction)}
+    if pull is not None:
+        options["pull"] = quantities.number(pull, "m", "pull")
+
+    def solve(built, fabric, **more):
+        displacements = lengths
+        if not lengths and not pressures:
+            displacements = case.displacements(fabric, family)
+        return case.pull_out(built, fabric, displacements, **more)
+
+    return _solved("pull-out", solve, options, fabric, "whole", mesh, out, sections)
+
+
+def _family(yarn: str) -> int:
+    """Number of a yarn family."""
+    if yarn not in FAMILIES:
+        raise InputError(key="yarn", value=yarn, allowed="warp or weft")
+    return FAMILIES.index(yarn)
+
+
+def _check(domain: str, *allowed: str) -> None:
+    """Refuse a part of the weave that a case does not have."""
+    if domain not in allowed:
+        words = f"{' or '.join(allowed)} for this case"
+        raise InputError(key="domain", value=domain, allowed=words)
+
+
+def _numerics(friction: float) -> Any:
+    from unitcell3d.model.crossover import Numerics
+
+    return Numerics(friction=friction)
+
+
+def _solved(
+    case: str,
+    solve: Callable[..., Any],
+    options: dict[str, Any],
+    fabric: Fabric | FilePath,
+    domain: str,
+    mesh: Mesh,
+    out: FilePath | None,
+    sections: Sections,
+) -> CrossoverResult:
+    """Mesh the crossover, solve the case on it, and write the result.
+
+    Parameters
+    ----------
+    case : one of `CASES`
+    solve : function of `unitcell3d.cases`: (mesh, fabric, hooks=, and the options) -> Record
+    """
+    shape = meshes.options_of(sections, Sections)
+    fabric = meshes.of_3d(fabric)
+    with out_folder.held(out) as folder:
+        built = meshes.build(fabric, domain, size=meshes.size(mesh), **shape)
+        with progress.bar(f"{fabric.name}, {case}") as advance:
+            hooks = [lambda share, row: advance(share)]
+            record = solve(built, fabric=fabric, hooks=hooks, **options)
+        found = CASES[case].summary(fabric, record)
+        size = str(mesh).strip("()")
+        result = CrossoverResult(fabric, case, built, record, domain, size, found)
+        saved(result, folder)
+    if record.failed:
+        raise UnstableError(record.failed, result=result)
+    result.warn()
+    return result
