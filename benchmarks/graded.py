@@ -103,7 +103,9 @@ def refined_shots():
     """Shots that perforate, on meshes that are as fine everywhere or about the impact point alone."""
     fabric, found = catalogue.load("S-720").with_effective_density(), {}
     tables = {
-        "straight, decoupled": CellModel(with_straight_yarns(fabric), model="decoupled").table(201),
+        "straight, decoupled": CellModel(with_straight_yarns(fabric), cell_model="decoupled").table(
+            201
+        ),
         "S-720": CellModel(fabric).table(201),
     }
     for cloth, velocities in REFINED_SHOTS.items():
@@ -199,7 +201,7 @@ def straight_table(fabric):
     weft = replace(warp, linear_density=1e-6 * warp.linear_density)
     model = CellModel(
         replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), shear=None),
-        model="decoupled",
+        cell_model="decoupled",
     )
     return model.table(201)
 
@@ -207,7 +209,9 @@ def straight_table(fabric):
 def behind(table, zones, crossovers):
     """Share of the kinetic energy of a pulse that is found before the zones' border once it should be through."""
     edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0, threads=1)
-    panel = Panel(table, (0.8, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
+    panel = Panel(
+        table, (0.8, 0.0203), boundary=edge, yarn_failure=False, grading=zones, numerics=knobs
+    )
     solver = PackSolver(panel, 1.0, 1.0)
     state, const, solver.exchange = solver.state, solver.const, np.inf  # no checks of the energy
     state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)

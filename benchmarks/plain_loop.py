@@ -317,7 +317,7 @@ def main():
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
     model = CellModel(catalogue.load("S-720").with_effective_density())
-    panel = Panel(model.table(201), numerics=Numerics(threads=1), failure=False)
+    panel = Panel(model.table(201), numerics=Numerics(threads=1), yarn_failure=False)
     const, work, steps = panel.constants(), panel.work(), chosen.steps
     report = {
         "machine": machine(),

@@ -161,7 +161,7 @@ def main():
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
     fabric = catalogue.load("S-720").with_effective_density()
-    tables = {form: CellModel(fabric, form=form).table(201) for form in FORMS}
+    tables = {form: CellModel(fabric, cell_formulation=form).table(201) for form in FORMS}
     report = {"machine": machine()}
     with one_core():
         start = time.perf_counter()

@@ -13,8 +13,8 @@ A number of the file with `low` and `high` has that range. A guess without them,
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
-from math import prod
 
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
@@ -93,29 +93,30 @@ def _ends(fabric, table, laws):
     """{"soft", "stiff": laws} of a table, each number at this end of its range."""
     if not any(key.startswith(f"{table}.") for key in fabric.ranges):
         return {}
+    found = {}
+    for end in ("soft", "stiff"):
+        pair = [_law_at(fabric, table, *of, end == "soft") for of in zip(FAMILIES, laws)]
+        found[end] = tuple(pair)
+    return found
 
-    def at(family, law, soft):
-        numbers = {}
-        for name, value in vars(law).items():
-            ratios = [
-                fabric.ranges.get(key, (1.0, 1.0))
-                for key in (f"{table}.{name}", f"{table}.{family}.{name}")
-            ]
-            numbers[name] = value * prod(pair[soft == (name in _SOFT_AT_HIGH)] for pair in ratios)
-        if table == "solid":  # a yarn is not packed at rest, and softer when it is loose
-            numbers |= {
-                "V_c": max(numbers["V_c"], 1.01 * numbers["Vf0"]),
-                "K_r": min(numbers["K_r"], 0.99),
-            }
-        else:
-            gamma2 = min(numbers["gamma2"], LARGEST)
-            numbers |= {"gamma1": min(numbers["gamma1"], 0.99 * gamma2), "gamma2": gamma2}
-        return replace(law, **numbers)
 
-    return {
-        end: tuple(at(*of, end == "soft") for of in zip(FAMILIES, laws))
-        for end in ("soft", "stiff")
-    }
+def _law_at(fabric, table, family, law, soft):
+    """The law of a family with each number at the soft or the stiff end of its range."""
+    numbers = {}
+    for name, value in vars(law).items():
+        end = soft == (name in _SOFT_AT_HIGH)
+        # a range may be given for both families, or for one
+        for key in (f"{table}.{name}", f"{table}.{family}.{name}"):
+            value *= fabric.ranges.get(key, (1.0, 1.0))[end]
+        numbers[name] = value
+    if table == "solid":
+        # a yarn is not packed at rest, and softer when it is loose
+        numbers["V_c"] = max(numbers["V_c"], 1.01 * numbers["Vf0"])
+        numbers["K_r"] = min(numbers["K_r"], 0.99)
+    else:
+        numbers["gamma2"] = min(numbers["gamma2"], LARGEST)
+        numbers["gamma1"] = min(numbers["gamma1"], 0.99 * numbers["gamma2"])
+    return replace(law, **numbers)
 
 
 def _usual_ranges(fabric, table):
@@ -123,27 +124,29 @@ def _usual_ranges(fabric, table):
     family = family_of(fabric)
     if family is None or table not in ("shear", "solid"):
         return {}
-    laws = [
-        family.shear(fabric.weave, fabric.yarn_width, end)
-        if table == "shear"
-        else family.solid_laws(end)[0]
-        for end in ("soft", "nominal", "stiff")
-    ]
-    soft, usual, stiff = map(vars, laws)
-    return {
-        name: tuple(sorted((soft[name] / usual[name], stiff[name] / usual[name]))) for name in usual
-    }
+    laws = {}
+    for end in ("soft", "nominal", "stiff"):
+        if table == "shear":
+            law = family.shear(fabric.weave, fabric.yarn_width, end)
+        else:
+            law = family.solid_laws(end)[0]
+        laws[end] = vars(law)
+    found = {}
+    for name, usual in laws["nominal"].items():
+        ratios = laws["soft"][name] / usual, laws["stiff"][name] / usual
+        found[name] = tuple(sorted(ratios))
+    return found
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
     """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre family."""
-    usual = {
-        key: _usual_ranges(fabric, key.partition(".")[0]).get(key.rpartition(".")[2])
-        for key in fabric.guessed
-    }
-    return replace(
-        fabric, ranges={**fabric.ranges, **{key: pair for key, pair in usual.items() if pair}}
-    )
+    ranges = dict(fabric.ranges)
+    for key in fabric.guessed:
+        table, *_, name = key.split(".")
+        usual = _usual_ranges(fabric, table)
+        if name in usual:
+            ranges[key] = usual[name]
+    return replace(fabric, ranges=ranges)
 
 
 def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
@@ -159,15 +162,21 @@ def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None
     ------
     InputError : a yarn whose crimp is given is alone higher than half of the thickness
     """
-    computed = [
-        fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES
-    ]
-    first, second = (
-        None if made else yarn.crimp for made, yarn in zip(computed, fabric.weave.yarns)
-    )
-    crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (first, second), share)
+    known: list[float | None] = [yarn.crimp for yarn in fabric.weave.yarns]
+    for number, computed in enumerate(_crimp_is_computed(fabric)):
+        if computed:
+            known[number] = None
+    warp, weft = known
+    crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (warp, weft), share)
     other = fabric.with_yarns(crimp=crimp)
-    return with_shear(replace(other, shear=None)) if "shear" in fabric.assumed else other
+    if "shear" in fabric.assumed:
+        return with_shear(replace(other, shear=None))
+    return other
+
+
+def _crimp_is_computed(fabric):
+    """Whether the crimp of warp and of weft was computed from the thickness."""
+    return [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
 
 
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
@@ -177,27 +186,28 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     """
     if "crimp" not in fabric.assumed:
         return {}
-    factor, share = (entries()[name] for name in ("thickness", "warp_share"))
-    ends: dict[str, tuple[float, float | None]] = {
-        f"thickness times {x:g}": (x, None) for x in (factor.low, factor.high)
-    }
-    if all(fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES):
-        ends |= {f"warp share {x:g}": (1.0, x) for x in (share.low, share.high)}
+    thickness = entries()["thickness"]
+    share = entries()["warp_share"]
+    ends = {}
+    for factor in (thickness.low, thickness.high):
+        ends[f"thickness times {factor:g}"] = {"factor": factor}
+    if all(_crimp_is_computed(fabric)):
+        for value in (share.low, share.high):
+            ends[f"warp share {value:g}"] = {"share": value}
     found = {}
-    for name, end in ends.items():
-        try:
-            found[name] = of_thickness(fabric, *end)
-        except InputError:  # thinner than the yarn whose crimp is given
-            continue
+    for words, end in ends.items():
+        # the low end may be thinner than a yarn whose crimp is given
+        with suppress(InputError):
+            found[words] = of_thickness(fabric, **end)
     return found
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
     one = entries()["failure_length"]
-    usual = (
-        (one.low / one.value, one.high / one.value) if "failure_length" in fabric.assumed else ()
-    )
+    usual: tuple[float, ...] = ()
+    if "failure_length" in fabric.assumed:
+        usual = (one.low / one.value, one.high / one.value)
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
     return {
         f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends
@@ -224,11 +234,8 @@ def _scaled(fabric, name, ratios):
     field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
     pairs = list(zip(fabric.weave.yarns, ratios))
     values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
-    values |= (
-        {"failure_strain": [yarn.failure_strain / ratio for yarn, ratio in pairs]}
-        if field == "E"
-        else {}
-    )
+    if field == "E":
+        values["failure_strain"] = [yarn.failure_strain / ratio for yarn, ratio in pairs]
     return fabric.with_yarns(**values)
 
 
@@ -249,16 +256,20 @@ def family_of(fabric: Fabric) -> Family | None:
     if fabric.family is None:
         return next((family for family in list_families() if all(map(family.holds, yarns))), None)
     named = next(family for family in list_families() if family.name == fabric.family)
-    return named if all(map(named.holds, yarns)) else named.for_other_yarns()
+    if all(map(named.holds, yarns)):
+        return named
+    return named.for_other_yarns()
 
 
 def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
     family = family_of(fabric)
-    name = family.name if family is not None else "unknown"
-    wider = (
-        ", with wider ranges for another fibre" if family is not None and family.of_others else ""
-    )
+    name = "unknown"
+    if family is not None:
+        name = family.name
+    wider = ""
+    if family is not None and family.of_others:
+        wider = ", with wider ranges for another fibre"
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
@@ -278,28 +289,33 @@ def _own_lines(fabric):
         if low < high and key.partition(".")[0] not in fabric.assumed
     ]
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
-    lines = [f"assumed: {', '.join(ranged)}"] if ranged else []
-    return [*lines, f"guessed, without a range: {guessed}; give low and high"] if guessed else lines
+    lines = []
+    if ranged:
+        lines = [f"assumed: {', '.join(ranged)}"]
+    if guessed:
+        return [*lines, f"guessed, without a range: {guessed}; give low and high"]
+    return lines
 
 
 def _crimp_line(fabric):
-    factor, share = (entries()[name] for name in ("thickness", "warp_share"))
-    ends = [[yarn.crimp for yarn in each.weave.yarns] for each in crimp_ends(fabric).values()]
-    now = [yarn.crimp for yarn in fabric.weave.yarns]
-    crimp, low, high = (
-        " / ".join(f"{100 * value:.2f}" for value in values)
-        for values in (
-            now,
-            [min(pair) for pair in zip(now, *ends)],
-            [max(pair) for pair in zip(now, *ends)],
-        )
-    )
-    made = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
-    more = f" and a warp share of the yarn heights of {share.written}" if all(made) else ""
+    thickness = entries()["thickness"]
+    fabrics = fabric, *crimp_ends(fabric).values()
+    warp, weft = zip(*([yarn.crimp for yarn in each.weave.yarns] for each in fabrics))
+    crimp = _percent(warp[0], weft[0])
+    low = _percent(min(warp), min(weft))
+    high = _percent(max(warp), max(weft))
+    more = ""
+    if all(_crimp_is_computed(fabric)):
+        share = entries()["warp_share"].written
+        more = f" and a warp share of the yarn heights of {share}"
     return (
         f"assumed: crimp {crimp} % of warp / weft ({low} .. {high} %), from the thickness "
-        f"{1e3 * (fabric.thickness or 0):g} mm (times {factor.low:g} .. {factor.high:g}){more}"
+        f"{1e3 * (fabric.thickness or 0):g} mm (times {thickness.low:g} .. {thickness.high:g}){more}"
     )
+
+
+def _percent(warp, weft):
+    return f"{100 * warp:.2f} / {100 * weft:.2f}"
 
 
 def _family(fabric, table):
@@ -317,11 +333,10 @@ def _family(fabric, table):
 
 
 def _missing(fabric, table, why):
-    lacking = (
-        {"shear": fabric.shear, "solid": fabric.solid_laws}
-        if table in ("shear", "solid")
-        else {table: None}
-    )
+    if table in ("shear", "solid"):
+        lacking = {"shear": fabric.shear, "solid": fabric.solid_laws}
+    else:
+        lacking = {table: None}
     tables = " and ".join(
         f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None
     )
@@ -336,15 +351,19 @@ def _range(pair, factor):
 
 def _solid_laws(fabric, family, end="nominal"):
     """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
-    return tuple(
-        law if area is None else replace(law, Vf0=yarn.A_s / area)
-        for law, yarn, area in zip(family.solid_laws(end), fabric.weave.yarns, fabric.yarn_area)
-    )
+    laws = []
+    for law, yarn, area in zip(family.solid_laws(end), fabric.weave.yarns, fabric.yarn_area):
+        if area is not None:
+            law = replace(law, Vf0=yarn.A_s / area)
+        laws.append(law)
+    return tuple(laws)
 
 
 def _completed(fabric, table, law_of):
     """The fabric with law_of(its family) where its file gives none, and where that comes from."""
-    field = "solid_laws" if table == "solid" else table
+    field = table
+    if table == "solid":
+        field = "solid_laws"
     if getattr(fabric, field) is not None:
         return fabric
     family = _family(fabric, table)
@@ -353,24 +372,23 @@ def _completed(fabric, table, law_of):
         raise _missing(fabric, table, f"of {family.name} yarns no numbers are at hand")
     sources = {**fabric.sources, **family.sources(table)}
     if table == "solid":
-        sources |= {
-            f"solid.Vf0.{name}": {
-                "value": f"{made.Vf0:.4f}",
-                "source": "section_area",
-                "status": "derived",
-            }
-            for name, made, area in zip(FAMILIES, law, fabric.yarn_area)
-            if area is not None
-        }
+        for name, made, area in zip(FAMILIES, law, fabric.yarn_area):
+            if area is not None:
+                entry = {
+                    "value": f"{made.Vf0:.4f}",
+                    "source": "section_area",
+                    "status": "derived",
+                }
+                sources[f"solid.Vf0.{name}"] = entry
     if table == "shear":
         sources |= _derived(law, family)
     if table == "strain_rate":
         sources |= law.sources()
-    names = (*(name for name in fabric.assumed if name != table), table)
-    ranges = {f"{table}.{name}": pair for name, pair in _usual_ranges(fabric, table).items()}
-    return replace(
-        fabric, **{field: law}, sources=sources, assumed=names, ranges={**fabric.ranges, **ranges}
-    )
+    ranges = dict(fabric.ranges)
+    for name, pair in _usual_ranges(fabric, table).items():
+        ranges[f"{table}.{name}"] = pair
+    names = [name for name in fabric.assumed if name != table]
+    return replace(fabric, **{field: law}, sources=sources, assumed=(*names, table), ranges=ranges)
 
 
 def _derived(shear, family):

@@ -72,7 +72,10 @@ def load(name: str) -> Isotropic:
 
 def assumed_line(name: str, block: Isotropic) -> str:
     """Line that names the constants of a block, of a backing or of "" (the thesis), that are assumed."""
-    data = entry(name) if name else read_table("backing")
+    if name:
+        data = entry(name)
+    else:
+        data = read_table("backing")
     own = of_table(data, _FILE)
     kept = [
         key

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from fabrics import law_file
 from fabrics.base.checks import FilePath, FloatArray, not_negative
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.units import si
 
 if TYPE_CHECKING:
@@ -93,7 +93,8 @@ class CompressionLaw:
 
         The soft end is to be compressed more than the law, the stiff end less.
         """
-        found, F = [], np.linspace(0, self.F_range[1] if self.F_range else 0, 1001)[1:]
+        found = []
+        F = np.linspace(0, self.F_range[1] if self.F_range else 0, 1001)[1:]
         for (end, law), sign, other in zip(self.ends().items(), (1, -1), ("stiffer", "softer")):
             if (outside := F[sign * (law.d(F) - self.d(F)) < 0]).size:
                 forces = f"from {outside[0]:.3g} to {outside[-1]:.3g} N"
@@ -129,11 +130,15 @@ class CompressionLaw:
     @property
     def F0(self) -> float:
         """[N] (b / a)^3, the force at which the printed form starts."""
-        return (self.b / self.a) ** 3 if self.a > 0 else 0.0
+        if self.a > 0:
+            return (self.b / self.a) ** 3
+        return 0.0
 
     @property
     def _shift(self):
-        return self.F0 if self.form == "regularised" else 0.0
+        if self.form == "regularised":
+            return self.F0
+        return 0.0
 
     def d(self, F: ArrayLike) -> FloatArray:
         """Compression [m] at the contact force `F` [N]; no force, no compression (regularised form)."""
@@ -150,7 +155,9 @@ class CompressionLaw:
         d = np.asarray(d, float)
         with np.errstate(divide="ignore", invalid="ignore"):
             force = np.where(d < self.a, (self.b / (self.a - d)) ** 3 - self._shift, np.inf)
-        return np.where(d > 0, force, 0.0) if self.form == "regularised" else force
+        if self.form == "regularised":
+            return np.where(d > 0, force, 0.0)
+        return force
 
     def dd_dF(self, F: ArrayLike) -> FloatArray:
         """Compliance [m/N] at the contact force `F` [N] (eq. 4-28)."""
@@ -190,14 +197,17 @@ class CompressionLaw:
         from scipy.optimize import curve_fit
         from scipy.stats import t as student
 
-        F, d = np.asarray(F, float), np.asarray(d, float)
+        F = np.asarray(F, float)
+        d = np.asarray(d, float)
         keep = F > 0
-        F, d = F[keep], d[keep]
+        F = F[keep]
+        d = d[keep]
         if F.size < 3:
             raise InputError(
                 "a compression law needs at least three samples in contact", value=int(F.size)
             )
-        length, force = float(np.max(np.abs(d))), float(np.max(F))
+        length = float(np.max(np.abs(d)))
+        force = float(np.max(F))
 
         # a = exp(p), F0 = exp(q): both stay positive, and b = a F0^(1/3) follows
         def law(F, p, q):
@@ -209,9 +219,13 @@ class CompressionLaw:
             )
         except RuntimeError as problem:
             raise InputError(f"no compression law fits the samples: {problem}") from problem
-        a, F0 = length * np.exp(p), force * np.exp(q)
+        a = length * np.exp(p)
+        F0 = force * np.exp(q)
         b = a * np.cbrt(F0)
-        spread = student.ppf(0.5 + confidence / 2, F.size - 2) if F.size > 2 else np.inf
+        if F.size > 2:
+            spread = student.ppf(0.5 + confidence / 2, F.size - 2)
+        else:
+            spread = np.inf
         da = spread * np.sqrt(covariance[0, 0])
         db = spread * np.sqrt(covariance[0, 0] + 2 / 3 * covariance[0, 1] + covariance[1, 1] / 9)
         fitted = cls(float(a), float(b), provenance=provenance, fabric=fabric)
@@ -253,7 +267,7 @@ class CompressionLaw:
         InputError : no such file, not JSON, another format, or a bad value
         """
         content = law_file.read(path)
-        try:
+        with placed(path):
             fit = content.get("fit") or {}
             F_range, a_interval, b_interval = (
                 tuple(fit[key]) if fit.get(key) else None
@@ -272,12 +286,6 @@ class CompressionLaw:
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
             )
-        except InputError as problem:
-            if problem.file is None:
-                raise InputError(
-                    file=path, key=problem.key, value=problem.value, allowed=problem.allowed
-                ) from None
-            raise
 
 
 def check_room(

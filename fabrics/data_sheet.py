@@ -59,7 +59,8 @@ def crimps(
     ------
     InputError : the yarn whose crimp is known is alone higher than half of the thickness, or a crimp out of bounds
     """
-    share = entries()["warp_share"].value if share is None else share
+    if share is None:
+        share = entries()["warp_share"].value
     half = thickness / 2
     heights = [share * half, (1 - share) * half]
     for i, j in ((0, 1), (1, 0)):
@@ -152,10 +153,13 @@ def disagreement(
     ------
     InputError : above the limit of `data_sheet.toml`; its `allowed` is the text with {} for the limit
     """
-    limit, off = entries()["contradiction"].value, computed / stated - 1
+    limit = entries()["contradiction"].value
+    off = computed / stated - 1
     if abs(off) > limit:
         raise InputError(key=key, value=value, allowed=allowed.format(f"{100 * limit:g} %"))
-    return None if abs(off) < NOTED else off
+    if abs(off) < NOTED:
+        return None
+    return off
 
 
 def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> str:
@@ -165,7 +169,8 @@ def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> 
     ------
     InputError : as `disagreement`, of the failure strain's `key`
     """
-    by_strain, percent = failure_strain * yarn.EA, 100 * yarn.failure_strain
+    by_strain = failure_strain * yarn.EA
+    percent = 100 * yarn.failure_strain
     allowed = (
         f"within {{}} of {percent:.3g} %, at which this modulus reaches the strength {written}"
     )
@@ -193,7 +198,8 @@ def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
     """
     yarns = file.yarns.values()
     layers = [yarn.count.value * (1 + c) * linear_density(yarn) for yarn, c in zip(yarns, crimp)]
-    computed, notes = 1e3 * sum(layers), []
+    computed = 1e3 * sum(layers)
+    notes = []
     masses = [(yarn.linear_density or yarn.axial_stiffness).written for yarn in yarns]
     allowed = f"within {{}} of {computed:.1f} g/m^2, which counts, linear densities ({' and '.join(masses)}) and crimp "
     for key in ("areal_density", "areal_density_measured"):
@@ -222,7 +228,8 @@ def width_notes(file: FabricFile) -> list[str]:
     for family, yarn in file.yarns.items():
         if yarn.width is None or yarn.width.value * yarn.count.value <= 1:
             continue
-        spacing, key = 1 / yarn.count.value, f"{family}.width"
+        spacing = 1 / yarn.count.value
+        key = f"{family}.width"
         allowed = f"at most {{}} above the spacing of the yarns, {1e3 * spacing:.3g} mm: check width and count"
         off = disagreement(yarn.width.value, spacing, key, yarn.width.written, allowed)
         if off is not None:

@@ -88,8 +88,11 @@ class Fabric:
                 raise InputError(key=f"{family}.width", value=width, allowed="a positive number")
 
     def __repr__(self) -> str:
-        weave, (warp, weft) = self.weave, self.weave.yarns
-        known = "with compression law" if self.laws else "no compression law"
+        weave = self.weave
+        (warp, weft) = self.weave.yarns
+        known = "no compression law"
+        if self.laws:
+            known = "with compression law"
         known += f", assumed: {', '.join(self.assumed)}" if self.assumed else ""
         return (
             f"Fabric({self.name}: {1e3 * weave.areal_density:.0f} g/m², {weave.warp_count / 100:.3g} x "
@@ -133,7 +136,9 @@ class Fabric:
         ------
         InputError : a failure strain that is not below 1
         """
-        ratio = 1.0 if self.strain_rate is None else self.strain_rate.dynamic_modulus
+        ratio = 1.0
+        if self.strain_rate is not None:
+            ratio = self.strain_rate.dynamic_modulus
         if ratio == 1.0:
             return self
         pairs = [(ratio * yarn.E, yarn.failure_strain / ratio) for yarn in self.weave.yarns]
@@ -164,5 +169,9 @@ class Fabric:
 
 def pair(value: float | Iterable[float]) -> tuple[float, float]:
     """(warp, weft) of a number for both families, or of a pair."""
-    warp, weft = value if isinstance(value, Iterable) else (value, value)
+    if isinstance(value, Iterable):
+        warp, weft = value
+    else:
+        warp = value
+        weft = value
     return warp, weft

@@ -110,7 +110,8 @@ class Quantity:
         if status not in STATUSES:
             raise InputError(key="status", value=status, allowed=f"one of {', '.join(STATUSES)}")
         number, unit = self.read(entry.get("value"))
-        written, ratios = str(entry["value"]), None
+        written = str(entry["value"])
+        ratios = None
         if "low" in entry or "high" in entry:
             if info.field_name not in RANGED:
                 raise InputError(
@@ -122,7 +123,9 @@ class Quantity:
             low, high = (same.read(entry.get(key), key=key)[0] for key in ("low", "high"))
             for key, fits in (("low", 0 < low <= number), ("high", high >= number)):
                 if not fits:
-                    allowed = "above 0 and at most value" if key == "low" else "at least value"
+                    allowed = "at least value"
+                    if key == "low":
+                        allowed = "above 0 and at most value"
                     raise InputError(
                         key=key, value=entry[key], allowed=f"{allowed}, {entry['value']}"
                     )
@@ -140,7 +143,9 @@ def _data(meaning, sample, bounds):
 def _number(meaning, unit):
     """The type of a key in SI `unit`, "" of a ratio, that the law made from it checks."""
     of = Quantity({unit: ""}, example(unit), meaning)
-    allowed = f'such as "{of.example}"' if unit else "a number"
+    allowed = "a number"
+    if unit:
+        allowed = f'such as "{of.example}"'
     return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, allowed)]
 
 
@@ -322,7 +327,9 @@ class Micrographs(DataTable):
 
 
 def _of_both(value):
-    return "pair" if isinstance(value, dict) and {"warp", "weft"} & set(value) else "inline"
+    if isinstance(value, dict) and {"warp", "weft"} & set(value):
+        return "pair"
+    return "inline"
 
 
 def _both(table, pair):
@@ -391,7 +398,8 @@ class FabricFile(DataTable):
 
 
 # of a data sheet
-OF_YARN, OF_FABRIC = YarnTable.quantities(), FabricFile.quantities()
+OF_YARN = YarnTable.quantities()
+OF_FABRIC = FabricFile.quantities()
 for _key in ("effective_linear_density", "axial_stiffness"):
     del OF_YARN[_key]
 del OF_FABRIC["areal_density_measured"]

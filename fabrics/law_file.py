@@ -31,7 +31,9 @@ def read(path: FilePath) -> dict[str, Any]:
         raise InputError(
             "is not JSON", file=path, allowed=f"a compression law ({problem})"
         ) from problem
-    found = content.get("format") if isinstance(content, dict) else None
+    found = None
+    if isinstance(content, dict):
+        found = content.get("format")
     if found != FORMAT:
         raise InputError(file=path, key="format", value=found, allowed=repr(FORMAT))
     return content

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.files import read_columns
 from fabrics.base.units import si
 
@@ -102,7 +102,9 @@ class PlateCurve:
             raise InputError(key="areal_density_measured", value=areal_density, allowed=allowed)
         pressure = np.geomspace(law["start"], law["peak"], SAMPLES) / law["platen"] ** 2
         closure = np.cbrt(K) * (pressure[0] ** (-1 / 3) - pressure ** (-1 / 3))
-        pack = "" if plies == 1 else f", {plies} plies (Table 2-2)"
+        pack = ""
+        if plies != 1:
+            pack = f", {plies} plies (Table 2-2)"
         return cls(
             pressure,
             closure,
@@ -129,10 +131,9 @@ class PlateCurve:
             ),
             columns="pressure, and thickness or closure",
         )
-        closure = column["closure"] if "closure" in column else -column["thickness"]
-        try:
+        if "closure" in column:
+            closure = column["closure"]
+        else:
+            closure = -column["thickness"]
+        with placed(path):
             return cls(column["pressure"], closure - closure[:1].sum(), path.name)
-        except InputError as problem:
-            raise InputError(
-                file=path, key=problem.key, value=problem.value, allowed=problem.allowed
-            ) from None

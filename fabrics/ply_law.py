@@ -61,7 +61,9 @@ class PlyLaw:
                     key=key, value=f"{column.size} values", allowed="at least 2, as many of both"
                 )
             if not np.all(np.isfinite(column)) or column[0] != 0 or not np.all(np.diff(column) > 0):
-                row = 1 if column[0] != 0 else int(np.argmin(np.diff(column) > 0)) + 2
+                row = 1
+                if column[0] == 0:
+                    row = int(np.argmin(np.diff(column) > 0)) + 2
                 raise InputError(
                     key=key,
                     value=f"row {row}",
@@ -98,12 +100,14 @@ class PlyLaw:
         pressure = np.union1d(self.pressure, other.pressure)
         closure = 0.5 * (self.closure_at(pressure) + other.closure_at(pressure))
         stiffness = 2 / (1 / self.stiffness + 1 / other.stiffness)
-        source = (
-            self.source
-            if self.source == other.source
-            else f"half each: {self.source}; {other.source}"
-        )
-        status = self.status if self.status == other.status else f"{self.status}, {other.status}"
+        if self.source == other.source:
+            source = self.source
+        else:
+            source = f"half each: {self.source}; {other.source}"
+        if self.status == other.status:
+            status = self.status
+        else:
+            status = f"{self.status}, {other.status}"
         return PlyLaw(closure, pressure, stiffness, source, status)
 
     def scaled(self, factor: float) -> PlyLaw:
@@ -138,6 +142,7 @@ class PlyLaw:
         steps = 0.5 * np.diff(self.closure) * (self.pressure[1:] + self.pressure[:-1])
         stored = np.concatenate([[0.0], np.cumsum(steps)])
         k = np.clip(np.searchsorted(self.closure, d, side="right") - 1, 0, len(self.closure) - 1)
-        rest, start = d - self.closure[k], self.pressure[k]
+        rest = d - self.closure[k]
+        start = self.pressure[k]
         slope = np.append(np.diff(self.pressure) / np.diff(self.closure), self.stiffness)[k]
         return stored[k] + start * rest + 0.5 * slope * rest * rest

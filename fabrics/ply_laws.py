@@ -19,7 +19,7 @@ import numpy as np
 from fabrics import law_file
 from fabrics.assumed import family_of, transverse_moduli, with_solid_laws
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.files import read_columns
 from fabrics.base.units import si
 from fabrics.fabric import Fabric
@@ -39,7 +39,9 @@ def default(fabric: Fabric) -> PlyLaw:
     ------
     InputError : as `solid_fibre`
     """
-    return solid_fibre(fabric) if fabric.ply_contact is None else fabric.ply_contact
+    if fabric.ply_contact is None:
+        return solid_fibre(fabric)
+    return fabric.ply_contact
 
 
 def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
@@ -146,7 +148,9 @@ def from_table(table: Any, fabric: Fabric, file: FilePath) -> PlyLaw:
     InputError : as `read`
     """
     if not isinstance(table, Mapping) or not (set(table) <= set(_TABLE) or set(table) == {"file"}):
-        wrong = ", ".join(table) if isinstance(table, Mapping) else table
+        wrong = table
+        if isinstance(table, Mapping):
+            wrong = ", ".join(table)
         raise InputError(
             file=file, key="ply_contact", value=wrong, allowed=f"file, or {', '.join(_TABLE)}"
         )
@@ -173,11 +177,8 @@ def _checked(columns, source, status, fabric, file, where="ply_contact."):
             file=file, key=f"{where}status", value=status, allowed=f"one of {', '.join(STATUSES)}"
         )
     stiffness = solid_fibre(fabric).stiffness
-    try:
+    with placed(file, where):
         return PlyLaw(columns["closure"], columns["pressure"], stiffness, source, status)
-    except InputError as problem:
-        key = f"{where}{problem.key}"
-        raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
 
 
 def solid_fibre(fabric: Fabric) -> PlyLaw:
@@ -193,7 +194,8 @@ def solid_fibre(fabric: Fabric) -> PlyLaw:
     ------
     InputError : no transverse modulus, given or of a known family of fibres (`fabrics.assumed`)
     """
-    weave, laws = fabric.weave, with_solid_laws(fabric).solid_laws
+    weave = fabric.weave
+    laws = with_solid_laws(fabric).solid_laws
     assert laws is not None
     give = sum(
         length * yarn.linear_density / weave.cell_area / (yarn.fibre_density * law.E_c)

@@ -137,7 +137,9 @@ def data_digest(fabric: Fabric) -> str:
     The linear densities are the effective ones, so that it is the same for either choice; laws of the solid that are
     assumed are left out.
     """
-    solid = None if "solid" in fabric.assumed else fabric.solid_laws
+    solid = None
+    if "solid" not in fabric.assumed:
+        solid = fabric.solid_laws
     weave = with_linear_density(fabric, "effective").weave
     sections = fabric.section, fabric.yarn_width, fabric.yarn_area
     return inputs_digest((weave, sections, solid))
@@ -153,9 +155,7 @@ def rotated_90(fabric: Fabric) -> Fabric:
         warp_count=weave.weft_count,
         weft_count=weave.warp_count,
     )
-    laws, widths, areas = (
-        fabric.laws and fabric.laws[::-1],
-        fabric.yarn_width[::-1],
-        fabric.yarn_area[::-1],
-    )
+    laws = fabric.laws and fabric.laws[::-1]
+    widths = fabric.yarn_width[::-1]
+    areas = fabric.yarn_area[::-1]
     return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)

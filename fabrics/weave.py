@@ -55,7 +55,8 @@ def height_from_length(w: float, S: float) -> float:
         return 0.0
     k = 2 * np.sqrt(crimp)
     for _ in range(100):
-        length, slope = 2 / np.pi * ellipe(-(k**2)), 2 / np.pi * (ellipk(-(k**2)) - ellipe(-(k**2)))
+        length = 2 / np.pi * ellipe(-(k**2))
+        slope = 2 / np.pi * (ellipk(-(k**2)) - ellipe(-(k**2)))
         step = (length - 1 - crimp) * k / -slope
         k -= step
         if abs(step) <= 1e-15 * k:

@@ -16,7 +16,7 @@ from fabrics.base.files import write
 from fabrics.base.schema import Table, entries, tables, unit_of
 from weavecell.decks import folder
 from weavecell.results import keys
-from weavecell.scenes import build, honoured
+from weavecell.scenes import honoured
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 
@@ -163,8 +163,7 @@ def _solver_defaults():
     }
     material = load("backing")
     known |= {f"backing.{entry.name}": getattr(material, entry.name) for entry in fields(Isotropic)}
-    names = {f"{key.partition('.')[0]}.{field}": key for key, field in build.FIELDS.items()}
-    return {names.get(key, key): _text(value) for key, value in known.items() if value is not None}
+    return {key: _text(value) for key, value in known.items() if value is not None}
 
 
 def _table(columns, rows):

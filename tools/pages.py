@@ -24,6 +24,7 @@ import architecture  # noqa: E402
 import claims_page  # noqa: E402
 import file_formats  # noqa: E402
 import keys_page  # noqa: E402
+import keyword_class  # noqa: E402
 import python_page  # noqa: E402
 from claims_page import markdown  # noqa: E402
 
@@ -225,6 +226,7 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
         "verdicts": claims_page.verdicts,
         "missed claims": claims_page.missed,
     },
+    "weavecell/api/keywords.py": {"keywords": keyword_class.text},
     "docs/reference/python.md": {"functions": python_page.text},
     "docs/reference/files.md": {
         "outputs": of_files(file_formats.outputs),

@@ -9,7 +9,8 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -48,23 +49,41 @@ class InputError(WeavecellError, ValueError):
         value: object = None,
         allowed: str | None = None,
     ) -> None:
-        self.message, self.file, self.key, self.value, self.allowed = (
-            message,
-            file,
-            key,
-            value,
-            allowed,
-        )
+        self.message = message
+        self.file = file
+        self.key = key
+        self.value = value
+        self.allowed = allowed
         parts = []
         if file is not None:
             parts.append(f"{file}:")
         if key is not None:
             parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
-        allowed_text = [message] if message is not None else []
+        allowed_text = []
+        if message is not None:
+            allowed_text = [message]
         if allowed is not None:
             allowed_text.append(f"must be {allowed}")
         parts.append("; ".join(allowed_text))
+        # one line, whatever breaks a value has
         super().__init__(" ".join(" ".join(parts).split()))
+
+
+@contextmanager
+def placed(file: object, prefix: str = "") -> Iterator[None]:
+    """An InputError in this block that names no file gets this one, and the prefix before its key."""
+    try:
+        yield
+    except InputError as problem:
+        # what was read from a file inside this block knows better where it stands
+        if problem.file is not None:
+            raise
+        key = problem.key
+        if key is not None:
+            key = prefix + key
+        raise InputError(
+            problem.message, file=file, key=key, value=problem.value, allowed=problem.allowed
+        ) from None
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
@@ -77,7 +96,9 @@ def unknown_name(
 ) -> InputError:
     """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all of them."""
     near = nearest(name, known, 0.6)
-    hint = f', did you mean "{near}"?' if near else ";"
+    hint = ";"
+    if near:
+        hint = f', did you mean "{near}"?'
     return InputError(
         f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name
     )
@@ -92,18 +113,22 @@ class InputErrors(InputError):
     """
 
     def __init__(self, problems: Sequence[InputError]) -> None:
-        first, self.problems = problems[0], tuple(problems)
+        first = problems[0]
+        self.problems = tuple(problems)
         WeavecellError.__init__(self, "\n".join(map(str, problems)))
         for name in ("message", "file", "key", "value", "allowed"):
             setattr(self, name, getattr(first, name))
 
+    # exceptions come back from worker processes pickled, and pickle calls the class with `args`
     def __reduce__(self) -> tuple[Any, ...]:
         return InputErrors, (self.problems,)
 
 
 def together(problems: Sequence[InputError]) -> InputError:
     """One InputError of all `problems`: the one itself, or an InputErrors."""
-    return problems[0] if len(problems) == 1 else InputErrors(problems)
+    if len(problems) == 1:
+        return problems[0]
+    return InputErrors(problems)
 
 
 def marked(problem: object) -> str:
@@ -137,7 +162,9 @@ class UnstableError(WeavecellError):
     def __init__(
         self, message: str, *, where: str | None = None, when: str | None = None, result: Any = None
     ) -> None:
-        self.where, self.when, self.result = where, when, result
+        self.where = where
+        self.when = when
+        self.result = result
         text = message
         if where is not None:
             text += f", at {where}"

@@ -74,10 +74,12 @@ def open_executor(
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
     if not isinstance(executor, str):
         yield executor
+    # one process more would start the interpreter and load the kernels for nothing
     elif executor == "local" and jobs == 1 and not fresh:
         yield InProcess()
     elif executor == "local":
         others = active_children()
+        # numpy reads the number of threads when it is imported, so it is set before the processes start
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
             try:
                 yield pool
@@ -89,7 +91,9 @@ def open_executor(
         yield _ranks()
     elif executor == "dask":
         with _client() as client:
+            # workers were started by somebody else, perhaps with many threads
             client.run(start_worker)
+            # dask would give equal calls one result; here each task is run
             yield client.get_executor(pure=False)
     else:
         raise InputError(key="--executor", value=executor, allowed="local, mpi or dask")
@@ -125,6 +129,7 @@ def as_done(
     executor: Executor, function: Callable, arguments: Sequence[tuple]
 ) -> Iterator[tuple[int, Any]]:
     """(index, result) of function(*row) for each row of `arguments`, as they end, until the first exception."""
+    # submitting all of them at once would run all of them before the first result is handed on
     if isinstance(executor, InProcess):
         yield from ((index, function(*row)) for index, row in enumerate(arguments))
         return
@@ -132,6 +137,7 @@ def as_done(
     try:
         yield from ((futures[future], future.result()) for future in as_completed(futures))
     finally:
+        # after an exception or an interrupt the tasks that wait are not begun
         for future in futures:
             cancel(future)
 

@@ -62,9 +62,11 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
         yield beside
         with open(beside, "rb+") as file:
             size = file.seek(0, os.SEEK_END)
+            # a disk that is full to the last bytes shows it here, while the old file is still in place
             file.write(bytes(ROOM))
             file.truncate(size)
             os.fsync(file.fileno())
+        # mkstemp makes files that only their owner reads
         beside.chmod(0o666 & ~_umask())
         os.replace(beside, path)
     except OSError as problem:
@@ -80,7 +82,9 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
 @contextmanager
 def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     """Open a file for writing that appears under `path` complete, or not at all."""
-    encoding = None if "b" in mode else "utf-8"
+    encoding = None
+    if "b" not in mode:
+        encoding = "utf-8"
     with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:
         yield file
 
@@ -158,13 +162,16 @@ def read_text(path: FilePath) -> str:
     OSError : no such file
     """
     content = Path(path).read_bytes()
+    # Notepad calls UTF-16 with its mark "Unicode"
     utf_16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     good = content
     try:
         text = content.decode("utf-16" if utf_16 else "utf-8-sig")
         good = content.partition(b"\0")[0]
     except UnicodeDecodeError as problem:
-        good, text = content[: problem.start], "\0"
+        good = content[: problem.start]
+        text = "\0"
+    # a NUL is what UTF-16 without a mark looks like as UTF-8
     if "\0" in text:
         number = len(good.splitlines()) + good.endswith((b"\n", b"\r"))
         advice = (
@@ -187,7 +194,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
 
     Raises
     ------
-    InputError : as of `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
+    InputError : see `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
         letters), or a comma that may be a decimal comma and may not
     """
     try:
@@ -203,6 +210,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
     ]
     if not lines:
         return []
+    # semicolons before commas: where commas are decimal, a heading may have them in its words
     separator = separator or next((mark for mark in ";,\t" if mark in lines[0][1]), ",")
     rows = []
     for number, line in lines:
@@ -221,6 +229,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
     for _, cells in rows:
         while len(cells) > columns and not cells[-1]:
             cells.pop()
+    # a file whose columns commas separate has no decimal commas
     if separator != ",":
         _point_decimals(rows, words, path)
     return rows
@@ -231,10 +240,13 @@ def _point_decimals(rows, words, path):
     numbers = []
     for line, cells in rows[1:]:
         for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
-            found = None if heading in words else _QUANTITY.fullmatch(cell)
+            found = None
+            if heading not in words:
+                found = _QUANTITY.fullmatch(cell)
             if found:
                 numbers.append((line, cells, column, found))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
+    # "12,345" can be read in two ways, "12,34" in one
     sure = any(not _THOUSANDS.fullmatch(found[1]) for *_, found in with_comma)
     with_point = any("." in found[1] for *_, found in numbers)
     for line, cells, column, found in with_comma:
@@ -280,7 +292,9 @@ def read_columns(
 
 def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
     """The finite number of a cell; else InputError."""
-    number = float(text) if NUMBER.fullmatch(text) else nan
+    number = nan
+    if NUMBER.fullmatch(text):
+        number = float(text)
     if not isfinite(number):
         raise refused(text, allowed, file=file, key=key)
     return number
@@ -297,7 +311,9 @@ def _heading(cell, units, allowed, path):
 def _row(number, cells, names, path):
     line = f"line {number}"
     if len(cells) != len(names):
-        allowed = "two numbers" if len(names) == 2 else f"{len(names)} numbers"
+        allowed = "two numbers"
+        if len(names) != 2:
+            allowed = f"{len(names)} numbers"
         message = decimal_comma(cells)
         if len(cells) == 2 * len(names):
             message = "if these are decimal commas, separate the columns by semicolons"

@@ -71,6 +71,7 @@ def kernel(**options: Any) -> Callable[[Callable], Any]:
     def decorated(function: Callable) -> Any:
         from numba import njit
 
+        # numba is imported here, since commands that compute nothing should start without it
         with kernel_cache(function.__code__.co_filename):
             return njit(cache=True, **options)(function)
 
@@ -135,11 +136,15 @@ def one_compiler_a_node() -> None:
     class Lock(event.Listener):
         """Held by one thread of one process while numba holds its own lock, which is that of a process."""
 
-        thread, depth, file = threading.RLock(), 0, None
+        # flock is held by a process: its threads need a lock of their own
+        thread = threading.RLock()
+        depth = 0
+        file = None
 
         def on_start(self, _):
             self.thread.acquire()
             if self.depth == 0:
+                # without the lock a kernel is compiled twice, which only costs time
                 with suppress(OSError):
                     self.file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
                     fcntl.flock(self.file, fcntl.LOCK_EX)

@@ -82,6 +82,7 @@ class Record:
 
     def write(self, path: FilePath, **notes: Any) -> None:
         """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
+        # a path that ended early is a result too, and says so in the file
         with write_hdf5(path, FORMAT, failed=self.failed) as file:
             for group, values in (("facts", self.facts), ("notes", notes)):
                 file.create_group(group).attrs.update(values)

@@ -42,6 +42,7 @@ COMPUTING = (
     "studies",
 )  # folders of weavecell whose code counts beside that of a module's own folder
 SUFFIXES = (".py", ".toml", ".json", ".csv")
+# enough to tell two versions of the code apart by eye
 _SHORT = 12  # digits of the code's digest that messages show
 
 
@@ -103,20 +104,25 @@ def inputs_digest(inputs: object) -> str:
 
 def _feed(found, value):
     if isinstance(value, np.generic):
+        # a number of numpy and the same number of Python are one input
         value = value.item()
     if value is None or isinstance(value, (bool, int, float, complex, str, bytes, Path)):
-        text = str(value) if isinstance(value, Path) else value
+        text = value
+        if isinstance(value, Path):
+            text = str(value)
         _mark(found, type(text).__name__, repr(text))
     elif isinstance(value, np.ndarray) and value.dtype != object:
         _mark(found, "array", f"{value.dtype.str} {value.shape}")
         found.update(np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value) and not isinstance(value, type):
+        # fields that are computed from others add nothing
         kept = [entry.name for entry in fields(value) if entry.init]
         _mark(found, "dataclass", f"{type(value).__qualname__} {kept}")
         for name in kept:
             _feed(found, getattr(value, name))
     elif isinstance(value, Mapping):
         _mark(found, "mapping", str(len(value)))
+        # the order in which a table was written does not change a result
         for name in sorted(value, key=repr):
             _feed(found, name)
             _feed(found, value[name])
@@ -158,7 +164,8 @@ class RunCache:
     """
 
     def __init__(self, folder: FilePath, form: Format = PICKLE) -> None:
-        self.folder, self._form = Path(folder), form
+        self.folder = Path(folder)
+        self._form = form
 
     def file(self, key: str) -> Path:
         """File of a result."""
@@ -176,6 +183,7 @@ class RunCache:
             return self._form.read(file)
 
     def __setitem__(self, key: str, content: Any) -> None:
+        # several processes write to one folder, and any of them may be killed
         with write_whole(self.file(key), "wb") as file:
             self._form.write(content, file)
 
@@ -200,7 +208,7 @@ def results(
     function : of a module, to be found again in another process
     arguments : list of tuples of plain numbers, texts and frozen dataclasses
     folder : Path where results are kept, and taken from
-    executor, jobs, fresh : as of `executors.open_executor`
+    executor, jobs, fresh : see `executors.open_executor`
     resume : take the results that the folder holds; otherwise it is emptied first
     report : called as report(number done, number of all)
 
@@ -219,6 +227,7 @@ def results(
         with executors.open_executor(executor, jobs, fresh=fresh) as pool:
             found = executors.as_done(pool, function, [arguments[k] for k in missing])
             for done, (k, content) in enumerate(found, 1):
+                # kept at once, so that an interrupted study has lost only what was under way
                 kept[names[missing[k]]] = content
                 report(len(names) - len(missing) + done, len(names))
     return [kept[name] for name in names]

@@ -60,7 +60,9 @@ class Table(BaseModel):
 
         Without a message the line has the value of the key.
         """
-        hint = f', did you mean "{near}"?' if near else ";"
+        hint = ";"
+        if near:
+            hint = f', did you mean "{near}"?'
         return f"unknown key{hint} allowed here: {', '.join(cls.model_fields)}", None
 
 
@@ -75,7 +77,9 @@ def described(
     `unit` is None of what is no quantity; `example` is as it stands in a file.
     """
     extra: Any = None if unit is None else {"unit": unit or "1"}
-    examples = None if example is None else [example]
+    examples = None
+    if example is not None:
+        examples = [example]
     return Field(
         title=meaning, description=allowed, examples=examples, json_schema_extra=extra, **limits
     )
@@ -121,7 +125,9 @@ def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
         number = (
             isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
         )
-        return float(value) if number and in_python(info) else si(value, unit)
+        if number and in_python(info):
+            return float(value)
+        return si(value, unit)
 
     return read
 
@@ -153,7 +159,10 @@ def quantity(
 
     `kind` is what it is, in words with {} for these limits; None takes what its unit says.
     """
-    highest = math.inf if most is None else si(most, unit)
+    if most is None:
+        highest = math.inf
+    else:
+        highest = si(most, unit)
 
     def convert(text, read):
         value = read(text, unit)
@@ -245,7 +254,9 @@ def flag(meaning: str) -> Any:
 
 def as_tuple(value: Any) -> Any:
     """A list as a tuple, all else as it is."""
-    return tuple(value) if isinstance(value, list) else value
+    if isinstance(value, list):
+        return tuple(value)
+    return value
 
 
 def _quoted(names):
@@ -292,15 +303,19 @@ def _problems(found, model, given, file):
         found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
     ):
         names, field, table = _locate(model, error["loc"])
-        key, cause = ".".join(names), error.get("ctx", {}).get("error")
+        key = ".".join(names)
+        cause = error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":
             near = _meant(names[-1], error["input"], table)
             homes = _homes(model, names[-1])
             meant |= {".".join((*names[:-1], near))} if near and not homes else set()
             message, allowed = table.unknown(names[-1], near)
             if homes:
-                message, allowed = f"unknown key here, it is a key of {homes}", None
-            value = error["input"] if message is None else None
+                message = f"unknown key here, it is a key of {homes}"
+                allowed = None
+            value = None
+            if message is None:
+                value = error["input"]
             line = InputError(message, file=file, key=key, value=value, allowed=allowed)
         elif error["type"] == "missing" and key in meant:
             continue
@@ -310,9 +325,10 @@ def _problems(found, model, given, file):
         elif isinstance(cause, InputError):
             for one in getattr(cause, "problems", (cause,)):
                 key = ".".join(filter(None, (*names, one.key)))
-                value = (
-                    written(given, key) if one.message is None and one.value is None else one.value
-                )
+                if one.message is None and one.value is None:
+                    value = written(given, key)
+                else:
+                    value = one.value
                 line = InputError(
                     one.message, file=file, key=key or None, value=value, allowed=one.allowed
                 )
@@ -339,9 +355,14 @@ def _homes(model, key):
 
 def _locate(model, location):
     """Follow an error's location to (the key's names, the field it belongs to, the table that holds it)."""
-    names, field, table = [], None, model
+    names = []
+    field = None
+    table = model
     for step in location:
-        tables = [model] if field is None else list(tables_in(field.annotation))
+        if field is None:
+            tables = [model]
+        else:
+            tables = list(tables_in(field.annotation))
         inner = next(
             (one for one in tables if step in one.model_fields), tables[0] if tables else None
         )
@@ -379,7 +400,8 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
     for name, entry in type(scene).model_fields.items():
         if name not in scene.model_fields_set:
             continue
-        value, key = getattr(scene, name), prefix + name
+        value = getattr(scene, name)
+        key = prefix + name
         inner = [
             part
             for part in (value if isinstance(value, tuple) else (value,))
@@ -419,5 +441,10 @@ def entries(model: type[Table]) -> dict[str, FieldInfo]:
 def written(table: Any, key: str) -> Any:
     """The value of a key as it stands in the file; None of a table, and of what cannot be found."""
     for part in key.split("."):
-        table = table.get(part) if isinstance(table, dict) else None
-    return None if isinstance(table, dict) else table
+        if isinstance(table, dict):
+            table = table.get(part)
+        else:
+            table = None
+    if isinstance(table, dict):
+        return None
+    return table

@@ -117,11 +117,9 @@ def in_one_of(
         if isfinite(number):
             return number, unit
     names = " or ".join(_NAMES.get(unit, unit) for unit in units)
-    allowed = (
-        f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
-        if names
-        else "a number"
-    )
+    allowed = "a number"
+    if names:
+        allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
     raise refused(value, allowed, file=file, key=key)
 
 
@@ -134,11 +132,16 @@ def refused(
 
 def decimal_comma(value: Any) -> str | None:
     """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
-    parts = value if isinstance(value, (list, tuple)) else (value,)
+    if isinstance(value, (list, tuple)):
+        parts = value
+    else:
+        parts = (value,)
     found = any(
         isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts
     )
-    return "write a decimal point and no comma" if found else None
+    if found:
+        return "write a decimal point and no comma"
+    return None
 
 
 def example(unit: str) -> str:
@@ -166,14 +169,17 @@ def _factor(written, unit):
     if unit == "1/m":
         written = _YARNS.sub("", written, count=1)
     factor = FACTORS.get(unit, {}).get(written)
-    return _factor_by_pint(written, unit) if factor is None else factor
+    if factor is None:
+        return _factor_by_pint(written, unit)
+    return factor
 
 
 def _factor_by_pint(written, unit):
     """The same by pint, to which nothing but the unit goes: digits stand in exponents alone."""
     text = _PLAIN_EXPONENT.sub(r"^\1", written)
     per = _PER.match(text)
-    text = text[per.end() :] if per else text
+    if per:
+        text = text[per.end() :]
     if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
         raise ValueError("more than one number, or brackets in brackets")
     registry = _registry()

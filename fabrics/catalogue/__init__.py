@@ -68,10 +68,15 @@ def load(name_or_path: FilePath) -> Fabric:
 
 def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputError:
     """The InputError of a `name` that no fabric has, with the name it may be meant for, or what it is the path of."""
-    path, near = Path(name), nearest(name, list_names())
-    hint = f'did you mean "{near}"?' if near else None
+    path = Path(name)
+    near = nearest(name, list_names())
+    hint = None
+    if near:
+        hint = f'did you mean "{near}"?'
     if path.exists():
-        hint = "is a folder" if path.is_dir() else "is a file of another kind"
+        hint = "is a file of another kind"
+        if path.is_dir():
+            hint = "is a folder"
     return InputError(hint, key=key, value=name, allowed=allowed, file=file)
 
 
@@ -83,7 +88,10 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     InputError : as `load`; all values that are wrong, one line each
     """
     path = Path(path)
-    content = read_toml(path, what="fabric")[1] if text is None else tomllib.loads(text)
+    if text is None:
+        content = read_toml(path, what="fabric")[1]
+    else:
+        content = tomllib.loads(text)
     file = validated(FabricFile, content, path, {"source": path.name})
     sources = {key: datum.entry for key, datum in file.data()}
     try:
@@ -99,6 +107,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
 
 def _fabric(file, sources, path):
     """The Fabric of a checked file; `sources` also gets what is computed."""
+    # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
     masses = data_sheet.mass_notes(
@@ -127,8 +136,11 @@ def _fabric(file, sources, path):
     solid = _of_both(
         file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table))
     )
-    rate_law = None if file.strain_rate is None else RateLaw.from_table(file.strain_rate, path)
-    length, own_length = data_sheet.entries()["failure_length"], file.failure_length
+    rate_law = None
+    if file.strain_rate is not None:
+        rate_law = RateLaw.from_table(file.strain_rate, path)
+    length = data_sheet.entries()["failure_length"]
+    own_length = file.failure_length
     if own_length is None:
         sources["failure_length"] = {
             "value": length.written,
@@ -156,6 +168,7 @@ def _fabric(file, sources, path):
         thickness=thickness,
         strain_rate=rate_law,
         ranges={key: datum.ratios for key, datum in file.data() if datum.ratios is not None},
+        # the numbers of our own catalogue have been looked up; those of a user's file may be guesses
         guessed=()
         if path.parent == _FOLDER
         else tuple(key for key, datum in file.data() if _guessed(key, datum)),
@@ -182,7 +195,9 @@ def _guessed(key, datum):
 
 def _value(datum):
     """A number in SI units, or None."""
-    return None if datum is None else datum.value
+    if datum is None:
+        return None
+    return datum.value
 
 
 def _values(table):
@@ -235,18 +250,21 @@ def _crimps(file, thickness, sources):
 def _yarn(family, table, crimp, strengths):
     """The Yarn of a family; `strengths` gets what is to be said of its strength."""
     density = table.fibre_density.value
-    E, linear_density = data_sheet.modulus(table), data_sheet.linear_density(table)
-    strain, strength = _value(table.failure_strain), table.strength or table.tenacity
+    E = data_sheet.modulus(table)
+    linear_density = data_sheet.linear_density(table)
+    strain = _value(table.failure_strain)
+    strength = table.strength or table.tenacity
     if strength is None:
         yarn = _made(Yarn, family, linear_density, density, E, strain, crimp)
         data_sheet.check_fibre(yarn, f"{family}.failure_strain")
         return yarn
-    reached, strains = (
-        data_sheet.strain_at_strength(strength.value, strength.unit, linear_density, density, E),
-        OF_YARN["failure_strain"],
+    reached = data_sheet.strain_at_strength(
+        strength.value, strength.unit, linear_density, density, E
     )
+    strains = OF_YARN["failure_strain"]
     low, high = strains.limits("")
     key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
+    # a wrong modulus or unit shows itself as a strain that no fibre has
     if not low <= reached <= high:
         bounds = f"{strains.bounds['']}, not {100 * reached:.3g} %"
         raise InputError(
@@ -262,7 +280,8 @@ def _yarn(family, table, crimp, strengths):
 
 def _area(family, table, yarn):
     """[m2] of a yarn's section, which has room for its fibres, or None."""
-    area, least = _value(table.section_area), yarn.A_s / CLOSEST_PACKING
+    area = _value(table.section_area)
+    least = yarn.A_s / CLOSEST_PACKING
     if area is not None and area < least:
         allowed = f"at least {1e6 * least:.4g} mm^2, which the fibres of linear_density take when closest packed"
         raise InputError(key=f"{family}.section_area", allowed=allowed)

@@ -60,7 +60,9 @@ class Entry:
         """The value [SI] at an end, "soft", "nominal" or "stiff"."""
         if end == "nominal":
             return self.value
-        return self.high if (end == "soft") == soft_at_high else self.low
+        if (end == "soft") == soft_at_high:
+            return self.high
+        return self.low
 
     def widened(self, power: float) -> Entry:
         """This entry with low / value and high / value to a power; as it is where it has no range."""
@@ -148,11 +150,10 @@ class Family:
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
         """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources` has them."""
-        of = (
-            f"{self.name}, its range to the power {self.power:g} for another fibre"
-            if self.of_others
-            else self.name
-        )
+        if self.of_others:
+            of = f"{self.name}, its range to the power {self.power:g} for another fibre"
+        else:
+            of = self.name
         return {
             key: {
                 "value": entry.written,
@@ -183,7 +184,8 @@ def _read(path: FilePath) -> Family:
     entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
     entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
     rates = content.get("strain_rate")
-    law, power = rates and RateLaw.from_table(rates, path), content["other_yarns"]["power"]["value"]
+    law = rates and RateLaw.from_table(rates, path)
+    power = content["other_yarns"]["power"]["value"]
     return Family(content["name"], limits, strengths, entries, law, power)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.units import si
 from fabrics.fabric_tables import STATUSES
 
@@ -81,7 +81,9 @@ class RateLaw:
         InputError : one line naming the file, the key, its value and what is allowed
         """
         if not isinstance(table, Mapping) or not set(table) <= set(_TABLE):
-            wrong = ", ".join(table) if isinstance(table, Mapping) else table
+            wrong = table
+            if isinstance(table, Mapping):
+                wrong = ", ".join(table)
             raise InputError(
                 file=file, key="strain_rate", value=wrong, allowed=f"a table of {', '.join(_TABLE)}"
             )
@@ -90,19 +92,15 @@ class RateLaw:
             raise InputError(file=file, key="strain_rate.status", value=status, allowed=allowed)
         columns = {}
         for key, unit in UNITS.items():
-            texts, name = table.get(key, [] if key == "modulus" else None), f"strain_rate.{key}"
+            texts = table.get(key, [] if key == "modulus" else None)
+            name = f"strain_rate.{key}"
             if not isinstance(texts, list):
                 raise InputError(
                     file=file, key=name, value=texts, allowed='a list such as ["30 / s"] or [1.0]'
                 )
             columns[key] = tuple(si(text, unit, file=file, key=name) for text in texts)
-        try:
+        with placed(file, "strain_rate."):
             return cls(**columns, source=str(table.get("source", "")), status=status)
-        except InputError as problem:
-            key = f"strain_rate.{problem.key}"
-            raise InputError(
-                file=file, key=key, value=problem.value, allowed=problem.allowed
-            ) from None
 
     def strength_at(self, rate: float) -> float:
         """[-] strength over that of the data sheet at a strain rate [1/s]."""
@@ -111,7 +109,9 @@ class RateLaw:
     @property
     def dynamic_modulus(self) -> float:
         """[-] modulus over that of the data sheet at the highest rate."""
-        return self.modulus[-1] if self.modulus else 1.0
+        if self.modulus:
+            return self.modulus[-1]
+        return 1.0
 
     def table(self, failure_strain: float) -> FloatArray:
         """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that grows with the load,
@@ -121,7 +121,8 @@ class RateLaw:
         as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up to the first load.
         One load, which nothing damages below, where the strength is the same at all rates.
         """
-        loads, rates = np.array(self.strength), np.array(self.rates)
+        loads = np.array(self.strength)
+        rates = np.array(self.rates)
         if loads[0] == loads[-1]:
             return np.array([[loads[0]], [0.0], [0.0]])
         growth = np.log(rates[1:] / rates[:-1]) / np.diff(loads)

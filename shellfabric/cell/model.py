@@ -42,11 +42,11 @@ class CellModel:
     ----------
     fabric : Fabric
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
-    gap : [m] play g between the yarns, closed before they touch (erratum E-16)
-    model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
-    form : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis; forces T).
-        The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
-        form's forces are no gradient, and do work that nothing stores
+    crossover_gap : [m] play g between the yarns, closed before they touch (erratum E-16)
+    cell_model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
+    cell_formulation : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis;
+        forces T). The default is the variational one for its energy: what its forces do is what the cell stores. The
+        forces of equilibrium are no gradient, and do work that nothing stores
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
         not fail, since forces beyond a table follow its last cell and may grow without bound
 
@@ -57,20 +57,24 @@ class CellModel:
 
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    gap: float = 0.0
-    model: str = "compressible"
-    form: str = "variational"
+    crossover_gap: float = 0.0
+    cell_model: str = "compressible"
+    cell_formulation: str = "variational"
     reach: float = 1.0
 
     def __post_init__(self):
-        for key, known in (("model", MODELS), ("form", FORMS)):
+        for key, known in (("cell_model", MODELS), ("cell_formulation", FORMS)):
             if getattr(self, key) not in known:
                 raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
         if not 1 <= self.reach < np.inf:
             raise InputError(key="reach", value=self.reach, allowed="at least 1")
-        if not 0 <= self.gap <= sum(self.h0):
-            raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
-        if self.laws is None and self.fabric.laws is None and self.model == "compressible":
+        if not 0 <= self.crossover_gap <= sum(self.h0):
+            raise InputError(
+                key="crossover_gap",
+                value=self.crossover_gap,
+                allowed="at least 0 and at most h01 + h02",
+            )
+        if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":
             raise InputError(
                 f"fabric {self.fabric.name} has no compression law", allowed="given one"
             )
@@ -78,7 +82,7 @@ class CellModel:
     @property
     def used_laws(self) -> tuple[CompressionLaw, ...]:
         """The laws that the cell is solved with."""
-        if self.model != "compressible":
+        if self.cell_model != "compressible":
             return CompressionLaw.incompressible(), CompressionLaw.incompressible()
         return self.laws or self.fabric.laws or ()
 
@@ -149,7 +153,7 @@ class CellModel:
 
         A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no greater one.
         """
-        full = sum(self.h0) - self.gap
+        full = sum(self.h0) - self.crossover_gap
         if not full > 0:
             return 1.0
         if full >= S0 / 2:
@@ -168,7 +172,13 @@ class CellModel:
 
     def _arguments(self):
         warp, weft = self.yarn_tuples
-        return warp, weft, self.gap, FORMS[self.form], self.model != "decoupled"
+        return (
+            warp,
+            weft,
+            self.crossover_gap,
+            FORMS[self.cell_formulation],
+            self.cell_model != "decoupled",
+        )
 
 
 @dataclass(frozen=True)
@@ -238,7 +248,7 @@ class CellTable:
     ) -> CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
-        if model.form == "variational":
+        if model.cell_formulation == "variational":
             fx = values["N1"] * 2 * w1 * (x[1] - x[0])
             fy = values["N2"] * 2 * w2 * (y[1] - y[0])
         else:

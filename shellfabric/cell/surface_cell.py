@@ -50,20 +50,22 @@ class SurfaceCell:
     ----------
     fabric : Fabric that the surface is of
     surface : ResponseSurface about rest, d = 0, in both directions
-    form : "variational" or "direct"
+    cell_formulation : "variational" or "direct"
 
     Raises
     ------
-    InputError : unknown form, a surface of another fabric, or one whose rectangle does not hold rest
+    InputError : unknown formulation, a surface of another fabric, or one whose rectangle does not hold rest
     """
 
     fabric: Fabric
     surface: ResponseSurface
-    form: str = "variational"
+    cell_formulation: str = "variational"
 
     def __post_init__(self):
-        if self.form not in FORMS:
-            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+        if self.cell_formulation not in FORMS:
+            raise InputError(
+                key="cell_formulation", value=self.cell_formulation, allowed=" or ".join(FORMS)
+            )
         if self.surface.fabric and self.surface.fabric != self.fabric.name:
             raise InputError(
                 key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}"
@@ -115,7 +117,7 @@ class SurfaceCell:
 
     def table(self, n: int = 201) -> CellTable:
         """Tables of n x n stretches over the range of the cell, wider than the surface's region."""
-        bounds = CellModel(self.fabric, model="decoupled").range()
+        bounds = CellModel(self.fabric, cell_model="decoupled").range()
         x, y = (grid(*pair, n) for pair in bounds)
         values = self.solve(x, y)
         w1, w2 = self.fabric.weave.w
@@ -128,7 +130,7 @@ class SurfaceCell:
         ]
         trust = np.maximum(np.exp(-np.maximum(beyond[0][:, None], beyond[1]) / _TRUSTED), _TRUST)
         W, fx, fy, residual = potential(values["T1"] * per[0], values["T2"] * per[1], floor, trust)
-        kept = self.form == "variational"
+        kept = self.cell_formulation == "variational"
         values |= {
             "W": W,
             "N1": fx / per[0] if kept else values["T1"],

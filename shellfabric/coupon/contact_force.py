@@ -109,7 +109,7 @@ def contact_forces(
         heights(yarn, B, x, force)
         for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2))
     )
-    own = h1 + compression(warp, force) + model.gap - sum(model.h0)
+    own = h1 + compression(warp, force) + model.crossover_gap - sum(model.h0)
     other = h2 + compression(weft, force)
     found = np.empty((stretch1.size, stretch2.size))
     for row, out in zip(

@@ -66,9 +66,11 @@ class Coupon:
     _scratch: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
-        if self.table.model.form != "variational":
+        if self.table.model.cell_formulation != "variational":
             raise InputError(
-                key="form", value=self.table.model.form, allowed="variational in a quasi-static run"
+                key="cell_formulation",
+                value=self.table.model.cell_formulation,
+                allowed="variational in a quasi-static run",
             )
         object.__setattr__(
             self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges)))

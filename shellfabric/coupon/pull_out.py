@@ -65,9 +65,11 @@ class PullOut:
     bending: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self):
-        if self.table.model.form != "variational":
+        if self.table.model.cell_formulation != "variational":
             allowed = "variational in a pull-out"
-            raise InputError(key="form", value=self.table.model.form, allowed=allowed)
+            raise InputError(
+                key="cell_formulation", value=self.table.model.cell_formulation, allowed=allowed
+            )
         for key in ("crossover_friction", "crossover_cohesion"):
             value = self.mu if key == "crossover_friction" else self.cohesion
             if not 0 <= value < inf:

@@ -199,7 +199,7 @@ def inextensible_shear(length: float, width: float, elongation: float) -> float:
 def picture_frame(
     table: CellTable,
     *,
-    cells: int = 8,
+    crossovers: int = 8,
     shear_angle: float = 0.6,
     steps: int = 12,
     elements_per_crossover: int = 1,
@@ -208,7 +208,7 @@ def picture_frame(
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
-    coupon, half = _cut_rectangle(table, (cells, cells), "warp", elements_per_crossover)
+    coupon, half = _cut_rectangle(table, (crossovers, crossovers), "warp", elements_per_crossover)
     x, y = coupon.points.T
     grips = np.any(np.abs(coupon.points) > _INNER * half, axis=1).astype(int)
 

@@ -31,7 +31,7 @@ from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
-from shellfabric.panel.boundary import Grip, PullIn
+from shellfabric.panel.boundary import Boundary
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
@@ -78,7 +78,7 @@ class ImpactSetup:
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
     opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
-    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
     impact_point : [m] from the middle of the opening, along its two sides
@@ -87,7 +87,7 @@ class ImpactSetup:
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
         as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
-    cell_model, form, gap : see CellModel
+    cell_model, cell_formulation, crossover_gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
@@ -96,7 +96,7 @@ class ImpactSetup:
     audit_interval, snapshot_interval : [s]; no snapshots where None
     rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
         rate of the fabric's `strain_rate`
-    failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
+    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
@@ -120,7 +120,7 @@ class ImpactSetup:
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
     projectile: Projectile = field(default_factory=Projectile)
     opening: float | tuple[float, float] = 0.203
-    edge: str | PullIn | Grip | tuple = "clamped"
+    boundary: Boundary = "clamped"
     weave_angle: float = 0.0
     round: bool = False
     impact_point: tuple[float, float] = (0.0, 0.0)
@@ -128,15 +128,15 @@ class ImpactSetup:
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
     cell_model: str = "compressible"
-    form: str = "variational"
-    gap: float = 0.0
+    cell_formulation: str = "variational"
+    crossover_gap: float = 0.0
     bending: float | tuple[float, float] = 0.0
     packed_area: float = Panel.packed_area
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
-    failure: bool = True
+    yarn_failure: bool = True
     rate_dependence: bool = False
     backing: Backing | None = None
     history: histories.HistoryRequest | None = None
@@ -164,7 +164,7 @@ class ImpactSetup:
         if self.strength is not None and self.symmetry != "whole":
             allowed = "whole: each yarn has a strength of its own"
             raise InputError(key="symmetry", value=self.symmetry, allowed=allowed)
-        if self.strength is not None and not self.failure:
+        if self.strength is not None and not self.yarn_failure:
             raise InputError(key="strength", allowed="left out: the yarns do not fail")
 
     @property
@@ -288,7 +288,7 @@ class ImpactSetup:
         given = self.grading is not None or self.elements_per_crossover is not None
         if given:
             return self
-        clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
+        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
         if not clamped or self.projectile.roaming:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
             return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
@@ -353,11 +353,18 @@ class ImpactSetup:
     def cell(self) -> CellModel | SurfaceCell:
         """The crossover's cell."""
         if self.surface is not None:
-            return SurfaceCell(self.fabric, self.surface, self.form)
-        reach, fabric = 1.0 if self.failure else UNFAILING, self.fabric
+            return SurfaceCell(self.fabric, self.surface, self.cell_formulation)
+        reach, fabric = 1.0 if self.yarn_failure else UNFAILING, self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
             reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
-        return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, reach=reach)
+        return CellModel(
+            fabric,
+            self.laws,
+            self.crossover_gap,
+            self.cell_model,
+            self.cell_formulation,
+            reach=reach,
+        )
 
     def table(self, kept: bool = False) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.

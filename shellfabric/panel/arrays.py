@@ -111,7 +111,7 @@ def _constants(panel):
         table_beyond=packed_table.beyond(table),
         force_per_slope1=rx / (2 * w1),
         force_per_slope2=ry / (2 * w2),
-        variational=table.model.form == "variational",
+        variational=table.model.cell_formulation == "variational",
         G1=G1,
         G2=G2,
         gamma1=gamma1,

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -82,8 +82,11 @@ class Grip:
             raise InputError(key="force", value=self.force, allowed="above 0")
 
 
+Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes
+
+
 def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
-    """((lowest, highest) of the warp, (lowest, highest) of the weft) from an edge in any of its forms.
+    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its forms.
 
     Raises
     ------
@@ -93,13 +96,13 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     pairs = tuple(family if isinstance(family, tuple) else (family, family) for family in families)
     if [len(pair) for pair in pairs] != [2, 2]:
         raise InputError(
-            key="edge", value=edge, allowed="one side, or (warp, weft) of one or two sides each"
+            key="boundary", value=edge, allowed="one side, or (warp, weft) of one or two sides each"
         )
     for pair in pairs:
         for side in pair:
             if side not in ("clamped", "free") and not isinstance(side, (PullIn, Grip)):
                 raise InputError(
-                    key="edge", value=side, allowed="clamped, free, a PullIn or a Grip"
+                    key="boundary", value=side, allowed="clamped, free, a PullIn or a Grip"
                 )
     return pairs
 
@@ -119,10 +122,10 @@ def pull_in(edge: Any) -> tuple[float, ...]:
 
 def check(panel: Panel) -> None:
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
-    given = sides(panel.edge)
+    given = sides(panel.boundary)
     if any(mirrored and low != high for (low, high), mirrored in zip(given, panel.mirrors)):
         raise InputError(
-            key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns"
+            key="boundary", value=panel.boundary, allowed="alike at both ends of mirrored yarns"
         )
     if any(offset and mirrored for offset, mirrored in zip(panel.impact_point, panel.mirrors)):
         allowed = "0 across planes of symmetry, or symmetry = whole"
@@ -139,7 +142,9 @@ def check(panel: Panel) -> None:
             if panel.weave_angle
             else "in a round opening"
         )
-        raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
+        raise InputError(
+            key="boundary", value=panel.boundary, allowed=f"clamped where the weave is {what}"
+        )
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
     inside = (
         np.hypot(*panel.impact_point) < room[0]
@@ -204,7 +209,7 @@ def shown(panel: Panel) -> list[FloatArray]:
 def loose(panel: Panel) -> BoolArray:
     """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
     free = np.ones(tuple(n + 1 for n in panel.counts), bool)
-    for axis, (pair, mirrored) in enumerate(zip(sides(panel.edge), panel.mirrors)):
+    for axis, (pair, mirrored) in enumerate(zip(sides(panel.boundary), panel.mirrors)):
         rows = np.moveaxis(free, axis, 0)
         if pair[1] != "free":
             rows[-1] = False
@@ -237,9 +242,9 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
     nodes, axes : (n,) int, flat node number and the direction in which it moves
     values : (n, 5) pull-in along that axis [m], start and end of it [s], grip [N], mass [kg]
     """
-    if not slips(panel.edge):
+    if not slips(panel.boundary):
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
-    given, (ni, nj), mass = sides(panel.edge), panel.counts, panel.masses()
+    given, (ni, nj), mass = sides(panel.boundary), panel.counts, panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
     nodes, axes, values = [], [], []
     for axis, pair in enumerate(given):
@@ -276,7 +281,7 @@ def yarn_ends(panel: Panel) -> IntArray:
     ends = np.array(
         [
             [FREE_END if side == "free" else CLAMPED_END for side in pair]
-            for pair in sides(panel.edge)
+            for pair in sides(panel.boundary)
         ]
     )
     for family, mirrored in enumerate(panel.mirrors):

@@ -32,7 +32,7 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
     ):
         across = 1 - own
         strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
-        strength = strength if panel.failure else np.full_like(strength, inf)
+        strength = strength if panel.yarn_failure else np.full_like(strength, inf)
         first, weights = mean_weights(x[across], panel.fabric.failure_length, panel.mirrors[across])
         wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed

@@ -29,6 +29,7 @@ from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, forces, grading, time_step
+from shellfabric.panel.boundary import Boundary
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
@@ -49,10 +50,10 @@ class Panel:
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
-    failure : whether yarns fail
+    yarn_failure : whether yarns fail
     rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
     round : whether the opening is a circle, of which `opening` has the diameter twice
@@ -71,8 +72,8 @@ class Panel:
 
     Raises
     ------
-    InputError : unknown symmetry or edge, an opening smaller than the projectile needs, or a symmetry that shot, edges
-        or weave do not have
+    InputError : unknown symmetry or boundary, an opening smaller than the projectile needs, or a symmetry that shot,
+        edges or weave do not have
     """
 
     table: CellTable
@@ -80,10 +81,10 @@ class Panel:
     projectile: Projectile = field(default_factory=Projectile)
     symmetry: str = "quarter"
     elements_per_crossover: int = 1
-    edge: str | boundary.PullIn | boundary.Grip | tuple = "clamped"
+    boundary: Boundary = "clamped"
     numerics: Numerics = field(default_factory=Numerics)
     trellis: bool = True
-    failure: bool = True
+    yarn_failure: bool = True
     rate_dependence: bool = False
     weave_angle: float = 0.0
     round: bool = False
@@ -141,7 +142,7 @@ class Panel:
         if self.rate_dependence and self.fabric.strain_rate is None:
             allowed = f"false: fabric {self.fabric.name} has no strain_rate"
             raise InputError(key="rate_dependence", value=True, allowed=allowed)
-        if self.rate_dependence and not self.failure:
+        if self.rate_dependence and not self.yarn_failure:
             raise InputError(
                 key="rate_dependence", value=True, allowed="false where yarns do not fail"
             )
@@ -152,11 +153,13 @@ class Panel:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
         gripped = any(
-            isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair
+            isinstance(side, boundary.Grip)
+            for pair in boundary.sides(self.boundary)
+            for side in pair
         )
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
-            raise InputError(key="edge", value=self.edge, allowed=allowed)
+            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             least = (
                 int(np.ceil(reach / step)) + 1
@@ -400,7 +403,7 @@ class Panel:
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
         impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
-        clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
+        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
         return self.impact_point if clamped or self.weave_angle or self.round else (0.0, 0.0)
 
     @property
@@ -492,12 +495,12 @@ class Panel:
         anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """
         wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
-        slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.edge)
+        slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.boundary)
         extent = boundary.extent(self)
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])
             drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
-            ends = boundary.sides(self.edge)[n]
+            ends = boundary.sides(self.boundary)[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)

@@ -325,7 +325,7 @@ def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
     peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
     table, found = solver.panel.table, []
-    if not solver.panel.failure:
+    if not solver.panel.yarn_failure:
         found.append(
             indicator(
                 "tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))
@@ -343,7 +343,7 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
         sampled = (model.surface.T1, model.surface.T2)
         reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
         return (indicator("tension over sampled surface", reached),)
-    if model.model != "compressible":
+    if model.cell_model != "compressible":
         return ()
     inside = np.logical_and(*(values[T] <= max(peak, 0.0) for peak, T in zip(peaks, _T)))
     force = float(np.max(values["F"], where=inside, initial=0.0))

@@ -31,7 +31,7 @@ def share(table: Any, viscosity: float) -> float:
 
     Usual is crimped fabric in the variational form with viscosity.
     """
-    form = 1.0 if table.model.form == "variational" else sqrt(0.5)
+    form = 1.0 if table.model.cell_formulation == "variational" else sqrt(0.5)
     if table.tautness() > _TAUT:
         return form * _SHEARED
     return form * (_RING + (1 - _RING) * min(1.0, viscosity / _DAMPED))

@@ -95,7 +95,7 @@ class Pack:
         if any(ply.grading != first.grading for ply in self.plies):
             raise InputError("the plies of a pack must have one grading")
         if (
-            len({ply.table.model.form for ply in self.plies}) > 1
+            len({ply.table.model.cell_formulation for ply in self.plies}) > 1
             or len({ply.trellis for ply in self.plies}) > 1
         ):
             raise InputError("the plies of a pack must have cells of one form")

@@ -105,7 +105,7 @@ def test_imbalance_of_tensions():
 def test_the_slip_threshold_is_fitted():
     """T_f = c0 + mu_eff F_c, never negative."""
     F_c = np.array([2.0, 5.0, 11.0, 17.0])
-    law = PullOutLaw.fit(F_c, 0.05 + 0.21 * F_c, friction=0.2, provenance="here")
+    law = PullOutLaw.fit(F_c, 0.05 + 0.21 * F_c)
     assert (law.c0, law.mu_eff) == (pytest.approx(0.05), pytest.approx(0.21))
     assert law.residual_rms < 1e-12
     assert law.threshold([0.0, 10.0, -1.0]) == pytest.approx([0.05, 2.15, 0.05])

@@ -26,7 +26,9 @@ def setup_of(scene):
 
 
 def model_of(setup):
-    return CellModel(setup.fabric, setup.laws, setup.gap, setup.cell_model, setup.form)
+    return CellModel(
+        setup.fabric, setup.laws, setup.crossover_gap, setup.cell_model, setup.cell_formulation
+    )
 
 
 def stretches(model, place):
@@ -51,7 +53,7 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
     for key, yarn in zip(("T1", "T2"), weave.yarns):
         assert np.all(found[key] >= -1e-9 * yarn.strength)
     assert np.all(found["W"] >= -1e-12 * weave.warp.strength * weave.w1)
-    if model.form == "equilibrium":
+    if model.cell_formulation == "equilibrium":
         return
     for key, (a, b), w, yarn in (
         ("N1", (step, 0), weave.w1, weave.warp),

@@ -43,7 +43,7 @@ PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"')
 SCENES = {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),
-    "accuracy.toml": PLY + '\n[accuracy]\ndeflection = "10 %"\n',
+    "accuracy.toml": PLY + '\n[accuracy]\nquantity = "deflection"\nuncertainty = "10 %"\n',
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",

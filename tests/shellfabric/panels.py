@@ -25,13 +25,15 @@ FINER = ((7, 1 / 3), (13, 1), (INF, 2))
 @cache
 def table(form="variational", size=121):
     """A table of S-720."""
-    return CellModel(catalogue.load("S-720").with_effective_density(), form=form).table(size)
+    return CellModel(catalogue.load("S-720").with_effective_density(), cell_formulation=form).table(
+        size
+    )
 
 
-def make_panel(side=0.03048, *, form="variational", **changes):
+def make_panel(side=0.03048, *, cell_formulation="variational", **changes):
     """A small panel, of 24 x 24 crossovers as a whole."""
     defaults = {
-        "table": changes["table"] if "table" in changes else table(form),
+        "table": changes["table"] if "table" in changes else table(cell_formulation),
         "opening": (side, side),
     }
     return Panel(**defaults | changes)

@@ -137,9 +137,9 @@ def elements(
 ):
     """The elements of a ply, unevenly stretched, sheared and crumpled, in several blocks."""
     changes = {
-        "edge": "free",
+        "boundary": "free",
         "numerics": Numerics(block=150, threads=1),
-        "failure": False,
+        "yarn_failure": False,
     } | changes
 
     def make(seed, symmetry):
@@ -165,7 +165,12 @@ def elements(
             )
 
         return Case(
-            [x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel
+            [x],
+            forces,
+            energy,
+            np.eye(3)[: 3 * (changes["boundary"] == "free")],
+            panel.mirrors,
+            panel,
         )
 
     return make
@@ -173,7 +178,7 @@ def elements(
 
 def grips(seed, symmetry):
     """What clamps take of fabric that has partly slipped out of them."""
-    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, edge=Grip(15.0))(
+    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, boundary=Grip(15.0))(
         seed, symmetry
     )
     const = panel.constants()
@@ -334,7 +339,7 @@ TORN = ((0, 2, 3), (1, 2, 3), (1, 3, 3), (0, 5, 1))
 GRADED = {"side": 0.06, "grading": FINER}
 FORCES = {
     "membrane": elements(trellis=False),
-    "membrane, equilibrium form": elements(trellis=False, form="equilibrium"),
+    "membrane, equilibrium form": elements(trellis=False, cell_formulation="equilibrium"),
     "membrane, coarser": elements(trellis=False, side=0.06, grading=COARSER),
     "membrane, finer": elements(trellis=False, **GRADED),
     "membrane, one by one": elements(trellis=False, damage=DAMAGED),
@@ -346,7 +351,7 @@ FORCES = {
     "torn, finer": elements(torn=TORN, **GRADED),
     "torn, out of plane": elements(torn=TORN, **BENDING | PACKED, **GRADED),
     "bending": elements(**BENDING),
-    "bending, clamped": elements(**BENDING, edge="clamped"),
+    "bending, clamped": elements(**BENDING, boundary="clamped"),
     "bending, finer": elements(**BENDING, **GRADED),
     "packing": elements(**PACKED),
     "packing, folded": elements(**PACKED | {"stretch": (0.1, 0.08), "noise": 0.05}),

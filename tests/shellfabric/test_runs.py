@@ -75,11 +75,11 @@ APART = {
 RUNS = {
     "one ply": (PANEL, torn),
     "equilibrium form": (
-        PANEL | {"form": "equilibrium"},
+        PANEL | {"cell_formulation": "equilibrium"},
         lambda run: torn(run) and spent(run, "formulation_residual"),
     ),
     "free": (
-        PANEL | {"edge": "free", "bending": (1e-6, 1e-6), "strike_velocity": 150.0},
+        PANEL | {"boundary": "free", "bending": (1e-6, 1e-6), "strike_velocity": 150.0},
         lambda run: spent(run, "bending") > 1e-4,
     ),
     "oblique": (
@@ -119,11 +119,11 @@ RUNS = {
         lambda run: spent(run, "friction") > 1e-3 and run.state.friction_state.any(),
     ),
     "grip": (
-        PANEL | {"edge": Grip(20.0), "strike_velocity": 120.0},
+        PANEL | {"boundary": Grip(20.0), "strike_velocity": 120.0},
         lambda run: spent(run, "clamp_friction") > 1e-3,
     ),
     "pull-in": (
-        PANEL | {"edge": PullIn(0.5e-3, 5e-6, 25e-6, 20e-3), "strike_velocity": 120.0},
+        PANEL | {"boundary": PullIn(0.5e-3, 5e-6, 25e-6, 20e-3), "strike_velocity": 120.0},
         lambda run: spent(run, "boundary_work") > 1e-3,
     ),
     "pack": (
@@ -153,7 +153,7 @@ RUNS = {
     ),
     "backing": (
         PANEL
-        | {"backing": BLOCK, "failure": False, "packed_area": 0.995, "strike_velocity": 150.0},
+        | {"backing": BLOCK, "yarn_failure": False, "packed_area": 0.995, "strike_velocity": 150.0},
         lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("packing").max() > 0.0,
     ),
 }
@@ -265,7 +265,7 @@ def impulse(kind):
 
 def momentum(kind):
     """Without supports plies and projectile keep all of it."""
-    run = changed(kind, edge="free", symmetry="whole")
+    run = changed(kind, boundary="free", symmetry="whole")
     start = run.projectile.mass * run.strike_velocity * run.projectile.flight
     fabric = sum(np.array([state.mass @ v for v in state.v]) for state in run.states)
     assert np.abs(fabric).max() > 0.002 * np.abs(start).max()
@@ -433,7 +433,7 @@ def test_it_holds(kind, invariant, tmp_path):
 THREE = {"plies": 3}
 IDLE = RateLaw((1.0, 1000.0), (1.0, 1.0))
 SAME = {  # kind, and the changes that make one run of it in two ways
-    "a clamp that holds more than the strength": ("one ply", {}, {"edge": Grip(1e6)}),
+    "a clamp that holds more than the strength": ("one ply", {}, {"boundary": Grip(1e6)}),
     "a strength that is the same at all rates": (
         "one ply",
         {},

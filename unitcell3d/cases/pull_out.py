@@ -242,13 +242,8 @@ def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
     return F_c, T_f
 
 
-def fit(record: Record, mesh: str = "") -> PullOutLaw:
-    """The law of the thresholds of a record.
-
-    Parameters
-    ----------
-    record : of `pull_out`
-    mesh : its size, for the provenance
+def fit(record: Record) -> PullOutLaw:
+    """Fit the thresholds of a record of `pull_out`.
 
     Raises
     ------
@@ -261,8 +256,4 @@ def fit(record: Record, mesh: str = "") -> PullOutLaw:
             where=f"largest share of Coulomb's limit {record['mobilised'].max():.3g}",
             when=f"pull {1e6 * record.facts['pull']:.4g} um",
         )
-    yarn = ("warp", "weft")[int(record.facts["pulled"])]
-    provenance = f"3D crossover of {record.facts['fabric']}, {yarn} pulled" + (
-        f", {mesh} mesh" if mesh else ""
-    )
-    return PullOutLaw.fit(F_c, T_f, friction=float(record.facts["friction"]), provenance=provenance)
+    return PullOutLaw.fit(F_c, T_f)

@@ -39,7 +39,7 @@ def march(
     modulus: float,
     mass: float,
     *,
-    edge: str = "free",
+    boundary: str = "free",
     elements: int = 2,
     layer: float | None = None,
     block: Backing = BLOCK,
@@ -50,7 +50,7 @@ def march(
     Parameters
     ----------
     plies, modulus, mass : number, factor on the fibre modulus, areal density of all [kg/m2]
-    edge, elements, block, opening : of `ImpactSetup`; elements along each side of a crossover
+    boundary, elements, block, opening : of `ImpactSetup`; elements along each side of a crossover
     layer : factor on the shear angles at which the ply next to the block touches and locks
     """
     fabric = variants.scale_yarns(catalogue.load("S-728").with_effective_density(), E=modulus)
@@ -59,8 +59,8 @@ def march(
         fabric,
         VELOCITY,
         projectile=PROJECTILE,
-        edge=edge,
-        failure=False,
+        boundary=boundary,
+        yarn_failure=False,
         elements_per_crossover=elements,
         backing=block,
         opening=opening,

@@ -64,7 +64,9 @@ def _miss(model, F, d1, d2):
     w1, w2 = (w + d for w, d in zip(model.fabric.weave.w, (d1, d2)))
     free = [kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
     return abs(
-        kernels.residual(F, w1, w2, *free, warp, weft, model.gap, FORMS[model.form])[0]
+        kernels.residual(
+            F, w1, w2, *free, warp, weft, model.crossover_gap, FORMS[model.cell_formulation]
+        )[0]
     ) / sum(model.h0)
 
 

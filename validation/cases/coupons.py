@@ -24,7 +24,7 @@ def _table(fabric: Fabric, model: str, law: str, size: int, crossovers: int) -> 
     fabric = comparison.with_law_form(fabric, law)
     if crossovers > 1:
         fabric = comparison.homogenised(fabric, crossovers)
-    return CellModel(fabric, model=model).table(size)
+    return CellModel(fabric, cell_model=model).table(size)
 
 
 def bias(

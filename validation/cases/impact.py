@@ -171,7 +171,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     began = time.process_time()
     table = this.table()
     result = simulation.run(
-        replace(this, failure=this.failure and not unfailing), hooks=hooks, table=table
+        replace(this, yarn_failure=this.yarn_failure and not unfailing), hooks=hooks, table=table
     )
     return {"cpu_s": time.process_time() - began, "crossings": max(crossing)} | found(
         result, keywords

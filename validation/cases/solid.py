@@ -250,7 +250,7 @@ def pull_out(
     F_c, T_f = pulling.thresholds(record)
     law = None
     if len(F_c) > 1:
-        law = PullOutLaw.fit(F_c, T_f, friction=friction)
+        law = PullOutLaw.fit(F_c, T_f)
     each = [record["load"] == number for number in np.unique(record["load"])]
     c0 = mu_eff = np.nan
     if law is not None:

@@ -229,7 +229,7 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     options = {"steps": steps}
     if cloth == "none":
         options = {"steps": 2, "max_iterations": 6000}
-    table = CellModel(fabric, model=model).table(201)
+    table = CellModel(fabric, cell_model=model).table(201)
     try:
         # at a tolerance of 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
         result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
@@ -273,9 +273,13 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
             return factor * self.critical_step
 
     table = CellModel(
-        changed_fabric(fabric, straight=True), model="decoupled", form="equilibrium"
+        changed_fabric(fabric, straight=True),
+        cell_model="decoupled",
+        cell_formulation="equilibrium",
     ).table(201)
-    panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
+    panel = Paced(
+        table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, yarn_failure=False
+    )
     try:
         PackSolver(panel, velocity, end_time).run()
     except UnstableError:

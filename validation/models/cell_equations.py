@@ -52,9 +52,9 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     heights = np.zeros_like(F)
     # laws given to the cell, or the fabric's; bounds have none
     laws: Any = (None, None)
-    if model.model == "compressible":
+    if model.cell_model == "compressible":
         laws = model.laws or model.fabric.laws
-    if model.model == "decoupled" and touching.any():
+    if model.cell_model == "decoupled" and touching.any():
         return float("inf")
     for k, (yarn, law) in enumerate(zip(weave.yarns, laws)):
         w = weave.w[k] * stretches[k]
@@ -87,7 +87,7 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
                 W = W + np.where(touching, work, 0.0)
     closed = heights / sum(weave.h0) - 1
     worst = max(worst, float(np.abs(closed[touching]).max(initial=0.0)))
-    if model.model != "decoupled":
+    if model.cell_model != "decoupled":
         worst = max(
             worst, float(-closed[~touching].min(initial=0.0))
         )  # contact is lost only where there is room

@@ -75,7 +75,7 @@ def iterations_at_edge(fabric: str, reach: float) -> float:
     inside = np.median(
         [e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3 and e.converged]
     )
-    cell = CellModel(catalogue.load(fabric), form="equilibrium")
+    cell = CellModel(catalogue.load(fabric), cell_formulation="equilibrium")
     force = cell.solve(*(1 + np.array(list(ends)) / cell.fabric.weave.w).T)["F"]
     weak = [e.steps for F, e in zip(force, ends.values()) if 0 < F < 1.0 and e.converged]
     return float(np.mean(weak) / inside)

@@ -88,7 +88,10 @@ def biaxial(
 
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
-    fabric = targets.as_fabric(fabric) if compare_3d is None else meshes.of_3d(fabric)
+    if compare_3d is None:
+        fabric = targets.as_fabric(fabric)
+    else:
+        fabric = meshes.of_3d(fabric)
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
     source = "published"
@@ -105,7 +108,9 @@ def biaxial(
     began = time.perf_counter()
     with out_folder.held(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
-        solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
+        solved = {}
+        if compare_3d is not None:
+            solved = _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
         return saved(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
 
@@ -175,7 +180,7 @@ class BiaxialResult(Result):
         beside the 3D crossover the rms difference of the tensions [N]."""
         settings = {
             "fabric": self.fabric.name,
-            "form": self.model.form,
+            "cell_formulation": self.model.cell_formulation,
             "law": self.source,
         }
         return settings | {
@@ -185,7 +190,8 @@ class BiaxialResult(Result):
         }
 
     def _end(self, text):
-        path, history = self.paths[text], self.solved.get(text)
+        path = self.paths[text]
+        history = self.solved.get(text)
         end = {
             "failed": path.failed,
             "strain": path.strain[-1],

@@ -98,12 +98,19 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    size, named, solid = meshes.size(mesh), not isinstance(fabric, Fabric), None
+    size = meshes.size(mesh)
+    named = not isinstance(fabric, Fabric)
+    solid = None
     fabric = meshes.of_3d(fabric)
     digest = data_digest(fabric)
-    curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
+    curve = None
+    if platen_curve is not None or fit_solid:
+        curve = curve_of(fabric, platen_curve)
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
-    choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
+    if executor == "local" and jobs == 1:
+        choices["executor"] = InProcess()
+    else:
+        choices["executor"] = executor
     place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
     with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
         if curve is not None:
@@ -129,8 +136,12 @@ def calibrate(
                     fabric, done, size=size, on_progress=watch, **choices
                 )
         done = replace(done, law=replace(done.law, fitted_data=digest))
-        interval = None if solid is None else _interval(solid, runs, choices)
-        shot_at = with_linear_density(fabric, "effective") if named else fabric
+        interval = None
+        if solid is not None:
+            interval = _interval(solid, runs, choices)
+        shot_at = fabric
+        if named:
+            shot_at = with_linear_density(fabric, "effective")
         result = CalibrationResult(
             replace(shot_at, laws=(done.law, done.law)),
             done,

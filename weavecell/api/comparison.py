@@ -221,7 +221,8 @@ class ComparisonResult(StudyResult):
 
     def _off(self):
         """By how much the computed velocity differs from the V50 of the tests; "" without one."""
-        limit, curve = self.comparison.limit, self.comparison.tests.curve
+        limit = self.comparison.limit
+        curve = self.comparison.tests.curve
         if curve.reason:
             return ""
         return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
@@ -247,14 +248,16 @@ class ComparisonResult(StudyResult):
 
     def lines(self) -> list[str]:
         """What is printed."""
-        comparison, limit = self.comparison, self.comparison.limit
+        comparison = self.comparison
+        limit = self.comparison.limit
         bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
         lines = [
             f"{self.title}: computed critical velocity {bracket}{self._off()}",
             *comparison.tests.lines(self.tests),
             f"computed, Lambert-Jonas: {comparison.computed.words()}",
         ]
-        count, residual = len(comparison.table), comparison.difference()
+        count = len(comparison.table)
+        residual = comparison.difference()
         lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
         if residual["mean"] is not None:
             lines.append(

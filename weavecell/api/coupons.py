@@ -100,7 +100,9 @@ def coupon(
         scene, text = scenes.load(file, honoured.COUPON)
         case = build.build(scene, file, file.stem)
     else:
-        case, text, file = _case(target, test, options), "", None
+        case = _case(target, test, options)
+        text = ""
+        file = None
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
@@ -112,12 +114,15 @@ def coupon(
     with out_folder.held(out, resume, [inputs]) as folder:
         checkpoint = folder and folder / "checkpoint.h5"
         try:
-            run = _pull_out if case.scene.test == "pull_out" else _relaxed
+            run = _relaxed
+            if case.scene.test == "pull_out":
+                run = _pull_out
             result, failure = run(case, text, key, checkpoint, resume)
         except InputError as problem:
             if file is None:
                 raise
-            tables = {case.scene.test: type(case.scene.test_table)}
+            scene = case.scene
+            tables = {"fabric": type(scene.fabric), scene.test: type(scene.test_table)}
             raise build.in_file(problem, file, tables) from None
         if folder is not None:
             with progress.bar("Writing results"):
@@ -134,7 +139,8 @@ def _case(target, test, options):
     """The Case of a fabric and keywords."""
     if test not in scenes.TESTS:
         raise InputError(key="test", value=test, allowed=f"one of {', '.join(scenes.TESTS)}")
-    fabric, rest = targets.as_fabric(target), dict(options)
+    fabric = targets.as_fabric(target)
+    rest = dict(options)
     law = rest.pop("law", None)
     tables = {name: tuple(keywords.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
     tables["fabric"] = "bending", "cell_model", "cell_formulation", "crossover_gap"
@@ -329,7 +335,8 @@ class CouponResult(Result):
         return " (assumed law)"
 
     def _lead(self):
-        facts, tolerance = self.record.facts, self.case.scene.run.tolerance
+        facts = self.record.facts
+        tolerance = self.case.scene.run.tolerance
         return (
             f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
             f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._assumed_laws())}"
@@ -354,7 +361,8 @@ class CouponResult(Result):
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""
-        record, tolerance = self.record, self.case.scene.run.tolerance
+        record = self.record
+        tolerance = self.case.scene.run.tolerance
         figures: dict[str, tuple[str, Callable, tuple]] = {
             "coupon": (
                 "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",

@@ -58,9 +58,12 @@ End = Literal["clamped", "free"] | Mapping[str, Quantity]
 Side = End | tuple[End, End] | list[End]
 
 
+# <!-- keywords of tools/pages.py -->
 class Keywords(TypedDict, total=False):
     """Keywords of `weavecell.setup` and what takes its keywords; docs/reference/input.md says more.
 
+    weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
+        0.9, strength = 0.8, source = "..." }
     law : compression law of warp and weft; needed for a fabric without a published one, such as
         your own; "published", the path of a law written by `weavecell calibrate` (*.json), or a
         table { a = ..., b = ... }
@@ -69,14 +72,12 @@ class Keywords(TypedDict, total=False):
     cell_formulation : how forces follow from the state of the cell: gradient of the stored energy
         (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
-    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
-        least 0, such as "0 mm"
     surface : response surface of the 3D crossover, which replaces the analytical cell and
         `fabric.law`; the path of a surface written by `weavecell surface`
+    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
+        least 0, such as "0 mm"
     bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
         "1e-6 N m^2"
-    weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
-        0.9, strength = 0.8, source = "..." }
     projectile : the table [projectile] of the input file, as a dict
     opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
@@ -91,7 +92,7 @@ class Keywords(TypedDict, total=False):
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
-    ply : plies one by one, as the tables [[panel.ply]], in place of `plies`
+    ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
     ply_gap : pack: clearance between plies at rest; where not given the gap of the fabric file,
@@ -121,13 +122,13 @@ class Keywords(TypedDict, total=False):
     backing : the table [backing] of the input file, as a dict
     """
 
+    weaving_damage: Mapping[str, Number | str] | None
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]
     cell_formulation: Literal["variational", "equilibrium", "direct"]
-    crossover_gap: Quantity
     surface: ResponseSurface | FilePath | None
+    crossover_gap: Quantity
     bending: Quantity
-    weaving_damage: Mapping[str, Number | str] | None
     projectile: Mapping[str, Quantity] | str | None
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
     opening_shape: Literal["rectangular", "round"]
@@ -151,6 +152,9 @@ class Keywords(TypedDict, total=False):
     history: Mapping[str, Any] | None
     numerics: Mapping[str, Number | str] | None
     backing: Mapping[str, Any] | str | None
+
+
+# <!-- end of keywords -->
 
 
 def explained(function: Function) -> Function:
@@ -200,7 +204,10 @@ def scene(
     ).items():
         if key not in known:
             raise _unknown(key, value, known)
-        of_file = value if isinstance(value, tuple) and key == "law" else plain(value)
+        if isinstance(value, tuple) and key == "law":
+            of_file = value
+        else:
+            of_file = plain(value)
         if known[key]:
             table[known[key]][key] = of_file
         else:
@@ -255,11 +262,10 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
         isinstance(one, (str, dict)) for one in objects
     ):
         return ""
-    named = (
-        {"file": str(Path(fabric).resolve())}
-        if str(fabric).endswith(".toml")
-        else {"name": str(fabric)}
-    )
+    if str(fabric).endswith(".toml"):
+        named = {"file": str(Path(fabric).resolve())}
+    else:
+        named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
     content = {
         key: _text(value, Scene.model_fields[key])
@@ -307,7 +313,9 @@ def _text(value, entry):
     unit = unit_of(entry)
     if unit is None or isinstance(value, (bool, str)):
         return value
-    return repr(value) if unit == "1" else f"{value!r} {unit}"
+    if unit == "1":
+        return repr(value)
+    return f"{value!r} {unit}"
 
 
 def _unknown(key, value, known):
@@ -324,7 +332,9 @@ def _unknown(key, value, known):
     if message is None:
         return InputError(key=key, value=value, allowed=allowed)
     near = nearest(key, known, 0.6)
-    hint = f", did you mean {near}?" if near else ";"
+    hint = ";"
+    if near:
+        hint = f", did you mean {near}?"
     return InputError(
         f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
     )
@@ -336,9 +346,15 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
         return together([named(one, flat) for one in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
-    short = "velocity" if key == "projectile.strike_velocity" else rest if table in flat else ""
+    short = "velocity"
+    if key != "projectile.strike_velocity":
+        short = ""
+        if table in flat:
+            short = rest
     if not short or not str(problem).startswith(key):
         return problem
     found = InputError(short + str(problem)[len(key) :])
-    found.key, found.value, found.allowed = short, problem.value, problem.allowed
+    found.key = short
+    found.value = problem.value
+    found.allowed = problem.allowed
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
@@ -50,14 +51,12 @@ def above_zero(value: float | str, unit: str, key: str) -> float:
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:
     """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or texts."""
-    parts = (
-        value.split(",")
-        if isinstance(value, str)
-        else value
-        if isinstance(value, (tuple, list))
-        else (value,)
-    )
-    return [number(part.strip() if isinstance(part, str) else part, unit, key) for part in parts]
+    parts: Iterable[Any] = (value,)
+    if isinstance(value, str):
+        parts = map(str.strip, value.split(","))
+    elif isinstance(value, (tuple, list)):
+        parts = value
+    return [number(part, unit, key) for part in parts]
 
 
 def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tuple[float, float]:

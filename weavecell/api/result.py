@@ -63,7 +63,9 @@ class Result:
     def assumed(self) -> tuple[str, ...]:
         """Lines that name what is assumed of the fabric that the result is about."""
         fabric = getattr(self, "fabric", None)
-        return () if fabric is None else tuple(assumed.lines(fabric))
+        if fabric is None:
+            return ()
+        return tuple(assumed.lines(fabric))
 
     def _assumed_laws(self) -> list[str]:
         """The lines of `assumed` that a quasi-static result follows from: all but that of the failure length."""
@@ -72,8 +74,12 @@ class Result:
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""
         around = getattr(self, "assumed_range", None)
-        entries = {"assumed": "; ".join(self.assumed)} if self.assumed else {}
-        return entries if around is None else entries | {"assumed_range": around.words()}
+        entries = {}
+        if self.assumed:
+            entries = {"assumed": "; ".join(self.assumed)}
+        if around is None:
+            return entries
+        return entries | {"assumed_range": around.words()}
 
     def _what(self) -> str:
         """The result in a few words, for the warning."""
@@ -120,7 +126,8 @@ class Result:
         return display.frame({key.meaning: (key.unit, values) for key, values in columns})
 
     def _repr_html_(self) -> str:
-        (first, *others), table = str(self).splitlines(), self._shown()
+        (first, *others) = str(self).splitlines()
+        table = self._shown()
         lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
         if hasattr(self, "plot"):
@@ -129,7 +136,9 @@ class Result:
         rows = table.to_html(
             index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format
         )
-        opened = " open" if len(table) <= 24 else ""
+        opened = ""
+        if len(table) <= 24:
+            opened = " open"
         return "".join(
             (
                 *parts,
@@ -144,7 +153,9 @@ def plain(value: object) -> bool:
 
 
 def _text(value):
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return str(value)
 
 
 def saved(result: Any, out: FilePath | None) -> Any:

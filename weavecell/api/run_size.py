@@ -72,8 +72,13 @@ class RunSize(Result):
 
         pack = setup.target()
         backing = pack.plies[0].backing
-        bricks, steps = prod(backing.count) if backing else 0, ceil(setup.end_time / pack.time_step)
-        kind = "pack" if setup.plies > 1 else "one ply"
+        bricks = 0
+        if backing:
+            bricks = prod(backing.count)
+        steps = ceil(setup.end_time / pack.time_step)
+        kind = "one ply"
+        if setup.plies > 1:
+            kind = "pack"
         cpu_time = [
             steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)
         ]
@@ -105,7 +110,9 @@ class RunSize(Result):
 
     def __str__(self) -> str:
         low, high = (f"{float(f'{seconds:.2g}'):g}" for seconds in self.cpu_time)
-        block = f" and {self.bricks:,} bricks" if self.bricks else ""
+        block = ""
+        if self.bricks:
+            block = f" and {self.bricks:,} bricks"
         lines = [
             f"{self.title}: nothing is run",
             f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
@@ -160,7 +167,8 @@ class StudySize(Result):
     def of_all(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
         """The sum of several."""
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
-        shots, searches = sum(size.shots for size in sizes), sum(size.searches for size in sizes)
+        shots = sum(size.shots for size in sizes)
+        searches = sum(size.searches for size in sizes)
         return cls(title, shots, searches, (low, high))
 
     def summary(self) -> dict[str, Any]:
@@ -174,5 +182,7 @@ class StudySize(Result):
 
     def __str__(self) -> str:
         low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
-        searches = f", of which {self.searches} searches of a limit" if self.searches else ""
+        searches = ""
+        if self.searches:
+            searches = f", of which {self.searches} searches of a limit"
         return f"{self.title}: nothing is run\nabout {self.shots:,} shots{searches}; {low} to {high} s of CPU time"

@@ -105,13 +105,17 @@ def v50(
 
     own: dict[str, Any] = {"shape": weibull_shape}
     for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
-        own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
+        if value is None:
+            own[key] = None
+        else:
+            own[key] = quantities.number(value, "", f"{key}_cov")
     scatter = replace(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
     panel = targets.of(target, options, honoured.V50)
     over = ranges.with_ends(panel.setup, assumed_range)
-    searches, repeats = 0, 0
+    searches = 0
+    repeats = 0
     if over is not None:
         searches = sum(map(len, ranges.changes(over).values())) + 2
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
@@ -213,7 +217,8 @@ class V50Result(StudyResult):
     def headline(self) -> tuple[str, str]:
         if self.study.curves["probit"].reason:
             return "V50", "not determined"
-        around, over = self.assumed_range, "range over what is assumed not computed"
+        around = self.assumed_range
+        over = "range over what is assumed not computed"
         if around is not None:
             over = (
                 f"{around.quantity} over what is assumed: {around.low:.1f} to {around.high:.1f} m/s"
@@ -228,7 +233,9 @@ class V50Result(StudyResult):
     def lines(self) -> list[str]:
         from weavecell.studies import assumed_range
 
-        study, scatter, shots = self.study, self.study.scatter, self.study.shots
+        study = self.study
+        scatter = self.study.scatter
+        shots = self.study.shots
         perforations = [shot.velocity for shot in shots if shot.perforated]
         stops = [shot.velocity for shot in shots if not shot.perforated]
         low, high = study.deterministic
@@ -241,7 +248,8 @@ class V50Result(StudyResult):
             remarks.append(
                 f"In no interval: what is assumed ({names}); --assumed-range computes it."
             )
-        fastest, slowest = max(stops, default=nan), min(perforations, default=nan)
+        fastest = max(stops, default=nan)
+        slowest = min(perforations, default=nan)
         remarks += [
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
@@ -283,7 +291,9 @@ class V50Result(StudyResult):
                 (link, name, getattr(curve, name), *curve.intervals[name])
                 for name in ("V0", "V50", "V100")
             ]
-            scale = curve.deviation / curve.s if curve.s else 1.0
+            scale = 1.0
+            if curve.s:
+                scale = curve.deviation / curve.s
             rows.append(
                 (
                     link,
@@ -301,7 +311,8 @@ class V50Result(StudyResult):
         """As of `StudyResult`."""
         from weavecell.studies import inputs
 
-        study, shots = self.study, self.to_dataframe()
+        study = self.study
+        shots = self.to_dataframe()
         shots.insert(
             2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")]
         )

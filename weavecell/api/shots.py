@@ -11,8 +11,8 @@ The folder of `weavecell impact`
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
     window/         finished shots of `--uncertainty` at other velocities, as long
 
-Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
-summary.json and the report then tell which, and whether the targets were met.
+If the input file has a table [accuracy], finer and finer meshes are run (`studies.mesh_uncertainty`): summary.json and
+the report then name them, and say whether the target was met.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
@@ -70,8 +70,8 @@ def impact(
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
-    [accuracy] says how well it wants to know something: it is run on finer and finer meshes, until two of them agree so
-    far. A key of the input file that cannot be honoured is rejected.
+    [accuracy] is run on finer and finer meshes, until the uncertainty of one quantity is within its target. A key of
+    the input file that cannot be honoured is rejected.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``, pictures/ and
     scene.toml; while the run goes on, checkpoint.h5.
@@ -109,8 +109,8 @@ def impact(
     from weavecell.studies import inputs
 
     panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
-    climbs = panel.case is not None and panel.case.scene.accuracy is not None
-    if climbs and uncertainty:
+    accuracy = panel.case and panel.case.scene.accuracy
+    if accuracy and uncertainty:
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
@@ -119,6 +119,7 @@ def impact(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
     if check:
+        # no folder is claimed: a check leaves nothing behind
         with panel.named():
             return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
     key = run_cache.key(
@@ -128,15 +129,17 @@ def impact(
         return before  # type: ignore[return-value]
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
-            result, failure = _answer(panel, key, folder, resume, uncertainty)
-            if failure is None and not climbs and panel.setup.plies == 1:
+            result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
+            if failure is None and accuracy is None and panel.setup.plies == 1:
                 result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
+            # only now, when everything is written, is the state no longer needed
             for checkpoint in run_folder.checkpoints(folder):
                 checkpoint.unlink()
             shutil.rmtree(folder / WINDOW, ignore_errors=True)
+    # the folder has what was computed until then
     if failure is not None:
         failure.result = result
         raise failure
@@ -144,27 +147,25 @@ def impact(
     return result
 
 
-# keys of an input file that [accuracy] would change; what is given there stays
-_BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
-
-
-def _answer(panel, key, folder, resume, uncertainty):
-    """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
-    there is one, or of a pair of meshes."""
+def _answer(panel, key, folder, resume, uncertainty, accuracy):
+    """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes if their
+    `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
     from weavecell.studies import mesh_uncertainty
 
-    scene, setup = None if panel.case is None else panel.case.scene, panel.setup
+    setup = panel.setup
 
     def shoot(setup, table=None, mesh=""):
         if folder is None:
             return _run(panel, setup, table=table)
         name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
-        return _run(panel, setup, folder / name, scene.run.checkpoint_interval, resume, table)
+        interval = panel.case.scene.run.checkpoint_interval
+        return _run(panel, setup, folder / name, interval, resume, table)
 
     def shoot_window(setup, table, mesh=""):
         shot = shoot(setup, table, mesh)
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
+        # a shot that holds has no staircase of failing yarns
         from weavecell.studies import window  # which an impact alone does not need
 
         with (
@@ -175,21 +176,15 @@ def _answer(panel, key, folder, resume, uncertainty):
             return replace(shot, window=window.about(shot.result, folder=runs, report=report))
 
     try:
-        if scene is None or scene.accuracy is None:
-            shot, pair = (
-                mesh_uncertainty.run_pair(setup, shoot_window)
-                if uncertainty
-                else (shoot(setup), None)
+        if accuracy:
+            shot, pair = mesh_uncertainty.refine(
+                setup, accuracy.quantity, accuracy.uncertainty, shoot_window
             )
+        elif uncertainty:
+            shot, pair = mesh_uncertainty.run_pair(setup, shoot_window)
         else:
-            fixed = {
-                field
-                for (table, key), field in _BY_HAND.items()
-                if key in getattr(scene, table).model_fields_set
-            }
-            shot, pair = mesh_uncertainty.climb(
-                setup, scene.accuracy.targets, shoot_window, fixed=fixed
-            )
+            shot = shoot(setup)
+            pair = None
     except KeyboardInterrupt:
         kept = folder is not None and bool(run_folder.checkpoints(folder))
         raise run_folder.Interrupted(
@@ -203,7 +198,8 @@ def _answer(panel, key, folder, resume, uncertainty):
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
     """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of its fields."""
     shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
-    fabric, lines = panel.setup.fabric, targets.assumed_of(panel.setup)
+    fabric = panel.setup.fabric
+    lines = targets.assumed_of(panel.setup)
     return ShotResult.of(
         result,
         panel.shot_title,
@@ -227,8 +223,12 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     memory.check(
         [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
     )
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
-    again = checkpoint if resume and checkpoint.exists() else None
+    hooks = ()
+    if checkpoint is not None:
+        hooks = (Checkpoints(checkpoint, every, LEAST_WALL),)
+    again = None
+    if resume and checkpoint.exists():
+        again = checkpoint
     run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
     return Shot(*progress.watched(run, panel.shot_title, hooks))
 
@@ -286,7 +286,9 @@ class ShotResult(ImpactRecord, Result):
     @property
     def window(self) -> Window | None:
         """Shots about the strike velocity, with the means over them, on the mesh that counts; None without."""
-        return None if self.pair is None else self.pair.windows[0]
+        if self.pair is None:
+            return None
+        return self.pair.windows[0]
 
     @property
     def case(self) -> Case:
@@ -312,7 +314,9 @@ class ShotResult(ImpactRecord, Result):
 
     def __repr__(self) -> str:
         laws = [line for line in self.assumed if "failure length" not in line]
-        more = f", assumed: {len(laws)} laws" if laws else ""
+        more = ""
+        if laws:
+            more = f", assumed: {len(laws)} laws"
         velocity = f"residual velocity {self.residual_velocity:.4g} m/s"
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
@@ -320,7 +324,8 @@ class ShotResult(ImpactRecord, Result):
         return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
-        histories, columns = self.histories, {}
+        histories = self.histories
+        columns = {}
         for name, values in histories.columns.items():
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
@@ -387,9 +392,12 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
-        out, scene, target = Path(out), self.case.scene, self.target
+        out = Path(out)
+        scene = self.case.scene
+        target = self.target
         assert target is not None  # since it has a case
-        outputs, projectile = scene.run.outputs, scene.projectile
+        outputs = scene.run.outputs
+        projectile = scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
         if target.text:
             files.write(out / "scene.toml", target.text)
@@ -415,7 +423,10 @@ class ShotResult(ImpactRecord, Result):
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        used = target.setup if self.pair is None else self.pair.setup
+        if self.pair is None:
+            used = target.setup
+        else:
+            used = self.pair.setup
         sections = self._sections(used)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
@@ -428,7 +439,9 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.report.page import Figure
         from weavecell.report.shot import chapters_shot, moving, view
 
-        case, scene, used = self.case, self.case.scene, setup.meshed
+        case = self.case
+        scene = self.case.scene
+        used = setup.meshed
         caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
         film = Figure(view.cut_in_motion(self), "gif", caption, "cut")
         sections = [
@@ -441,9 +454,13 @@ class ShotResult(ImpactRecord, Result):
         if self.assumed_range is not None:
             sections.append(chapters_shot.assumed(self.assumed_range))
         if self.measured:
-            places = scene.history.report_positions if scene.history else ()
+            places = ()
+            if scene.history:
+                places = scene.history.report_positions
             for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
-                number = ply + 1 if self.pack else None
+                number = None
+                if self.pack:
+                    number = ply + 1
                 if self.measured[ply].yarns:
                     sections.append(chapters_shot.measures(self.measured[ply], places, number))
         sections += chapters_shot.body(self)

@@ -68,7 +68,8 @@ class StudyResult(Result):
         from weavecell.report import pictures
         from weavecell.results import json_file, provenance
 
-        out, stamp = Path(out), provenance.stamp(self.target.text, setup=self.target.setup)
+        out = Path(out)
+        stamp = provenance.stamp(self.target.text, setup=self.target.setup)
         if self.target.text:
             files.write(out / "scene.toml", self.target.text)
         for name, content in self.files().items():

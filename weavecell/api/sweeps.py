@@ -147,7 +147,9 @@ def sweep(
         fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
             quantity, (shots, 1)
         )
-        part = {"symmetry": "whole"} if quantity == "v50" else {}
+        part = {}
+        if quantity == "v50":
+            part = {"symmetry": "whole"}
         setups = [replace(panel.setup, **part) for panel in panels]
         sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
         return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
@@ -217,7 +219,9 @@ def _value(text):
         value = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
-    return value if isinstance(value, (bool, int, float, str)) else text
+    if isinstance(value, (bool, int, float, str)):
+        return value
+    return text
 
 
 @dataclass(frozen=True, repr=False)
@@ -266,7 +270,9 @@ class SweepTable(StudyResult):
 
         quantity = QUANTITIES[self.quantity]
         values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
-        span = f"{min(values):.1f} to {max(values):.1f} m/s" if values else "not found"
+        span = "not found"
+        if values:
+            span = f"{min(values):.1f} to {max(values):.1f} m/s"
         return quantity.label.partition(" [")[0].capitalize(), f"{span} over {', '.join(self.keys)}"
 
     @property
@@ -320,7 +326,8 @@ class SweepTable(StudyResult):
         others = [key for key in self.keys if key != SEED and table[key].nunique() > 1]
         for name, shots in table.groupby(others or (lambda _: ""), dropna=False):
             residual = shots["residual_velocity_m_s"].astype(float)
-            count, deviation = len(shots), residual.std()
+            count = len(shots)
+            deviation = residual.std()
             perforated = int((shots["outcome"] == "perforated").sum())
             group = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(name)))
             yield (
@@ -341,13 +348,19 @@ class SweepTable(StudyResult):
         """What is printed."""
         from weavecell.studies.sweep import MIXED, QUANTITIES
 
-        quantity, lines = QUANTITIES[self.quantity], []
+        quantity = QUANTITIES[self.quantity]
+        lines = []
         for row in self.rows:
             value = row.get(quantity.column)
-            words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
+            if value is None:
+                words = row["outcome"]
+            else:
+                words = f"{value:.1f} m/s, {row['outcome']}"
             if row["outcome"] == MIXED:
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
-            doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
+            doubt = ""
+            if row.get("checks", "").startswith("doubtful"):
+                doubt = f", {row['checks']}"
             lines.append(f"{self._changes(row)}: {words}{doubt}")
         if SEED in self.keys and quantity.column == "residual_velocity_m_s":
             lines += self._scatter()
@@ -447,6 +460,7 @@ class SweepResult(Result, Sequence):
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
-        strikes, label = [shot.strike_velocity for shot in self.shots], "strike velocity [m/s]"
+        strikes = [shot.strike_velocity for shot in self.shots]
+        label = "strike velocity [m/s]"
         drawn = strikes, label, self.to_dataframe(), ["outcome"], QUANTITIES["shot"]
         return figure(pictures_uncertainty.sweep, *drawn)

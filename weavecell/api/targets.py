@@ -59,7 +59,9 @@ def of(
     from shellfabric.impact.simulation import ImpactSetup
 
     chosen = {key: value for key, value in options.items() if value is not None}
-    beside = chosen if velocity is None else chosen | {"velocity": velocity}
+    beside = chosen
+    if velocity is not None:
+        beside = chosen | {"velocity": velocity}
     if isinstance(target, ImpactSetup):
         _refuse(beside, "a set-up")
         return Target(None, target, "", target.title, from_file=False)
@@ -104,7 +106,9 @@ def made(
     """
     from weavecell.scenes import build
 
-    own = None if fabric is None else as_fabric(fabric)
+    own = None
+    if fabric is not None:
+        own = as_fabric(fabric)
     scene, written = keywords.scene(None if own is None else own.name, velocity, options)
     try:
         case = build.build(scene, None, "", own)
@@ -114,6 +118,7 @@ def made(
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
     folder = str(Path(__file__).parent)
+    # a warning should point at the script, not at a file of ours
     line_of_the_user = next(
         n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)
     )
@@ -129,11 +134,9 @@ def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
 
 def as_fabric(fabric: Fabric | FilePath) -> Fabric:
     """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
-    return (
-        fabric
-        if isinstance(fabric, Fabric)
-        else with_linear_density(catalogue.load(fabric), "effective")
-    )
+    if isinstance(fabric, Fabric):
+        return fabric
+    return with_linear_density(catalogue.load(fabric), "effective")
 
 
 def _refuse(options, beside):
@@ -197,7 +200,10 @@ def study(
 def kept_runs(folder: Path | None, resume: bool, name: str = RUNS) -> Iterator[Path]:
     """The folder of the finished runs, emptied but to `resume`; a temporary one where `folder` is None."""
     with TemporaryDirectory() as spare:
-        runs = Path(spare) if folder is None else folder / name
+        if folder is None:
+            runs = Path(spare)
+        else:
+            runs = folder / name
         if not resume:
             run_cache.RunCache(runs).clear()
         yield runs

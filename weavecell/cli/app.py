@@ -138,7 +138,10 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException"
     )
     try:
-        words = sys.argv[1:] if arguments is None else list(arguments)
+        if arguments is None:
+            words = sys.argv[1:]
+        else:
+            words = list(arguments)
         if words and words[0] in weavecell.REMOVED:
             raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
         with termination.as_interrupt():
@@ -153,7 +156,10 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             1,
         )
     except OSError as problem:  # a full disk, a folder that may not be written to
-        line = f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem)
+        if problem.filename:
+            line = f"{problem.filename}: {problem.strerror}"
+        else:
+            line = str(problem)
         _fail(line, InputError.exit_code)
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED

@@ -203,7 +203,10 @@ def _parameter(parameter, meaning):
         settings["metavar"] = metavar or name.upper()
         left_out = parameter.empty
         if name == "target":
-            settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
+            if "fabric" in meaning:
+                settings["metavar"] = "FILE|FABRIC"
+            else:
+                settings["metavar"] = "FILE"
             if default is None:
                 left_out = None
         annotation: Any = Annotated[kind, typer.Argument(**settings)]

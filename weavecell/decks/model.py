@@ -72,7 +72,7 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
     "panel.boundary": (
         "clamped or free: no side that slips is exported",
-        lambda ply: boundary.slips(ply.edge),
+        lambda ply: boundary.slips(ply.boundary),
     ),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),
 }

@@ -111,7 +111,7 @@ def cell(
             "both yarns stretched alike": (STRAINS, STRAINS),
             "warp stretched, weft held": (STRAINS, 0 * STRAINS),
         }
-    models = {label: CellModel(fabric, of, model=model) for label, of in laws.items()}
+    models = {label: CellModel(fabric, of, cell_model=model) for label, of in laws.items()}
     share = np.linspace(0, 1, len(STRAINS))
     cases: dict[str, dict[str, Any]] = {}
     for title, (*strains, tension1, tension2) in _with_tensions(paths):
@@ -153,7 +153,9 @@ def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
     """Targets and values: rows of (quantity, target, value, met)."""
     rows = tuple(rows)
     missed = [quantity for quantity, _, _, met in rows if met == "no"]
-    lead = f"Not met: {'; '.join(missed)}." if missed else "All are met."
+    lead = "All are met."
+    if missed:
+        lead = f"Not met: {'; '.join(missed)}."
     return Section(
         "summary",
         "Compared with the published outcomes",
@@ -166,7 +168,9 @@ def sources(*fabrics: Fabric) -> Section:
     """Where each number comes from."""
     tables = []
     for fabric in fabrics:
-        name = f" {fabric.name}" if len(fabrics) > 1 else ""
+        name = ""
+        if len(fabrics) > 1:
+            name = f" {fabric.name}"
         rows = []
         for key, entry in sorted(fabric.sources.items()):
             rows.append((key, entry["value"], entry["status"], entry["source"]))

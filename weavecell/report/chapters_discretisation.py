@@ -27,55 +27,59 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
     """For summary.json."""
     if pair is None:
         return {}
-    other = "coarser" if pair.targets else "finer"
-    meshes, window = list(pair.meshes), pair.windows[0]
-    errors = () if window is None else ("standard_error", f"{other}_standard_error")
-    results: dict[str, Any] = {
-        one.name: {
+    window = pair.windows[0]
+    results: dict[str, dict[str, Any]] = {}
+    for one in pair.intervals:
+        results[one.name] = {
             "unit": one.unit,
             "value": one.value,
-            other: one.other,
+            pair.other: one.other,
             "uncertainty": one.uncertainty,
         }
-        | dict(zip(errors, one.standard_errors))
-        for one in pair.intervals
-    }
-    entries: dict[str, Any] = {} if window is None else {"window": window.summary()}
+        if window is not None:
+            of_value, of_other = one.standard_errors
+            results[one.name] |= {
+                "standard_error": of_value,
+                f"{pair.other}_standard_error": of_other,
+            }
+    entries: dict[str, Any] = {}
+    if window is not None:
+        entries["window"] = window.summary()
     entries["discretisation"] = {
-        "meshes": meshes,
+        "meshes": list(pair.meshes),
         "outcomes": list(pair.outcomes),
         "results": results,
     }
-    if pair.targets:
+    if pair.quantity:
+        uncertainty = None
+        if pair.intervals:
+            uncertainty = pair.uncertainty
         entries["accuracy"] = {
-            "targets": dict(pair.targets),
-            "model": meshes[-1],
-            "symmetry": pair.setup.symmetry,
-            "projectile": pair.setup.projectile.body,
-            "compared_with": "".join(meshes[-2:-1]),
-            "models_run": meshes,
+            "quantity": pair.quantity,
+            "target": pair.target,
+            "uncertainty": uncertainty,
             "confirmed": pair.confirmed,
-            "estimated_errors": {name: pair.errors.get(name) for name in pair.targets},
         }
     return entries
 
 
 def words(pair: Discretisation) -> str:
-    """Means over the window and uncertainties, one line a result; of targets whether they are met."""
-    found, window = [], pair.windows[0]
+    """Means over the window and uncertainties, one line a result, and whether the target is met."""
+    lines = []
+    window = pair.windows[0]
+    mean = ""
     if window is not None:
-        found = [f"mean and standard error, {_of_window(window)}:"]
-        found += [
-            f"  {' '.join(row[:-1])} ({row[-1]} at {window.strike_velocity:g} m/s)"
-            for row in _means(window)
-        ]
-    found.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
-    found += [f"  {line}" for line in _outcomes(pair)]
-    other = "coarser" if pair.targets else "finer"
+        mean = "mean "
+        lines.append(f"mean and standard error, {_of_window(window)}:")
+        for quantity, with_error, value in _means(window):
+            at_strike = f"{value} at {window.strike_velocity:g} m/s"
+            lines.append(f"  {quantity} {with_error} ({at_strike})")
+    lines.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
+    lines += [f"  {line}" for line in _outcomes(pair)]
     for one in pair.intervals:
-        value = f"{'mean ' * bool(window)}{one.name} {one.value:.4g} +- {one.uncertainty:.2g} {one.unit}"
-        found.append(f"  {value} ({one.other:.4g} on the {other} mesh; no test)")
-    return "\n".join([*found, *_verdict(pair), *_against_tests(pair)])
+        value = f"{mean}{one.name} {one.value:.4g} +- {one.uncertainty:.2g} {one.unit}"
+        lines.append(f"  {value} ({one.other:.4g} on the {pair.other} mesh; no test)")
+    return "\n".join([*lines, *_verdict(pair), *_against_tests(pair)])
 
 
 def _of_window(window):
@@ -102,29 +106,30 @@ def _means(window):
 
 
 def _outcomes(pair):
-    """A line where the outcome, or that of shots of the window, depends on the mesh."""
-    first, last = (pair.outcomes[-2:] if pair.targets else pair.outcomes)[0], pair.outcomes[-1]
+    """A line if the outcome, or the outcomes of the window, depend on the mesh."""
     if not pair.same_outcome:
+        first, last = pair.outcomes[-2:]
         return [f"the outcome depends on the mesh: {first}, and {last} on the finer one"]
-    one, other = (window and _counts(window) for window in (pair.windows[0], pair.windows[-1]))
-    mesh = "coarser" if pair.targets else "finer"
-    return (
-        []
-        if one == other
-        else [f"outcomes in the window depend on the mesh: {one}, and {other} on the {mesh} one"]
-    )
+    counts = [window and _counts(window) for window in (pair.windows[0], pair.windows[-1])]
+    if counts[0] == counts[1]:
+        return []
+    words = "{}, and {} on the {} one".format(*counts, pair.other)
+    return [f"outcomes in the window depend on the mesh: {words}"]
 
 
 def _verdict(pair):
-    """A line that says whether the targets are met."""
-    if not pair.targets:
+    """A line that says whether the target is met."""
+    if not pair.quantity:
         return []
-    errors = ", ".join(
-        f"{name.replace('_', ' ')} {_percent(pair.errors.get(name, inf))} (target {_percent(share)})"
-        for name, share in pair.targets.items()
-    )
-    verdict = "confirmed" if pair.confirmed else "NOT confirmed, on the finest mesh that there is"
-    return [f"accuracy {verdict}: {pair.meshes[-1]}, {pair.setup.symmetry} panel; {errors}"]
+    verdict = "NOT confirmed, on the finest mesh that there is"
+    if pair.confirmed:
+        verdict = "confirmed"
+    uncertainty = "not known"
+    if pair.uncertainty < inf:
+        uncertainty = display.text(pair.uncertainty, "1", "share", ".2g")
+    target = display.text(pair.target, "1", "share", ".2g")
+    quantity = pair.quantity.replace("_", " ")
+    return [f"accuracy {verdict}: {pair.meshes[-1]}; {quantity} {uncertainty} (target {target})"]
 
 
 def _against_tests(pair):
@@ -134,40 +139,36 @@ def _against_tests(pair):
     return [f"against tests, {cells[1]}: {cells[2]}" for _, cells in rows if cells[0] in levels]
 
 
-def _percent(share):
-    return "not known" if share == inf else display.text(share, "1", "share", ".2g")
-
-
 def section(pair: Discretisation) -> Section:
     """For the report."""
     from pandas import DataFrame
 
-    meshes, tables, window = (
-        pair.meshes[-1:-3:-1] if pair.targets else pair.meshes,
-        [],
-        pair.windows[0],
-    )
-    lead = " ".join(
-        line[0].upper() + line[1:] + "."
-        for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair))
-    )
+    window = pair.windows[0]
+    tables = []
+    sentences = []
+    for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair)):
+        sentences.append(f"{line[0].upper()}{line[1:]}.")
     if pair.intervals:
-        counts, of_means = (
-            "on the finer mesh" if pair.targets else "on the mesh of the scene",
-            _MEANS * bool(window),
-        )
-        lead = f"{lead} {_INDEX.format(counts, of_means)}".strip()
-        rows = [
-            (f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty)
-            for one in pair.intervals
-        ]
-        tables.append(Table.of(DataFrame(rows, columns=["result", *meshes, "uncertainty"])))
+        heads = ["result", pair.meshes[-2], pair.meshes[-1], "uncertainty"]
+        mesh = "on the mesh of the scene"
+        of_means = ""
+        if pair.other == "coarser":
+            heads[1:3] = pair.meshes[-1], pair.meshes[-2]
+            mesh = "on the finer mesh"
+        if window is not None:
+            of_means = _MEANS
+        sentences.append(_INDEX.format(mesh, of_means))
+        rows = []
+        for one in pair.intervals:
+            rows.append((f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty))
+        tables.append(Table.of(DataFrame(rows, columns=heads)))
+    lead = " ".join(sentences)
     if window is not None:
         heads = ["result", "mean and standard error", f"at {window.strike_velocity:g} m/s"]
         tables.append(
             Table.of(DataFrame(_means(window), columns=heads), f"Means: {_of_window(window)}")
         )
-    if pair.targets:
+    if pair.quantity:
         runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
         tables.append(Table.of(runs, "Meshes that were run"))
     return Section("discretisation", "Discretisation uncertainty", lead, (), tuple(tables))

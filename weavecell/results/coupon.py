@@ -27,11 +27,9 @@ if TYPE_CHECKING:
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
-FORMAT, CHECKPOINT, PULL_OUT_FORMAT = (
-    "weavecell coupon 2",
-    "weavecell coupon checkpoint 3",
-    "weavecell pull-out 2",
-)
+FORMAT = "weavecell coupon 2"
+CHECKPOINT = "weavecell coupon checkpoint 3"
+PULL_OUT_FORMAT = "weavecell pull-out 2"
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
@@ -53,8 +51,7 @@ def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: A
     """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
     from shellfabric.coupon import quasistatic
 
-    named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
-    return getattr(quasistatic, test)(table, **named, **options)
+    return getattr(quasistatic, test)(table, **inputs, **options)
 
 
 def record(inputs: Any, solved: Result, **facts: Any) -> Record:
@@ -98,10 +95,8 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 def _bias(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    size, shear_angles = (
-        quasistatic.bias_size(solved),
-        [solved.shear(step) for step in range(len(solved.states))],
-    )
+    size = quasistatic.bias_size(solved)
+    shear_angles = [solved.shear(step) for step in range(len(solved.states))]
     zones = quasistatic.zones(solved.coupon, *size)
     angles = [
         np.array([0.5 * pi - gamma[zones == number].mean() for gamma in shear_angles])
@@ -127,15 +122,21 @@ def _bias(inputs, solved):
 def _frame(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    stress, law = ("Pa", quasistatic.frame_stress(solved)), solved.coupon.table.model.fabric.shear
-    known = {} if law is None else {"trellis law": ("Pa", law.stress(solved.prescribed))}
+    stress = ("Pa", quasistatic.frame_stress(solved))
+    law = solved.coupon.table.model.fabric.shear
+    known = {}
+    if law is not None:
+        known = {"trellis law": ("Pa", law.stress(solved.prescribed))}
     return {"shear stress": stress} | known
 
 
 def _uniaxial(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    weave, along = solved.coupon.weave, 0 if inputs.direction == "warp" else 1
+    weave = solved.coupon.weave
+    along = 1
+    if inputs.direction == "warp":
+        along = 0
     size = np.ptp(solved.coupon.points, axis=0)
     yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
     strain = quasistatic.middle_strain(solved, 0.2 * (size if along == 0 else size[::-1]))
@@ -254,7 +255,8 @@ def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
 
 def _arrays(solved):
     """{dataset: (array, unit)} of a quasi-static test beside its record."""
-    coupon, states = solved.coupon, solved.states
+    coupon = solved.coupon
+    states = solved.states
     x = np.array([state.x for state in states])
     energies = zip(("yarns", "trellis"), np.transpose([state.energies for state in states]))
     return {

@@ -20,7 +20,8 @@ SHOWN = {
     "m3": ("cm³", 1e6),
     "rad": ("°", 180 / pi),
 }
-MM, US = SHOWN["m"][1], SHOWN["s"][1]
+MM = SHOWN["m"][1]
+US = SHOWN["s"][1]
 _SHARE = re.compile(
     r"strain|strength|_over_|fraction|ratio|share|error"
 )  # in the names of numbers shown in %
@@ -37,13 +38,17 @@ def shown(unit: str, name: str = "") -> tuple[str, float]:
     if name.startswith("wall"):
         return unit, 1.0  # of the computer
     if unit in ("1", "-"):
-        return ("%", 100.0) if _SHARE.search(name) else ("", 1.0)
+        if _SHARE.search(name):
+            return ("%", 100.0)
+        return ("", 1.0)
     return SHOWN.get(unit, (unit, 1.0))
 
 
 def heading(label: str, unit: str, name: str = "") -> str:
     """Label of a column or an axis with the unit shown, such as "deflection [mm]"."""
-    return f"{label} [{mark}]" if (mark := shown(unit, name or label)[0]) else label
+    if mark := shown(unit, name or label)[0]:
+        return f"{label} [{mark}]"
+    return label
 
 
 def number(value: Any, unit: str, name: str = "", form: str = ".4g") -> str:
@@ -51,7 +56,9 @@ def number(value: Any, unit: str, name: str = "", form: str = ".4g") -> str:
     if np.ndim(value):
         return ", ".join(number(part, unit, name, form) for part in value)
     known = value is not None and np.isfinite(value)
-    return f"{shown(unit, name)[1] * value:{form}}" if known else "–"
+    if known:
+        return f"{shown(unit, name)[1] * value:{form}}"
+    return "–"
 
 
 def text(value: Any, unit: str, name: str = "", form: str = ".4g") -> str:
@@ -68,5 +75,8 @@ def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
         if unit == "1" and np.asarray(values).dtype.kind not in "fiu":
             unit = ""  # texts, and what is true or false
         factor = shown(unit, label)[1]
-        table[heading(label, unit)] = np.asarray(values) * factor if factor != 1 else values
+        if factor != 1:
+            table[heading(label, unit)] = np.asarray(values) * factor
+        else:
+            table[heading(label, unit)] = values
     return DataFrame(table)

@@ -17,17 +17,17 @@ _PACKED_FROM = 1000  # numbers
 def put(file: Any, name: str, values: ArrayLike, unit: str) -> None:
     """Write an array to an open HDF5 file, with its unit; a large one is compressed."""
     array = np.asarray(values)
-    packing = (
-        {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-        if array.size >= _PACKED_FROM
-        else {}
-    )
+    packing = {}
+    if array.size >= _PACKED_FROM:
+        packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
     file.create_dataset(name, data=array, **packing).attrs["unit"] = unit
 
 
 def plain(value: Any) -> Any:
     """A number of numpy as one of Python."""
-    return value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, np.generic):
+        return value.item()
+    return value
 
 
 def write_group(group: Any, source: object, table: Iterable[Key]) -> None:

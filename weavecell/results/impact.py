@@ -123,7 +123,9 @@ class ImpactRecord:
         """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived class."""
         from shellfabric.output.snapshots import quads
 
-        setup, panels, target = result.setup, result.panels, result.target
+        setup = result.setup
+        panels = result.panels
+        target = result.target
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
         same = {entry.name for entry in fields(ImpactRecord)} & {
@@ -183,19 +185,17 @@ class ImpactRecord:
     def gap_words(self) -> str:
         """The gap between plies at rest, its range and its source in one line."""
         low, high = (self.pack[f"ply_gap_{end}_m"] for end in ("low", "high"))
-        span = (
-            f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})"
-            if high > low
-            else ""
-        )
+        span = ""
+        if high > low:
+            span = f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})"
         return f"ply gap {display.text(self.gaps[0], 'm', form='.3g')}{span}, {self.pack['ply_gap_source']}"
 
     @property
     def stop_time(self) -> float | None:
         """[s] at which the projectile stopped, or None."""
-        return (
-            float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
-        )
+        if self.outcome == "stopped":
+            return float(self.time[np.argmax(self.velocity <= 0)])
+        return None
 
     @property
     def strike_energy(self) -> float:
@@ -261,7 +261,9 @@ class ImpactRecord:
     def back_face_signature_mm(self) -> float | None:
         """[mm] depth of the deepest point of the block's face; None while it moves."""
         assert self.backing is not None
-        return None if self.block_moves else 1e3 * self.backing.back_face_signature
+        if self.block_moves:
+            return None
+        return 1e3 * self.backing.back_face_signature
 
     @property
     def rear(self) -> tuple[Shape, Shape]:
@@ -289,7 +291,8 @@ class ImpactRecord:
         peaks = {}
         for family, name in enumerate(("warp", "weft")):
             at = int(np.argmax(self.peak_tension[:, family])), family
-            tension, time = float(self.peak_tension[at]), float(self.peak_tension_time[at])
+            tension = float(self.peak_tension[at])
+            time = float(self.peak_tension_time[at])
             peaks[name] = Peak(
                 tension, tension / self.strength[at], time, self.peak_tension_place[at], at[0] + 1
             )
@@ -393,7 +396,10 @@ class ImpactRecord:
             for name in ("half_energy", "final"):
                 values[name] = tuple(read_group(group, Shape, "shape") for group in parts[name])
             for name, kind in (("bar", BarHistory), ("backing", BackingResult)):
-                values[name] = read_group(file[name], kind, name) if name in file else None
+                if name in file:
+                    values[name] = read_group(file[name], kind, name)
+                else:
+                    values[name] = None
             values |= {name: json.loads(file.attrs.get(name, "{}")) for name in _TEXTS}
             lines = [
                 tuple(line[()] for _, line in sorted(group["lines"].items()))
@@ -450,12 +456,15 @@ def _stacked(setup, pack):
     """{key: value} of the table stacking."""
     from shellfabric.plies.gap import PlyGap, gap_between
 
-    law, given = pack.laws[0], setup.lay_up[0].gap if setup.lay_up else setup.ply_gap
-    gap = (
-        PlyGap(given, given, given, "given")
-        if given is not None
-        else gap_between(*map(setup.fabric_of, (0, 1)))
-    )
+    law = pack.laws[0]
+    if setup.lay_up:
+        given = setup.lay_up[0].gap
+    else:
+        given = setup.ply_gap
+    if given is not None:
+        gap = PlyGap(given, given, given, "given")
+    else:
+        gap = gap_between(*map(setup.fabric_of, (0, 1)))
     plies = range(setup.plies)
     return {
         "stacking": "lay-up" if setup.lay_up else setup.stacking,
@@ -488,4 +497,6 @@ def _half_energy(result, final):
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shots for shots in result.snapshots if shots[0].t <= final[0].time]
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
-    return final if nearest is None else tuple(map(Shape.of, nearest))
+    if nearest is None:
+        return final
+    return tuple(map(Shape.of, nearest))

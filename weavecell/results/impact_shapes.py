@@ -77,15 +77,14 @@ class Cut:
         lines = []
         for shot, panel in zip(shots, panels):
             j = panel.nearest_lines[1]
-            line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
+            line = shot.nodes[:, j, [0, 2]]
+            gone = np.flatnonzero(shot.failed[:, j, 0])
             if panel.ply_angle:
                 line, gone = _across(shot, panel)
             # beyond the opening it has no length
             long = np.flatnonzero(np.abs(np.diff(line, axis=0)).max(axis=1) > 1e-9)
-            line, gone = (
-                line[long[0] : long[-1] + 2],
-                gone[(gone >= long[0]) & (gone <= long[-1])] - long[0],
-            )
+            line = line[long[0] : long[-1] + 2]
+            gone = gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
 

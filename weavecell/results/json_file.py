@@ -29,7 +29,9 @@ def finite(content: Any) -> Any:
         return [finite(value) for value in content]
     if hasattr(content, "tolist"):
         return finite(content.tolist())
-    return None if isinstance(content, float) and not isfinite(content) else content
+    if isinstance(content, float) and not isfinite(content):
+        return None
+    return content
 
 
 def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:

@@ -50,8 +50,13 @@ class Key(NamedTuple):
             if isinstance(source, Mapping):
                 source = source[part]
             else:
-                source = source[int(part)] if part.lstrip("-").isdigit() else getattr(source, part)
-        return source() if callable(source) else source
+                if part.lstrip("-").isdigit():
+                    source = source[int(part)]
+                else:
+                    source = getattr(source, part)
+        if callable(source):
+            return source()
+        return source
 
 
 def _under(group: str, table: Iterable[Key]) -> tuple[Key, ...]:

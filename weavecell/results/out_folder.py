@@ -18,7 +18,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from weavecell.results import termination
 
-LOCK, INPUT = ".lock", ".input"
+LOCK = ".lock"
+INPUT = ".input"
 _held: dict[
     Path, tuple[int, list[Path]]
 ] = {}  # folder: descriptor of its lock, and folders that were made for it
@@ -40,7 +41,8 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     place = folder.resolve()
     if place in _held:
         return
-    mark, digests = place / INPUT, {run_cache.inputs_digest(one) for one in inputs}
+    mark = place / INPUT
+    digests = {run_cache.inputs_digest(one) for one in inputs}
     if resume and digests and mark.exists() and digests.isdisjoint(mark.read_text("utf-8").split()):
         earlier = _earlier(place) or "an unfinished run"
         allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"
@@ -58,7 +60,10 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     if not _held:
         atexit.register(release)
     _held[place] = descriptor, made
-    earlier = None if resume and (mark.exists() or not digests) else _earlier(place)
+    if resume and (mark.exists() or not digests):
+        earlier = None
+    else:
+        earlier = _earlier(place)
     if digests:
         files.write(mark, "\n".join(sorted(digests)))
     if earlier:
@@ -97,6 +102,7 @@ def _release(place):
     descriptor, made = _held.pop(place)
     with suppress(OSError):
         os.unlink(place / LOCK)
+        # nothing was computed: the folder is as it was before
         if os.listdir(place) == [INPUT]:
             os.unlink(place / INPUT)
     os.close(descriptor)
@@ -111,6 +117,7 @@ def _locked(path):
             import fcntl
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # the run that had the lock may have removed the file after it was opened here
             if os.fstat(descriptor).st_ino == os.stat(path).st_ino:
                 return descriptor
         except FileNotFoundError:  # removed by the run that had it before
@@ -118,6 +125,7 @@ def _locked(path):
         except BlockingIOError:
             os.close(descriptor)
             raise
+        # Windows and some network file systems have no locks: two runs in one folder are then the user's care
         except (ImportError, OSError):
             return descriptor
         os.close(descriptor)
@@ -137,7 +145,9 @@ def _earlier(folder):
         content: Any = None
         with suppress(OSError, ValueError):
             content = json.loads(path.read_text("utf-8"))
-        stamp = content.get("provenance", content) if isinstance(content, dict) else None
+        stamp = None
+        if isinstance(content, dict):
+            stamp = content.get("provenance", content)
         if isinstance(stamp, dict) and "date" in stamp:
             found.append(
                 (
@@ -145,4 +155,6 @@ def _earlier(folder):
                     str(content.get("title") or content.get("fabric") or path.stem),
                 )
             )
-    return "{1} of {0}".format(*max(found)) if found else None
+    if found:
+        return "{1} of {0}".format(*max(found))
+    return None

@@ -13,6 +13,7 @@ from typing import Any
 from fabrics.base.errors import UnstableError
 
 DELAY = 1.0  # [s] a stage that is done before has no bar
+# a batch log is read once an hour: a line each 30 s is enough
 _EVERY = 30.0  # [s] between the lines of a batch job
 shown = False
 
@@ -52,13 +53,19 @@ def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction done, text="")`."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     notebook = hasattr(shell, "kernel")
+    # a bar redraws its line, which a file of a batch job would keep as thousands of lines
     live = sys.stderr.isatty() or notebook
     if not (live or shown):
         yield lambda *_: None
         return
     from tqdm import tqdm
 
-    drawn, left = "|{bar}|" if live else ",", "<{remaining}" if estimate else ""
+    drawn = ","
+    if live:
+        drawn = "|{bar}|"
+    left = ""
+    if estimate:
+        left = "<{remaining}"
     form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}{left}{{postfix}}"
     look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
     if notebook:
@@ -77,6 +84,7 @@ def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
 
 def write(line: str, file: Any) -> None:
     """Print a line above the bars."""
+    # without a bar tqdm has not been imported, and need not be
     tqdm = sys.modules.get("tqdm.std")
     with nullcontext() if tqdm is None else tqdm.tqdm.external_write_mode(file):
         print(line, file=file, flush=True)
@@ -89,7 +97,10 @@ def watched(
     with bar(title) as advance:
 
         def show(solver):
-            share = 1.0 if solver.ended else solver.time / solver.end_time
+            if solver.ended:
+                share = 1.0
+            else:
+                share = solver.time / solver.end_time
             advance(share, f"{solver.state.projectile_velocity[2]:.1f} m/s")
 
         try:

@@ -39,9 +39,12 @@ def stamp(
 ) -> dict[str, str]:
     """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a set-up, which of their
     tables were assumed, and of a set-up its notes and what a projectile from an STL file was."""
-    fabrics = fabrics if setup is None else (*fabrics, *setup.fabrics)
+    if setup is not None:
+        fabrics = (*fabrics, *setup.fabrics)
     lines = [line for fabric in fabrics if fabric.assumed for line in assumed.lines(fabric)]
-    known = {"assumed": "; ".join(lines)} if lines else {}
+    known = {}
+    if lines:
+        known = {"assumed": "; ".join(lines)}
     if setup is not None and setup.notes:
         known["notes"] = "; ".join(setup.notes)
     if setup is not None and setup.projectile.solid is not None:
@@ -81,6 +84,7 @@ def versions() -> dict[str, str]:
 
 def commit() -> str:
     """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
+    # installed from a wheel, the folder may lie inside the checkout of another project
     home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():
         return "not a checkout"

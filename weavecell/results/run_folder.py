@@ -35,19 +35,20 @@ class Finished:
         return self.content["checks"]["status"] == "doubtful"
 
     def __str__(self) -> str:
-        title, outcome = self.content["title"], self.content["outcome"]
+        title = self.content["title"]
+        outcome = self.content["outcome"]
         return f"{title}: {outcome}; done before with the same input and code, in {self.folder}"
 
 
 def finished(out: Path, key: str) -> Finished | None:
     """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was not unstable."""
     file = out / "summary.json"
-    content = json_file.read_summary(file) if file.exists() and not checkpoints(out) else {}
-    return (
-        None
-        if content.get("run_key") != key or content["outcome"] == "unstable"
-        else Finished(out, content)
-    )
+    content = {}
+    if file.exists() and not checkpoints(out):
+        content = json_file.read_summary(file)
+    if content.get("run_key") != key or content["outcome"] == "unstable":
+        return None
+    return Finished(out, content)
 
 
 def checkpoints(out: Path) -> list[Path]:

@@ -76,7 +76,8 @@ def longitudinal(
     threshold : [N] of the tension; TOE of the yarn's strength if None
     window : shares of the yarn's length within which the speed is fitted
     """
-    threshold = TOE * yarn.strength if threshold is None else threshold
+    if threshold is None:
+        threshold = TOE * yarn.strength
     side = yarn.X > 0
     tension = np.vstack(
         [np.zeros(side.sum()), yarn.tension[:, side]]
@@ -85,7 +86,8 @@ def longitudinal(
     reached = (tension >= threshold).any(axis=0)
     k = np.argmax(tension >= threshold, axis=0)[reached]
     column = np.flatnonzero(reached)
-    before, after = tension[k - 1, column], tension[k, column]
+    before = tension[k - 1, column]
+    after = tension[k, column]
     time = clock[k - 1] + (clock[k] - clock[k - 1]) * (threshold - before) / (after - before)
     return _fitted("longitudinal", yarn, time, yarn.X[side][reached], window)
 
@@ -93,12 +95,15 @@ def longitudinal(
 def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] = WINDOW) -> Front:
     """Feet of the deflected part; left out where its side is not spread over three elements."""
     spacing = yarn.X[1] - yarn.X[0]
-    time, place = [], []
+    time = []
+    place = []
     for instant, x, z in zip(t, yarn.place, yarn.deflection):
         side = x >= 0
-        x, z = x[side], z[side]
+        x = x[side]
+        z = z[side]
         top = float(z.max(initial=0.0))
-        high, low = _crossing(x, z, _HIGH * top), _crossing(x, z, _LOW * top)
+        high = _crossing(x, z, _HIGH * top)
+        low = _crossing(x, z, _LOW * top)
         if top > 0 and low - high >= 3 * spacing:
             time.append(instant)
             place.append(low + (low - high) * _LOW / (_HIGH - _LOW))
@@ -122,5 +127,6 @@ def _fitted(kind, yarn, time, place, window):
     line = linregress(time[inside], place[inside])
     reach = student.ppf(0.975, np.count_nonzero(inside) - 2) * line.stderr
     interval = float(line.slope - reach), float(line.slope + reach)
-    start, r2 = float(-line.intercept / line.slope), float(line.rvalue**2)
+    start = float(-line.intercept / line.slope)
+    r2 = float(line.rvalue**2)
     return Front(kind, yarn.family, time, place, float(line.slope), interval, start, r2)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, ply_laws
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
@@ -30,14 +30,6 @@ if TYPE_CHECKING:
 LOG = logging.getLogger("weavecell")  # the command line prints its lines
 Laws = tuple[CompressionLaw, CompressionLaw]  # of warp and weft
 CHANGED = "was fitted to other data of {} than it has now"
-# keys whose field in the objects of shellfabric has another name
-FIELDS = {
-    "fabric.cell_formulation": "form",
-    "fabric.crossover_gap": "gap",
-    "panel.boundary": "edge",
-    "panel.yarn_failure": "failure",
-    "picture_frame.crossovers": "cells",
-}
 
 
 @dataclass(frozen=True)
@@ -90,7 +82,8 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    panel, shot = getattr(scene, "panel", None), getattr(scene, "projectile", None)
+    panel = getattr(scene, "panel", None)
+    shot = getattr(scene, "projectile", None)
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
     if panel is None or not panel.ply:
@@ -103,12 +96,21 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     plies: list[Ply] = []
     for table in panel.ply:
         named = table.name is not None or table.file is not None
-        own = {"name": table.name, "file": table.file, "law": "published"} if named else {}
+        own = {}
+        if named:
+            own = {"name": table.name, "file": table.file, "law": "published"}
         own |= {} if table.law is None else {"law": table.law}
+        # plies of one fabric and law share one table of the cell, which takes a second to fill
         if (key := repr(own)) not in materials:
-            of_ply, where = scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric"
+            of_ply = scene.fabric.model_copy(update=own)
+            where = "fabric"
+            if own:
+                where = "panel.ply"
             materials[key] = material(of_ply, where, scene, file, None if named else fabric)
-        gap = panel.ply_gap if table.gap is None else table.gap
+        if table.gap is None:
+            gap = panel.ply_gap
+        else:
+            gap = table.gap
         plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
     each = tuple(materials.values())
     return Case(**vars(each[0]), scene=scene, name=name, lay_up=tuple(plies), materials=each)
@@ -122,7 +124,7 @@ def material(
     Parameters
     ----------
     key : of the scene under which the table stands
-    scene, file : of it; parameters and exceptions else as of `build`
+    scene, file : of it; see `build`, as the other parameters and exceptions
     given : Fabric in place of that which the table names
     """
     fabric = plain = _fabric(table, key, file) if given is None else given
@@ -136,11 +138,10 @@ def material(
             raise InputError(
                 f"needs more: {problem}", file=file, key="panel.rate_dependence"
             ) from None
-    fails = (
-        getattr(getattr(scene, "test_table", None), "failure", False)
-        if panel is None
-        else panel.yarn_failure
-    )
+    if panel is None:
+        fails = getattr(getattr(scene, "test_table", None), "failure", False)
+    else:
+        fails = panel.yarn_failure
     fabric = (
         fabric if fails else assumed.given(fabric, "failure_length")
     )  # which is of no use without failure
@@ -154,10 +155,14 @@ def material(
         except InputError as problem:
             if problem.file is not None:
                 raise
-            key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
-            message = None if problem.key is not None else str(problem)
+            name = problem.key or "ply_contact"
+            if name == "ply_contact":
+                name = "panel.ply_contact"
+            message = None
+            if problem.key is None:
+                message = str(problem)
             raise InputError(
-                message, file=file, key=key, value=problem.value, allowed=problem.allowed
+                message, file=file, key=name, value=problem.value, allowed=problem.allowed
             ) from None
     return Material(fabric, laws, law_name)
 
@@ -180,7 +185,8 @@ def _sheared(fabric, need, file):
     Of a scene's file a line is logged for each law that is assumed, or left out.
     """
     try:
-        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+        if need != "unused":
+            fabric = assumed.with_shear(fabric)
     except InputError as problem:
         if need == "needed":
             raise InputError(str(problem), file=file) from None
@@ -213,13 +219,8 @@ def _surface(surface, fabric):
         raise InputError(
             "cannot be read; must be a surface written by `weavecell surface`", file=surface
         )
-    read = ResponseSurface.read(surface)
-    try:
-        return SurfaceCell(fabric, read).surface
-    except InputError as problem:
-        raise InputError(
-            file=surface, key=problem.key, value=problem.value, allowed=problem.allowed
-        ) from None
+    with placed(surface):
+        return SurfaceCell(fabric, ResponseSurface.read(surface)).surface
 
 
 def _laws(table, key, fabric, file, given):
@@ -228,13 +229,8 @@ def _laws(table, key, fabric, file, given):
     if table.cell_model != "compressible":
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
-        try:
+        with placed(file, f"{key}.law."):
             own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
-        except InputError as problem:
-            key = f"{key}.law.{problem.key}"
-            raise InputError(
-                file=file, key=key, value=problem.value, allowed=problem.allowed
-            ) from None
         check_room((own, own), fabric.weave, file=file, key=f"{key}.law.a")
         return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
@@ -247,7 +243,10 @@ def _laws(table, key, fabric, file, given):
     laws = laws_of(fabric, law, file, f"{key}.law")
     if law != "published":
         changed = {each.fitted_data for each in laws} - {"", data_digest(fabric)}
-        name = "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
+        if isinstance(law, (str, Path)):
+            name = "fitted to the 3D crossover"
+        else:
+            name = laws[0].provenance
         return laws, f"{name}, {CHANGED.format(fabric.name)}" if changed else name
     if given is not None:
         return laws, laws[0].provenance
@@ -273,7 +272,8 @@ def laws_of(
     ------
     InputError : none of these, a law of another fabric, or None for a fabric without laws
     """
-    written, law = law, getattr(law, "law", law)
+    written = law
+    law = getattr(law, "law", law)
     if law is None or law == "published":
         if fabric.laws is None:
             raise InputError(
@@ -282,14 +282,21 @@ def laws_of(
         return fabric.laws
     if isinstance(law, (str, Path)):
         law = CompressionLaw.from_json(law)
-    warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
+    if isinstance(law, (tuple, list)) and len(law) == 2:
+        warp, weft = law
+    else:
+        warp = law
+        weft = law
     for law in (warp, weft):
         if not isinstance(law, CompressionLaw):
             allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
             raise InputError(key="law", value=written, allowed=allowed)
-        value = str(written) if isinstance(written, (str, Path)) else None
+        value = None
+        if isinstance(written, (str, Path)):
+            value = str(written)
         law.require_fabric(fabric.name, file=file, key=key, value=value)
         _warn_of_change(law.fitted_data, fabric, value or "law")
+    # a pair that closes more than both heights would let yarns pass through each other
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft
 
@@ -317,33 +324,30 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     from shellfabric.panel.model import Numerics
     from weavecell.scenes.short_setup import ShortSetup
 
-    scene, panel = case.scene, case.scene.panel
+    scene = case.scene
+    panel = case.scene.panel
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
-    for name in ("fabric", "panel", "run"):
-        given |= {
-            key: value
-            for key, value in _given(getattr(scene, name), name).items()
-            if key in of_setup
-        }
-    history = scene.history and HistoryRequest(
-        **_given(scene.history, "history", but=("report_positions",))
-    )
+    for table in (scene.fabric, panel, scene.run):
+        given |= {key: value for key, value in _given(table).items() if key in of_setup}
     try:
         # in place of texts and tables the objects that they describe
-        given |= {name: getattr(case, name) for name in ("fabric", "laws", "surface", "lay_up")}
         given |= {
+            "fabric": case.fabric,
+            "laws": case.laws,
+            "surface": case.surface,
+            "lay_up": case.lay_up,
             "strike_velocity": scene.projectile.strike_velocity,
             "projectile": _projectile(scene.projectile),
-        }
-        given |= {
-            "edge": _edge(panel.boundary),
+            "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
-            "history": history,
+            "backing": _backing(scene.backing),
+            "strength": panel.strength and YarnStrength(**panel.strength.model_dump()),
+            "history": scene.history
+            and HistoryRequest(**_given(scene.history, "report_positions")),
+            "numerics": Numerics(**_given(scene.numerics)),
         }
-        given["backing"] = _backing(scene.backing)
-        given |= {"strength": panel.strength and YarnStrength(**panel.strength.model_dump())}
-        made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
+        made = ShortSetup(**given)
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():
@@ -351,20 +355,15 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     return made
 
 
-def _given(table, name, but=()):
-    """{field: value} of the keys that a table sets."""
-    return {
-        FIELDS.get(f"{name}.{key}", key): value
-        for key, value in table
-        if value is not None and key not in but
-    }
+def _given(table, *but):
+    """{key: value} of the keys that a table sets, without some."""
+    return {key: value for key, value in table if value is not None and key not in but}
 
 
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
-    of_stl = ("stl", "stl_unit", "density")
-    given = _given(table, "projectile", but=("name", "diameter", "strike_velocity", *of_stl))
+    given = _given(table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density")
     if table.shape != "stl":
         return Projectile(radius=table.diameter / 2, **given)
     solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
@@ -377,7 +376,7 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table, "backing")
+    given = _given(table)
     given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(
@@ -386,8 +385,8 @@ def _backing(table):
     return Backing(material=material, **given)
 
 
-def _edge(boundary):
-    """The panel's edge as the solver has it, from a text or a table of sides."""
+def _boundary(boundary):
+    """The panel's boundary as the solver has it, from a text or a table of sides."""
     if isinstance(boundary, str):
         return boundary
     return tuple(
@@ -410,7 +409,7 @@ def _side(side):
 
 def of_file(problem: InputError) -> bool:
     """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
-    known = {key.rpartition(".")[2] for key in entries(Scene)} | {"model", *FIELDS.values()}
+    known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
 
 
@@ -426,12 +425,12 @@ def in_file(
     if problem.file is not None:
         return problem
     if of_scene is None:
-        of_scene = {
-            name: table for name, table in tables(Scene).items() if name and "." not in name
-        }
-    keys = {key: f"{name}.{key}" for name, table in of_scene.items() for key in table.model_fields}
-    keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
-    key = keys.get(problem.key or "", problem.key)
+        of_scene = tables(Scene)
+        of_scene = {name: table for name, table in of_scene.items() if name and "." not in name}
+    key = problem.key
+    for name, table in of_scene.items():
+        if problem.key in table.model_fields:
+            key = f"{name}.{problem.key}"
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)

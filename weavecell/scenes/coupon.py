@@ -196,8 +196,12 @@ class CouponScene(Table):
     def trellis_law(self) -> str:
         """Whether the test needs the fabric's trellis law: "needed", "optional" or "unused"."""
         if self.test == "bias_extension":
-            return "needed" if self.test_table.trellis else "unused"
-        return "needed" if self.test == "picture_frame" else "optional"
+            if self.test_table.trellis:
+                return "needed"
+            return "unused"
+        if self.test == "picture_frame":
+            return "needed"
+        return "optional"
 
     @property
     def test_table(self) -> Any:
@@ -227,8 +231,10 @@ def check(
     refused: honoured.Keys | None = None,
     context: Any = None,
 ) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; parameters as of `scenes.impact.check`."""
+    """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
     scene = validated(CouponScene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)
-    return scene if file is None else anchored(scene, file)
+    if file is None:
+        return scene
+    return anchored(scene, file)

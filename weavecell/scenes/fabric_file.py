@@ -130,7 +130,9 @@ def read_values(path: FilePath) -> dict[str, Value]:
     InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
     """
     rows = read_csv(path, "a CSV file of key, warp, weft", words=("key", "source", "status"))
-    heading = rows[0][1] if rows else []
+    heading = []
+    if rows:
+        heading = rows[0][1]
     once = len(set(heading)) == len(heading)
     if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS) or not once:
         raise InputError(
@@ -162,7 +164,9 @@ def read_values(path: FilePath) -> dict[str, Value]:
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
         if not tried & {key, *others}:
-            more = f", or {' or '.join(others)} in its place" if others else ""
+            more = ""
+            if others:
+                more = f", or {' or '.join(others)} in its place"
             allowed = f'such as "{ALL[key].example}"{more}'
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
     if problems:
@@ -175,18 +179,26 @@ def _row(entry, number, path, problems):
     key = entry["key"]
     if key not in ALL:
         near = nearest(key, ALL)
-        hint = f'is not a known key, did you mean "{near}"?' if near else None
-        allowed = None if hint else f"one of {', '.join(ALL)}"
+        hint = None
+        if near:
+            hint = f'is not a known key, did you mean "{near}"?'
+        if hint:
+            allowed = None
+        else:
+            allowed = f"one of {', '.join(ALL)}"
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
         return None
-    texts, wrong = [], len(problems)
+    texts = []
+    wrong = len(problems)
     if key in OF_FABRIC and entry.get("weft"):
         allowed = (
             f"left out in the column weft: {key} is one value of the fabric, in the column warp"
         )
         where = f"line {number}, {key}"
         problems.append(InputError(file=path, key=where, value=entry["weft"], allowed=allowed))
-    weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]
+    weft = ""
+    if key not in OF_FABRIC:
+        weft = entry.get("weft") or entry["warp"]
     for family, text in (("warp", entry["warp"]), ("weft", weft)):
         try:
             texts.append(check(key, text) if text or family == "warp" else "")
@@ -258,7 +270,8 @@ def with_curves(
 
 def _with_shear(draft, found, source, fitted):
     """(The draft with a fitted trellis law, the lines about the fits)."""
-    law, remarks = found.law, []
+    law = found.law
+    remarks = []
     if not found.stiffens:
         remarks.append("does not stiffen: G2 is G1, gamma1 and gamma2 are not determined")
     elif not found.locked:

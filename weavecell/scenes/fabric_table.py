@@ -57,7 +57,9 @@ LAW = '"published", the path of a law written by `weavecell calibrate` (*.json),
 
 
 def _law_kind(value):
-    return "inline" if isinstance(value, (Mapping, InlineLaw)) else "text"
+    if isinstance(value, (Mapping, InlineLaw)):
+        return "inline"
+    return "text"
 
 
 def _law(value, info):
@@ -183,11 +185,16 @@ class FabricTable(Table):
         if self.cell_model == "decoupled":
             words = 'left out where fabric.cell_model is "decoupled", whose yarns never touch'
             self.refuse("crossover_gap", words)
-        other, words = ("direct", "without") if self.surface is None else ("equilibrium", "with")
+        if self.surface is None:
+            other = "direct"
+            words = "without"
+        else:
+            other = "equilibrium"
+            words = "with"
         if self.cell_formulation == other:
-            forms = (
-                "variational or equilibrium" if self.surface is None else "variational or direct"
-            )
+            forms = "variational or direct"
+            if self.surface is None:
+                forms = "variational or equilibrium"
             raise InputError(key="cell_formulation", allowed=f"{forms} {words} fabric.surface")
         return self
 
@@ -222,7 +229,8 @@ def anchored(scene: Any, file: FilePath) -> Any:
         return table.model_copy(update=paths)
 
     updates: dict[str, Any] = {"fabric": of("fabric", scene.fabric, ("file", "law", "surface"))}
-    shot, panel = getattr(scene, "projectile", None), getattr(scene, "panel", None)
+    shot = getattr(scene, "projectile", None)
+    panel = getattr(scene, "panel", None)
     if shot is not None:
         updates["projectile"] = of("projectile", shot, ("stl",))
     if panel is not None:

@@ -289,30 +289,22 @@ def _share(meaning):
 
 
 class AccuracyTable(Table):
-    """Largest errors that the results may have; the command refines the mesh until they are met.
+    """How well one quantity is to be known: `weavecell impact` refines the mesh until it is.
 
     [accuracy]
-    residual_velocity = "2 %"
-    deflection = "5 %"
+    quantity = "residual_velocity"
+    uncertainty = "2 %"
     """
 
-    residual_velocity: _share("target: error at most, over the strike velocity") = None
-    absorbed_energy: _share("target: error at most, over the strike energy") = None
-    deflection: _share("target: relative error of the maximum deflection at most") = None
-    peak_tension: _share("target: relative error of the peak tension at most") = None
-
-    @property
-    def targets(self) -> dict[str, float]:
-        """{quantity: [-] error at most} of those that are given."""
-        return {name: share for name, share in self if share is not None}
-
-    @model_validator(mode="after")
-    def _of_one_target(self):
-        if not self.targets:
-            raise InputError(
-                "has no target", allowed=f"at least one of {', '.join(type(self).model_fields)}"
-            )
-        return self
+    quantity: one_of(
+        "what is to be known; uncertainties of velocity and energy are shares of those of the strike, of deflection "
+        "and tension of the value itself",
+        "residual_velocity",
+        "absorbed_energy",
+        "deflection",
+        "peak_tension",
+    ) = "residual_velocity"
+    uncertainty: _share("largest discretisation uncertainty of the quantity")
 
 
 class NumericsTable(Table):
@@ -371,7 +363,9 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _of_tables_that_fit(self):
-        fabric, shot, panel = self.fabric, self.projectile, self.panel
+        fabric = self.fabric
+        shot = self.projectile
+        panel = self.panel
         if not (
             panel.ply
             and all(ply.name or ply.file for ply in panel.ply)
@@ -381,7 +375,10 @@ class Scene(Table):
                 allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
-        smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
+        if isinstance(panel.opening, tuple):
+            smallest = min(panel.opening)
+        else:
+            smallest = panel.opening
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
         if shot.shape != "stl":
@@ -433,8 +430,8 @@ def check(
     ----------
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : as of `load`
-    context : as of `fabrics.base.schema.validated`
+    refused : keys that are not honoured, see `honoured`
+    context : see `fabrics.base.schema.validated`
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)
@@ -442,7 +439,9 @@ def check(
     scene = validated(Scene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)
-    return scene if file is None else anchored(scene, file)
+    if file is None:
+        return scene
+    return anchored(scene, file)
 
 
 def _with_named(table, file, name, key, data):

@@ -75,13 +75,11 @@ _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a ta
 
 
 def _kind(value):
-    return (
-        "inline"
-        if isinstance(value, (Mapping, Table))
-        else "pair"
-        if isinstance(value, (list, tuple))
-        else "text"
-    )
+    if isinstance(value, (Mapping, Table)):
+        return "inline"
+    if isinstance(value, (list, tuple)):
+        return "pair"
+    return "text"
 
 
 _Text = Annotated[Literal["clamped", "free"], Tag("text")]
@@ -119,7 +117,9 @@ def _opening(value, read):
     ]
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
-    return sides[0] if len(sides) == 1 else tuple(sides)
+    if len(sides) == 1:
+        return sides[0]
+    return tuple(sides)
 
 
 _ZONE = {
@@ -156,11 +156,10 @@ def _zones(value):
     """Zones (until, side) [crossovers] of a grading, as numbers."""
     if value is None:
         return None
-    numbers = (
-        [part for zone in value for part in zone]
-        if all(isinstance(zone, list) for zone in value)
-        else [None]
-    )
+    if all(isinstance(zone, list) for zone in value):
+        numbers = [part for zone in value for part in zone]
+    else:
+        numbers = [None]
     if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for part in numbers):
         raise ValueError("no zones")
     return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
@@ -389,4 +388,6 @@ class PanelTable(Table):
             allowed = "whole, or left out, where yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
         whole = self.angled or drawn
-        return self.model_copy(update={"symmetry": "whole"}) if whole else self
+        if whole:
+            return self.model_copy(update={"symmetry": "whole"})
+        return self

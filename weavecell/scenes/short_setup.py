@@ -35,4 +35,6 @@ def _text(value):
 
 
 def _default(entry):
-    return entry.default if entry.default_factory is MISSING else entry.default_factory()
+    if entry.default_factory is MISSING:
+        return entry.default
+    return entry.default_factory()

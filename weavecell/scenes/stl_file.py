@@ -153,12 +153,14 @@ def _triangles(content):
 
     end = _HEAD + _FACET * int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
     if _HEAD < end <= len(content):
-        kind, content = "stl", content[:end]
+        kind = "stl"
+        content = content[:end]
     else:
         text = (
             content.decode("utf-8-sig", errors="replace").lower().replace("end solid", "endsolid")
         )
-        kind, content = "stl_ascii", text.encode()
+        kind = "stl_ascii"
+        content = text.encode()
     try:
         return trimesh.load_mesh(io.BytesIO(content), file_type=kind, process=False)
     except Exception:  # as many kinds as there are broken files
@@ -192,7 +194,10 @@ def _check_one_body(mesh, path):
             f"holds {len(bodies)} separate bodies, of {volumes} mm^3; must be one body", file=path
         )
     inwards = [part for part in parts if part.volume <= 0]
-    low, high = bodies[0].bounds if bodies else np.zeros((2, 3))
+    if bodies:
+        low, high = bodies[0].bounds
+    else:
+        low, high = np.zeros((2, 3))
     if any(np.any(part.bounds[0] < low) or np.any(part.bounds[1] > high) for part in inwards):
         raise InputError(
             "its triangles face inwards; must be a surface whose normals point outwards", file=path
@@ -213,14 +218,14 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
         "length": f"{found.length!r} m",
     }
     try:
-        mass = (
-            si(given["mass"], "kg")
-            if "mass" in given
-            else si(given["density"], "kg/m^3") * found.volume
-        )
+        if "mass" in given:
+            mass = si(given["mass"], "kg")
+        else:
+            mass = si(given["density"], "kg/m^3") * found.volume
     except InputError:
         return known  # the schema tells of it
-    mean, (low, high) = mass / found.volume, DENSITIES
+    mean = mass / found.volume
+    (low, high) = DENSITIES
     if not low <= mean <= high:
         allowed = f"a unit in which the body has a mean density of {1e-3 * low:g} to {1e-3 * high:g} g/cm^3, not "
         allowed += f"{1e-3 * mean:.3g}"
@@ -277,7 +282,9 @@ def described(
         )
     found = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
     panel = table.get("panel")
-    whole = {"panel": {"symmetry": "whole"} | panel} if isinstance(panel, dict) else {}
+    whole = {}
+    if isinstance(panel, dict):
+        whole = {"panel": {"symmetry": "whole"} | panel}
     return table | whole | {"projectile": given | found}
 
 
@@ -292,7 +299,8 @@ def check_mass(shot: Any) -> None:
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    least, size = LEAST.get(shot.shape, 1.0), "diameter and length"
+    least = LEAST.get(shot.shape, 1.0)
+    size = "diameter and length"
     lengths = [shot.length, shot.length]
     if shot.shape == "sphere":
         size = "diameter"
@@ -321,7 +329,8 @@ def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
 
 @lru_cache(maxsize=4)
 def _solid(path, digest, unit, edge_radius):
-    found, h = _surface(path, unit, digest), edge_radius / SAMPLES
+    found = _surface(path, unit, digest)
+    h = edge_radius / SAMPLES
     size = np.prod(np.array([found.width, found.width, found.length]) / h)
     if size > MOST_SAMPLES:
         least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
@@ -359,7 +368,8 @@ def _distances(found, axes, h, rho, path):
     at = places(wide)
     d = distance(at.reshape(-1, 3), skin).reshape(at.shape[:3])
     d = ndimage.zoom(d, [axis.size / one.size for axis, one in zip(axes, wide)], order=1)
-    at, near = places(axes), np.abs(d) < 2 * rho
+    at = places(axes)
+    near = np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)
     steps = (
         np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3)

@@ -61,7 +61,9 @@ class Target:
     @property
     def shot_title(self) -> str:
         """The title of the input file, or fabric, plies and strike velocity."""
-        own = None if self.case is None else self.case.scene.title
+        own = None
+        if self.case is not None:
+            own = self.case.scene.title
         return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
 
     @property
@@ -72,15 +74,20 @@ class Target:
         elif self.setup.surface is not None:
             return "3D response surface"
         else:
-            plies, model = self.setup.lay_up or (self.setup,), self.setup.cell_model
+            plies = self.setup.lay_up or (self.setup,)
+            model = self.setup.cell_model
             named = [(p.fabric.name, p.laws[0].provenance if p.laws else model) for p in plies]
         found = dict.fromkeys(named)
-        return named[0][1] if len(found) == 1 else "; ".join(map(": ".join, found))
+        if len(found) == 1:
+            return named[0][1]
+        return "; ".join(map(": ".join, found))
 
     @property
     def projectile(self) -> str | None:
         """The projectile in words; None of a set-up."""
-        return None if self.case is None else words.shot_in_words(self.case.scene.projectile)
+        if self.case is None:
+            return None
+        return words.shot_in_words(self.case.scene.projectile)
 
     @contextmanager
     def named(self) -> Iterator[None]:

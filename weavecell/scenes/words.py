@@ -10,7 +10,9 @@ from weavecell.scenes.panel import PanelTable
 
 def shot_in_words(shot: ProjectileTable) -> str:
     """The projectile and how it comes, for the reader."""
-    words = f"{shot.name}, " if shot.name else ""
+    words = ""
+    if shot.name:
+        words = f"{shot.name}, "
     words += f"{SHAPES[shot.shape]} of {1e3 * shot.mass:.4g} g and {1e3 * shot.diameter:.4g} mm"
     if shot.obliquity:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
@@ -23,19 +25,20 @@ def shot_in_words(shot: ProjectileTable) -> str:
 
 def backing_in_words(block: BackingTable) -> str:
     """The block behind the last ply, for the reader."""
-    size = (
-        "" if block.size is None else f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
-    )
+    size = ""
+    if block.size is not None:
+        size = f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
     return f"a block{f' of {block.material}' if block.material else ''}{size}"
 
 
 def panel_in_words(panel: PanelTable) -> str:
     """The panel and how it is held, for the reader."""
-    words = (
-        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
-        if isinstance(panel.opening, tuple)
-        else f"{1e3 * panel.opening:g} mm {'round' if panel.opening_shape == 'round' else 'square'}"
-    )
+    if isinstance(panel.opening, tuple):
+        words = " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
+    else:
+        words = (
+            f"{1e3 * panel.opening:g} mm {'round' if panel.opening_shape == 'round' else 'square'}"
+        )
     if panel.impact_point is not None and any(panel.impact_point):
         words += (
             f", struck {' and '.join(f'{1e3 * x:g}' for x in panel.impact_point)} mm off its middle"

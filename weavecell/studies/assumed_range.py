@@ -58,7 +58,8 @@ class AssumedRange:
     @property
     def widths(self) -> dict[str, tuple[float, float]]:
         """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest first."""
-        nominal, found = self.rows[0].velocity, dict[str, tuple[float, float]]()
+        nominal = self.rows[0].velocity
+        found = dict[str, tuple[float, float]]()
         for row in self.rows:
             if row.varied and row.velocity is not None and nominal is not None:
                 low, high = found.get(row.varied, (nominal, nominal))
@@ -88,7 +89,9 @@ class AssumedRange:
         over = f"over the assumed ranges (shares: {shares})"
         if outcomes == ["stopped"]:
             return f"stopped in all {len(self.rows)} runs over the assumed ranges ({', '.join(self.shares)})"
-        more = f"; {' or '.join(outcomes)}" if outcomes else ""
+        more = ""
+        if outcomes:
+            more = f"; {' or '.join(outcomes)}"
         ordered = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
         return (
             f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {ordered[0][1]}; "
@@ -114,12 +117,13 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
-    found = set(changes(setup)) if choice else set()
-    return (
-        setup
-        if (found - {"failure length", *inputs.ranges()} if choice == "laws" else found)
-        else None
-    )
+    if choice:
+        found = set(changes(setup))
+    else:
+        found = set()
+    if found - {"failure length", *inputs.ranges()} if choice == "laws" else found:
+        return setup
+    return None
 
 
 def changes(setup: ImpactSetup) -> Ends:
@@ -160,7 +164,9 @@ def _of_each_ply(change, end, setup):
 def _with_end(name, ply, number):
     """A ply with the first or the second end of what its fabric assumes of this name, if it does."""
     ends = list(assumed.ends(ply.fabric).get(name, {}).values())
-    return replace(ply, fabric=ends[min(number, len(ends) - 1)]) if ends else ply
+    if ends:
+        return replace(ply, fabric=ends[min(number, len(ends) - 1)])
+    return ply
 
 
 def _with_laws(ply, end):
@@ -172,7 +178,7 @@ def _with_laws(ply, end):
 def _of_setup(setup, name, value):
     """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
     match name:
-        case "strength after weaving" if setup.failure and not setup.surface:
+        case "strength after weaving" if setup.yarn_failure and not setup.surface:
             return _of_each_ply(_with_woven_strength, value, setup)
         case "friction of the projectile":
             return replace(setup, projectile=replace(setup.projectile, friction=value))
@@ -181,7 +187,7 @@ def _of_setup(setup, name, value):
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
         case "clamp force":
-            return replace(setup, edge=_gripped(setup.edge, value))
+            return replace(setup, boundary=_gripped(setup.boundary, value))
     return setup
 
 
@@ -197,7 +203,9 @@ def _gripped(edge, factor):
     """An edge, in any of its forms, with the force of its friction clamps times a factor."""
     if isinstance(edge, tuple):
         return tuple(_gripped(part, factor) for part in edge)
-    return replace(edge, force=factor * edge.force) if isinstance(edge, Grip) else edge
+    if isinstance(edge, Grip):
+        return replace(edge, force=factor * edge.force)
+    return edge
 
 
 def residual_velocity(
@@ -240,7 +248,7 @@ def critical_velocity(
     ----------
     setup : ImpactSetup of any shot at the panel
     velocity : [m/s] nominal critical velocity
-    tolerance, beside : as of `ballistic_limit.critical_velocity`
+    tolerance, beside : see `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
     from weavecell.studies import (
@@ -274,7 +282,8 @@ def over_ends(
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
     """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None where nothing is assumed."""
-    rows, velocity = [nominal], nominal.velocity or 0.0
+    rows = [nominal]
+    velocity = nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2
 
     def add(words, changed, varied=""):
@@ -295,4 +304,6 @@ def over_ends(
         ]
         if len(chosen) > 1:
             add(words, reduce(lambda changed, change: change(changed), chosen, setup))
-    return AssumedRange(quantity, tuple(rows)) if ends else None
+    if ends:
+        return AssumedRange(quantity, tuple(rows))
+    return None

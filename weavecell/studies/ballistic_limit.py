@@ -119,7 +119,9 @@ class Limit:
         """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one that perforated;
         None where the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
         zone = self.lowest_perforation, self.highest_stop
-        return zone if zone[0] < zone[1] else None
+        if zone[0] < zone[1]:
+            return zone
+        return None
 
     @property
     def single(self) -> bool:
@@ -182,7 +184,9 @@ def critical_velocity(
     with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
-                found = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
+                found = "lets the projectile through"
+                if bracket.low > 0:
+                    found = "stops the projectile"
                 raise InputError(
                     f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s"
                 )
@@ -273,9 +277,15 @@ class _Range:
 
     def __init__(self, panel, executor, jobs, stops_below=0.0):
         self.threads = executor == "local"
-        self.panel = _on_one_thread(panel) if jobs > 1 or not self.threads else panel
+        if jobs > 1 or not self.threads:
+            self.panel = _on_one_thread(panel)
+        else:
+            self.panel = panel
         self.stops_below = stops_below
-        self.opened = ThreadPoolExecutor(jobs) if self.threads else open_executor(executor, jobs)
+        if self.threads:
+            self.opened = ThreadPoolExecutor(jobs)
+        else:
+            self.opened = open_executor(executor, jobs)
         self.pending = {}  # velocity -> (future, event that gives it up or None)
 
     def __enter__(self):
@@ -295,10 +305,12 @@ class _Range:
             cancel(future)
         for velocity in velocities:
             if velocity not in self.pending:
-                give_up = threading.Event() if self.threads else None
-                fire = (
-                    partial(_fire, stops_below=self.stops_below) if self.stops_below > 0 else _fire
-                )
+                give_up = None
+                if self.threads:
+                    give_up = threading.Event()
+                fire = _fire
+                if self.stops_below > 0:
+                    fire = partial(_fire, stops_below=self.stops_below)
                 self.pending[velocity] = (
                     self.pool.submit(fire, self.panel, velocity, give_up),
                     give_up,
@@ -330,7 +342,9 @@ def _round_trip(panel):
 
 
 def _fire(panel, velocity, give_up, stops_below=0.0):
-    quiet = _round_trip(panel) if stops_below > 0 else 0.0
+    quiet = 0.0
+    if stops_below > 0:
+        quiet = _round_trip(panel)
 
     def hook(solver):
         if give_up is not None and give_up.is_set():

@@ -31,7 +31,9 @@ class Bracket:
     @property
     def width(self) -> float:
         """[m/s]; infinite while one end is unknown."""
-        return self.high - self.low if self.closed else inf
+        if self.closed:
+            return self.high - self.low
+        return inf
 
     @property
     def closed(self) -> bool:
@@ -49,7 +51,9 @@ class Bracket:
             return 0.5 * (self.low + self.high)
         if self.low > 0:
             return min(self.low * self.factor, self.highest)
-        return max(self.high / self.factor, self.lowest) if self.high < inf else self.guess
+        if self.high < inf:
+            return max(self.high / self.factor, self.lowest)
+        return self.guess
 
     def after(self, perforated: bool) -> Bracket:
         """The bracket once the outcome of the next velocity is known."""

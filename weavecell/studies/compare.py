@@ -24,7 +24,9 @@ from weavecell.studies.protocol import SixShots
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
+VELOCITY = "velocity"
+OUTCOME = "outcome"
+RESIDUAL = "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
 CONFIDENCE = 0.95
@@ -60,7 +62,8 @@ def _units(heading, path):
     units: dict[str, float | None] = {}
     for cell in heading:
         name, _, unit = cell.partition("[")
-        name, unit = name.strip(), unit.rstrip("] ")
+        name = name.strip()
+        unit = unit.rstrip("] ")
         if (
             name not in (VELOCITY, OUTCOME, RESIDUAL)
             or name in units
@@ -68,7 +71,10 @@ def _units(heading, path):
         ):
             allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
             raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-        units[name] = si(f"1 {unit}", "m/s", file=path, key=name) if unit else None
+        if unit:
+            units[name] = si(f"1 {unit}", "m/s", file=path, key=name)
+        else:
+            units[name] = None
     for name in (VELOCITY, OUTCOME):
         if name not in units:
             raise InputError(
@@ -79,7 +85,8 @@ def _units(heading, path):
 
 def _row(number, values, units, path):
     """{column: value} of a line, in SI."""
-    cells, line = dict(zip(units, values)), f"line {number}"
+    cells = dict(zip(units, values))
+    line = f"line {number}"
     if len(values) != len(units):
         raise InputError(
             file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values"
@@ -100,7 +107,10 @@ def _row(number, values, units, path):
     if cells[OUTCOME].lower() not in OUTCOMES:
         raise refusal(OUTCOME, " or ".join(OUTCOMES))
     outcome = OUTCOMES[cells[OUTCOME].lower()]
-    velocity, residual = speed(VELOCITY), speed(RESIDUAL) if cells.get(RESIDUAL) else nan
+    velocity = speed(VELOCITY)
+    residual = nan
+    if cells.get(RESIDUAL):
+        residual = speed(RESIDUAL)
     if outcome == "stopped" and residual > 0:
         raise refusal(RESIDUAL, "left out of a stop, or 0")
     if residual > velocity:
@@ -151,7 +161,7 @@ class ReducedTests:
 
 
 def reduce(tests: DataFrame) -> ReducedTests:
-    """The statistics of tests as of `read`."""
+    """The statistics of tests that `read` returns."""
     table = tests.rename(
         columns={
             VELOCITY: "velocity [m/s]",
@@ -159,7 +169,8 @@ def reduce(tests: DataFrame) -> ReducedTests:
             RESIDUAL: "tested residual velocity [m/s]",
         }
     )
-    velocities, perforated = table["velocity [m/s]"], table["tested"] == "perforated"
+    velocities = table["velocity [m/s]"]
+    perforated = table["tested"] == "perforated"
     curve = probit.fit(velocities, perforated, confidence=CONFIDENCE)
     six_shots = protocol.six_shots(velocities, perforated)
     return ReducedTests(table, curve, six_shots, _fit(table, "tested", None))
@@ -208,7 +219,8 @@ class Comparison:
             * float(off.std(ddof=1))
             / sqrt(off.size)
         )
-        mean, rms = float(off.mean()), float(np.sqrt(np.mean(off**2)))
+        mean = float(off.mean())
+        rms = float(np.sqrt(np.mean(off**2)))
         return {
             "shots": int(off.size),
             "mean": mean,

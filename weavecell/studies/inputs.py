@@ -71,7 +71,9 @@ def table(section: str) -> dict[str, Entry]:
                 file=FILE, key=f"{section}.{name}", allowed="a value with its source and status"
             )
         value = si(row["value"], "m" if name == "gauge_length" else "", file=FILE, key=name)
-        up = si(row["up"], "", file=FILE, key=name) if "up" in row else value
+        up = value
+        if "up" in row:
+            up = si(row["up"], "", file=FILE, key=name)
         entries[name] = Entry(name, value, row["source"], row["status"], up)
     return entries
 

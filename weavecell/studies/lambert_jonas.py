@@ -22,7 +22,8 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 
 NAMES = ("a", "p", "limit")
-_LOWEST, _HIGHEST = {"a": 1e-3, "p": 0.5}, {"a": 1.0, "p": 50.0}
+_LOWEST = {"a": 1e-3, "p": 0.5}
+_HIGHEST = {"a": 1.0, "p": 50.0}
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ class LambertJonas:
         return between.join(map(self._in_words, self.intervals))
 
     def _in_words(self, name):
-        value, interval = getattr(self, name), self.intervals[name]
+        value = getattr(self, name)
+        interval = self.intervals[name]
         if interval is None:
             # the bounds that are answers: others are no more than ends of the search
             highest = {"a": _HIGHEST["a"], "limit": self.slowest}
@@ -72,7 +74,9 @@ class LambertJonas:
                 return f"{name} = {value:.3g} (the highest value there can be)"
             return f"{name} not determined (at the bound {value:.3g} of the search)"
         low, high = interval
-        sign = "=" if low > 0.5 * value else "not determined, about"
+        sign = "not determined, about"
+        if low > 0.5 * value:
+            sign = "="
         return f"{name} {sign} {value:.3g} ({low:.3g} to {high:.3g})"
 
 
@@ -106,8 +110,11 @@ def fit(
     ------
     InputError : shots that are not numbers, or a confidence that is no share
     """
-    vs, vr = np.asarray(strike_velocity, float), np.asarray(residual_velocity, float)
-    free = NAMES if limit is None else NAMES[:2]
+    vs = np.asarray(strike_velocity, float)
+    vr = np.asarray(residual_velocity, float)
+    free: tuple[str, ...] = NAMES
+    if limit is not None:
+        free = NAMES[:2]
     _check(vs, vr, confidence)
     through = vs[vr > 0]
     slowest = float(through.min(initial=inf))
@@ -124,7 +131,9 @@ def fit(
     scale = np.array([1.0, 1.0, slowest][: len(free)])
 
     def full(x):
-        return (*x, limit) if limit is not None else x
+        if limit is not None:
+            return (*x, limit)
+        return x
 
     # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep the deepest
     starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
@@ -167,7 +176,8 @@ def _intervals(found, bounds, points, confidence):
         if low < found.x[k] < high and not found.active_mask[k]
     ]
     intervals = dict.fromkeys(bounds)
-    J, freedom = found.jac[:, inner], points - len(inner)
+    J = found.jac[:, inner]
+    freedom = points - len(inner)
     if not inner:
         return intervals
     spread = np.full(len(inner), np.inf)
@@ -176,6 +186,7 @@ def _intervals(found, bounds, points, confidence):
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread
     for k, name in enumerate(bounds):
         if k in inner:
-            middle, reach = float(found.x[k]), float(half[inner.index(k)])
+            middle = float(found.x[k])
+            reach = float(half[inner.index(k)])
             intervals[name] = (middle - reach, middle + reach)
     return intervals

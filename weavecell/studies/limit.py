@@ -50,7 +50,7 @@ def search(
     Parameters
     ----------
     setup : ImpactSetup of any strike velocity
-    tolerance : as of `ballistic_limit.critical_velocity`
+    tolerance : see `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
     stage : progress of each stage

@@ -61,7 +61,8 @@ class ScanRange:
         step = self.step * limit.high
         top = min((1 + self.above) * limit.highest_stop, HIGHEST)
         bottom = (1 - self.below) * limit.lowest_perforation
-        rungs_up, rungs_down = int((top - limit.high) / step), int((limit.low - bottom) / step)
+        rungs_up = int((top - limit.high) / step)
+        rungs_down = int((limit.low - bottom) / step)
         down = [limit.low - k * step for k in range(rungs_down, 0, -1)]
         return [
             v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0

@@ -18,13 +18,13 @@ has no error. Residual velocity and absorbed energy of one that perforates are m
 their standard errors. Where the outcomes on the meshes differ, the outcome depends on the mesh, and no result has an
 uncertainty.
 
-`run_pair` states the uncertainty on the scene's own mesh. `climb` takes finer and finer meshes, until the uncertainties
-on the last are within targets.
+`run_pair` states the uncertainty on the scene's own mesh. `refine` runs finer and finer meshes, until the uncertainty
+of one quantity is within its target.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import hypot, inf
@@ -35,17 +35,16 @@ import numpy as np
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
-from shellfabric.panel.model import SYMMETRIES
-from weavecell.studies import rigidity
 
 if TYPE_CHECKING:
     from weavecell.studies.window import Window
 
-RATIO, ORDER, SAFETY = 2, 2.0, 3.0
-REACH, LATEST = (
-    10.0,
-    60.0,
-)  # [crossovers] from the impact point up to which elements are halved: at least, at most
+RATIO = 2  # of the element sides of two meshes
+ORDER = 2.0
+SAFETY = 3.0
+# [crossovers] from the impact point up to which elements are halved: at least, at most
+REACH = 10.0
+LATEST = 60.0
 MOST_ELEMENTS = 8  # a crossover, of the finest mesh
 
 
@@ -59,9 +58,8 @@ class Shot:
     window: Window | None = None
 
 
-Shoot: TypeAlias = Callable[
-    ..., Shot
-]  # called as shoot(setup, table of the cell, name of the mesh)
+# called as shoot(setup, table of the cell, name of the mesh)
+Shoot: TypeAlias = Callable[..., Shot]
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ class Interval:
     value: float
     other: float
     uncertainty: float
-    standard_errors: tuple[float, float] = (0.0, 0.0)
+    standard_errors: tuple[float, ...] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -86,17 +84,21 @@ class Discretisation:
     setup : of the run that counts
     meshes, outcomes : of all runs, in their order
     intervals : of the results; none where the outcomes of the last two differ
-    targets, errors : {quantity: [-] at most} and {quantity: [-] uncertainty} of `climb`
+    other : the mesh with which that of the results is compared: the "finer" or the "coarser" one
+    errors : {quantity: [-] uncertainty}
     windows : of the mesh that counts and of the other; None of a shot that did not perforate
+    quantity, target : of `refine`, what is wanted within which uncertainty [-]; "" of `run_pair`
     """
 
     setup: ImpactSetup
-    meshes: tuple[str, ...]
-    outcomes: tuple[str, ...]
-    intervals: tuple[Interval, ...]
-    targets: Mapping[str, float] = field(default_factory=dict)
+    meshes: tuple[str, ...] = ()
+    outcomes: tuple[str, ...] = ()
+    intervals: tuple[Interval, ...] = ()
+    other: str = "finer"
     errors: Mapping[str, float] = field(default_factory=dict)
     windows: tuple[Window | None, ...] = (None,)
+    quantity: str = ""
+    target: float = inf
 
     @property
     def same_outcome(self) -> bool:
@@ -104,9 +106,14 @@ class Discretisation:
         return len(set(self.outcomes[-2:])) == 1
 
     @property
+    def uncertainty(self) -> float:
+        """[-] of the quantity that is wanted; infinite if it is not known."""
+        return self.errors.get(self.quantity, inf)
+
+    @property
     def confirmed(self) -> bool:
-        """Whether all uncertainties are within their targets."""
-        return all(self.errors.get(name, inf) <= share for name, share in self.targets.items())
+        """Whether the uncertainty is within its target."""
+        return self.uncertainty <= self.target
 
 
 def index(difference: float, *, of_finer: bool = False) -> float:
@@ -132,6 +139,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
         )
         raise InputError(key="--uncertainty", value=asked, allowed=allowed)
     reach = min(zones[0][0], REACH)
+    # zones have to end where whole elements do, and beyond all that can come under the projectile
     while reach <= LATEST:
         graded = _with(setup, ((reach, 1 / count), *((2 * until, side) for until, side in zones)))
         if _can_be_meshed(graded, table):
@@ -167,12 +175,6 @@ def _can_be_meshed(setup, table):
     return True
 
 
-def smallest_part(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it."""
-    parts = (replace(setup, symmetry=symmetry) for symmetry in SYMMETRIES)
-    return next((part for part in parts if _can_be_meshed(part, part.plain_table())), setup)
-
-
 def in_words(setup: ImpactSetup) -> str:
     """The mesh of a set-up."""
     zones = _zones(setup)
@@ -194,102 +196,114 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     InputError : as `finer`; nothing has been run
     """
     table = setup.table(kept=True)
+    # its shapes and histories are shown nowhere
     refined = replace(finer(setup, table), snapshot_interval=None, history=None)
     shot = shoot(setup, table)
-    other = shot if shot.failure is not None else shoot(refined, table, "finer mesh")
+    other = shot
+    if shot.failure is None:
+        other = shoot(refined, table, "finer mesh")
     return shot, compare(shot, other)
 
 
-def climb(
-    setup: ImpactSetup, targets: Mapping[str, float], shoot: Shoot, *, fixed: Collection[str] = ()
+def refine(
+    setup: ImpactSetup, quantity: str, target: float, shoot: Shoot
 ) -> tuple[Shot, Discretisation]:
-    """Run a scene on its mesh and on finer ones, until the uncertainty of each result with a target is within it.
+    """Run a scene on its mesh and on finer ones, until the uncertainty of a quantity is within its target.
 
-    The part of the panel is the smallest, and a flat steel projectile is an elastic bar where its contact is too short
-    for a rigid one, unless "symmetry" and "projectile" are `fixed`. The last run counts.
+    The last run counts. A run that became unstable is compared with none.
     """
-    setup = setup if "symmetry" in fixed else smallest_part(setup)
-    table, projectile = setup.table(kept=True), setup.projectile
-    meshes: tuple[str, ...] = ()
-    outcomes: tuple[str, ...] = ()
+    table = setup.table(kept=True)
+    meshes: list[str] = []
+    outcomes: list[str] = []
     before: Shot | None = None
     while True:
-        shot = shoot(setup, table, f"{projectile.body} {len(meshes) + 1}")
-        result = shot.result
-        rigid = None
-        if "projectile" not in fixed and projectile.bar is None:
-            rigid = rigidity.of_shot(result)
-        if rigid and not rigid.enough:
-            bar = replace(setup, projectile=replace(projectile, body="elastic_bar"))
-            return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
-        meshes, outcomes = (*meshes, in_words(setup)), (*outcomes, result.outcome)
-        levels = Discretisation(setup, meshes, outcomes, (), targets, windows=(shot.window,))
+        shot = shoot(setup, table, f"mesh {len(meshes) + 1}")
+        meshes.append(in_words(setup))
+        outcomes.append(shot.result.outcome)
+        found = Discretisation(setup, other="coarser", windows=(shot.window,))
         if before is not None and shot.failure is None:
-            pair = compare(before, shot, of_finer=True)
-            levels = replace(
-                levels, intervals=pair.intervals, errors=pair.errors, windows=pair.windows
-            )
-        if levels.confirmed:
-            return shot, levels
-        before = shot if shot.failure is None else None
+            found = compare(before, shot, of_finer=True)
+        found = replace(
+            found,
+            meshes=tuple(meshes),
+            outcomes=tuple(outcomes),
+            quantity=quantity,
+            target=target,
+        )
+        if found.confirmed:
+            return shot, found
+        # a run that broke off says nothing about the next mesh
+        before = None
+        if shot.failure is None:
+            before = shot
         try:
             setup = finer(setup, table)
-        except InputError:
-            return shot, levels
+        except InputError:  # there is no finer mesh
+            return shot, found
 
 
 def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
     """The pair of shots, of which the coarser mesh counts, or the finer."""
-    result, other_result = coarse.result, fine.result
-    errors = {
-        name: index(norm, of_finer=of_finer)
-        for name, norm in differences(result, other_result).items()
-    }
+    counted = coarse.result
+    errors = {}
+    for name, norm in differences(coarse.result, fine.result).items():
+        errors[name] = index(norm, of_finer=of_finer)
     scales = {
-        "residual_velocity": result.setup.strike_velocity,
-        "absorbed_energy": result.strike_energy,
+        "residual_velocity": counted.setup.strike_velocity,
+        "absorbed_energy": counted.strike_energy,
     }
     if coarse.window and fine.window:
         for quantity, scale in scales.items():
-            (mean, error), (other_mean, other_error) = (
-                coarse.window.mean(quantity),
-                fine.window.mean(quantity),
-            )
+            mean, error = coarse.window.mean(quantity)
+            other_mean, other_error = fine.window.mean(quantity)
             difference = index(abs(other_mean - mean), of_finer=of_finer)
             errors[quantity] = (difference + hypot(error, other_error)) / scale
-    counts, other = (fine, coarse) if of_finer else (coarse, fine)
-    rows = zip(_rows(counts), _rows(other)) if result.outcome == other_result.outcome else ()
-    intervals = tuple(
-        Interval(name, unit, value, second, errors[quantity] * scale, (error, other_error))
-        for (name, unit, quantity, scale, value, error), (*_, second, other_error) in rows
+    shots = [coarse, fine]
+    found = Discretisation(
+        counted.setup,
+        meshes=tuple(in_words(shot.result.setup) for shot in shots),
+        outcomes=tuple(shot.result.outcome for shot in shots),
+        errors=errors,
     )
-    meshes, outcomes = zip(
-        *((in_words(shot.result.setup), shot.result.outcome) for shot in (coarse, fine))
-    )
-    windows = counts.window, other.window
-    return Discretisation(
-        counts.result.setup, meshes, outcomes, intervals, errors=errors, windows=windows
-    )
+    if of_finer:
+        shots.reverse()
+        found = replace(found, setup=fine.result.setup, other="coarser")
+    found = replace(found, windows=tuple(shot.window for shot in shots))
+    if not found.same_outcome:
+        return found
+    intervals = []
+    for (quantity, scale, one), (_, _, other) in zip(*map(_results, shots)):
+        uncertainty = errors[quantity] * scale
+        spread = one.standard_errors + other.standard_errors
+        intervals.append(
+            replace(one, other=other.value, uncertainty=uncertainty, standard_errors=spread)
+        )
+    return replace(found, intervals=tuple(intervals))
 
 
-def _rows(shot):
-    """(name, unit, quantity, what its uncertainty is a share of, value, its standard error) of each result there is."""
+def _results(shot):
+    """(quantity, what its uncertainty is a share of, its Interval on this mesh alone) of each result of a shot."""
     result = shot.result
-    strike, energy, deepest = (
-        result.setup.strike_velocity,
-        result.strike_energy,
-        1e3 * result.max_deflection,
-    )
-    left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
-    velocities, energies = (left, 0.0), (result.absorbed_energy, 0.0)
+    strike = result.setup.strike_velocity
+    residual = (max(result.residual_velocity, 0.0), 0.0)
+    absorbed = (result.absorbed_energy, 0.0)
     if shot.window is not None:
-        velocities, energies = map(shot.window.mean, ("residual_velocity", "absorbed_energy"))
-    yield "residual velocity", "m/s", "residual_velocity", strike, *velocities
-    yield "absorbed energy", "J", "absorbed_energy", energy, *energies
-    if result.outcome != "perforated":
-        yield "peak deflection", "mm", "deflection", deepest, deepest, 0.0
-        yield "peak tension, warp", "N", "peak_tension", warp, warp, 0.0
-        yield "peak tension, weft", "N", "peak_tension", weft, weft, 0.0
+        residual = shot.window.mean("residual_velocity")
+        absorbed = shot.window.mean("absorbed_energy")
+    yield "residual_velocity", strike, _single("residual velocity", "m/s", *residual)
+    yield "absorbed_energy", result.strike_energy, _single("absorbed energy", "J", *absorbed)
+    # deflection and tension of a torn panel depend on when its last yarn failed
+    if result.outcome == "perforated":
+        return
+    deepest = 1e3 * result.max_deflection
+    yield "deflection", deepest, _single("peak deflection", "mm", deepest)
+    for family, tension in zip(("warp", "weft"), result.peak_tension):
+        yield "peak_tension", tension, _single(f"peak tension, {family}", "N", tension)
+
+
+def _single(name, unit, value, error=0.0):
+    """The Interval of a result that has not been compared."""
+    return Interval(name, unit, value, value, inf, (error,))
 
 
 def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
@@ -297,16 +311,20 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
     panel that is perforated does not have. Velocity and energy of a projectile that perforates have none: infinite."""
     (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
-    common, strike = t <= tf[-1], coarse.setup.strike_velocity
-    deepest, other_deepest = coarse.max_deflection, fine.max_deflection
+    common = t <= tf[-1]
+    strike = coarse.setup.strike_velocity
+    deepest = coarse.max_deflection
+    other_deepest = fine.max_deflection
     shared = coarse.t[coarse.t <= fine.t[-1]]
     depth = np.interp(shared, fine.t, fine.deflection) - coarse.deflection[: shared.size]
+    # the peak may lie between two samples of the histories
     depths = np.append(depth, other_deepest - deepest)
     ends = (max(result.residual_velocity, 0.0) for result in (coarse, fine))
     speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)
     speed, other = (np.append(history, end) / strike for history, end in speeds)
     tensions = [abs(b / a - 1) for a, b in zip(coarse.peak_tension, fine.peak_tension) if a > 0]
-    holds, moves = coarse.outcome != "perforated", {"stopped": 0.0, "perforated": inf}
+    holds = coarse.outcome != "perforated"
+    moves = {"stopped": 0.0, "perforated": inf}
     norms = {
         "residual_velocity": moves.get(coarse.outcome, np.abs(other - speed).max()),
         "absorbed_energy": moves.get(coarse.outcome, np.abs(other**2 - speed**2).max()),

@@ -29,7 +29,8 @@ from scipy.stats import chi2, logistic, norm
 
 from fabrics.base.errors import InputError
 
-LOW, HIGH = 0.01, 0.99
+LOW = 0.01
+HIGH = 0.99
 LINKS = {"probit": norm, "logit": logistic}
 NOT_RISING = "the shots do not perforate the more the faster they are"
 _FLATTEST, _STEEPEST = 1e-3, 1e5  # beta times the range of the velocities
@@ -99,7 +100,9 @@ class _Likelihood:
     """Logarithm of the likelihood of some shots, and its profiles."""
 
     def __init__(self, velocity: np.ndarray, perforated: np.ndarray, link: str) -> None:
-        self.V, self.hit, self.law = velocity, perforated, LINKS[link]
+        self.V = velocity
+        self.hit = perforated
+        self.law = LINKS[link]
         self.range = float(np.ptp(velocity))
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
         self.least = self.range / _STEEPEST  # [m/s] of s
@@ -152,7 +155,8 @@ def fit(
     ------
     InputError : velocities that are not numbers, unknown link, or a confidence that is no share
     """
-    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    V = np.asarray(velocity, float)
+    hit = np.asarray(perforated, bool)
     if link not in LINKS:
         raise InputError(key="link", value=link, allowed=" or ".join(LINKS))
     if V.ndim != 1 or V.shape != hit.shape or not np.isfinite(V).all():
@@ -161,7 +165,8 @@ def fit(
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
     if reason := _no_curve(V, hit):
         return _none(link, confidence, reason)
-    likelihood, separated = _Likelihood(V, hit, link), bool(V[hit].min() >= V[~hit].max())
+    likelihood = _Likelihood(V, hit, link)
+    separated = bool(V[hit].min() >= V[~hit].max())
     if separated:
         V50, s, best = _step(likelihood)
     else:
@@ -182,7 +187,9 @@ def _no_curve(V, hit):
     """Why shots determine no curve whatever the link, or ""."""
     if hit.all() or not hit.any():
         return f"all {hit.size} shots {'perforated' if hit.any() else 'stopped'}"
-    return "" if np.ptp(V) > 0 else f"all shots have one velocity, {V[0]:.4g} m/s"
+    if np.ptp(V) > 0:
+        return ""
+    return f"all shots have one velocity, {V[0]:.4g} m/s"
 
 
 def _none(link, confidence, reason):
@@ -211,11 +218,15 @@ def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tupl
 
 def _edge(above, inside, step):
     """Where a function that is above 0 at `inside` and has one top crosses 0; infinite if it does nowhere near."""
-    near, far = inside, inside + 0.05 * step
+    near = inside
+    far = inside + 0.05 * step
     while above(far) > 0:
-        near, far = far, inside + 2 * (far - inside)
+        near = far
+        far = inside + 2 * (far - inside)
         if abs(far - inside) > 100 * abs(step):
-            return inf if step > 0 else -inf
+            if step > 0:
+                return inf
+            return -inf
     return brentq(above, near, far, xtol=1e-6 * abs(step))
 
 
@@ -233,8 +244,10 @@ def _top(likelihood):
 
 def _step(likelihood):
     """(V50, s = 0, likelihood) of a step, at which a share of the shots of one velocity may have perforated."""
-    V, hit = likelihood.V, likelihood.hit
-    low, high = float(V[~hit].max()), float(V[hit].min())
+    V = likelihood.V
+    hit = likelihood.hit
+    low = float(V[~hit].max())
+    high = float(V[hit].min())
     if low < high:
         return 0.5 * (low + high), 0.0, 0.0
     share = float(hit[low == V].mean())
@@ -246,7 +259,13 @@ def _spread(likelihood, s, floor):
     """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity where there is no bound."""
     above = lambda t: likelihood.over_place(exp(t))[0] - floor  # noqa: E731
     flattest, steepest = likelihood.betas
-    middle = steepest if s == 0 else -log(s)
-    high = exp(-brentq(above, flattest, middle)) if above(flattest) < 0 else inf
-    low = exp(-brentq(above, middle, steepest)) if s > 0 and above(steepest) < 0 else 0.0
+    middle = steepest
+    if s != 0:
+        middle = -log(s)
+    high = inf
+    if above(flattest) < 0:
+        high = exp(-brentq(above, flattest, middle))
+    low = 0.0
+    if s > 0 and above(steepest) < 0:
+        low = exp(-brentq(above, middle, steepest))
     return low, high

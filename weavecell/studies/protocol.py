@@ -54,7 +54,10 @@ class SixShots:
         if self.reason:
             return f"{name} not determined, because {self.reason}"
         spread = f"{self.spread:.1f} m/s ({self.spread / FOOT:.0f} ft/s)"
-        met = f"meets {self.met} ft/s" if self.met else f"exceeds {SPREADS[-1]} ft/s, the widest"
+        if self.met:
+            met = f"meets {self.met} ft/s"
+        else:
+            met = f"exceeds {SPREADS[-1]} ft/s, the widest"
         return f"{name} {self.velocity:.1f} m/s; their spread of {spread} {met} of the standard"
 
     def summary(self) -> dict[str, Any]:
@@ -74,7 +77,8 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
     velocity : (n,) [m/s]
     perforated : (n,) bool
     """
-    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    V = np.asarray(velocity, float)
+    hit = np.asarray(perforated, bool)
     chosen = _chosen(V[~hit].tolist(), V[hit].tolist())
     if len(chosen) < 2 * PAIRS:
         return SixShots(reason=f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated")
@@ -141,7 +145,8 @@ def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
 
 def one_series(curve: Curve, random: np.random.Generator) -> tuple[float, int]:
     """(V50 [m/s] of a series, NaN without a result, its number of shots)."""
-    velocity, step = curve.V50 + random.uniform(-STEPS[0], STEPS[0]), STEPS[0]
+    velocity = curve.V50 + random.uniform(-STEPS[0], STEPS[0])
+    step = STEPS[0]
     stops: list[float] = []
     perforations: list[float] = []
     for shot in range(1, MOST + 1):

@@ -41,15 +41,16 @@ class Rigidity:
         periods = self.contact_time / self.period
         times = f"contact lasts {1e6 * self.contact_time:.3g} us, {periods:.3g} periods of the bar"
         times = f"{times} ({1e6 * self.period:.3g} us)"
-        advice = (
-            "a rigid projectile is not enough" if self.elastic else "use the elastic projectile"
-        )
+        advice = "use the elastic projectile"
+        if self.elastic:
+            advice = "a rigid projectile is not enough"
         if self.force > self.yield_force:
             forces = f"{self.force:.0f} N press on it, and its thinnest section yields at {self.yield_force:.0f} N"
             return f"{times}; {forces}: {advice}"
-        verdict = (
-            "a rigid projectile is enough" if self.enough else f"tip and tail move apart: {advice}"
-        )
+        if self.enough:
+            verdict = "a rigid projectile is enough"
+        else:
+            verdict = f"tip and tail move apart: {advice}"
         return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
 
 
@@ -80,7 +81,9 @@ def held_force(t: FloatArray, force: FloatArray, span: float) -> float:
 
     A blow that is shorter than half a period does not reach the thin sections behind the tip as a force.
     """
-    width = max(1, round(span / (t[1] - t[0]))) if len(t) > 1 else 1
+    width = 1
+    if len(t) > 1:
+        width = max(1, round(span / (t[1] - t[0])))
     total = np.concatenate([[0.0], np.cumsum(np.abs(force)), np.full(width, np.sum(np.abs(force)))])
     return float(np.max(total[width:] - total[:-width], initial=0.0)) / width
 
@@ -101,7 +104,8 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
     ------
     InputError : a history without force
     """
-    t, force = np.asarray(t, float), np.abs(np.asarray(force, float))
+    t = np.asarray(t, float)
+    force = np.abs(np.asarray(force, float))
     if not np.max(force, initial=0.0) > 0:
         raise InputError("the projectile was never touched")
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
@@ -118,7 +122,8 @@ def of_shot(result: ImpactResult) -> Rigidity | None:
         bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
         if bar is None:
             return None
-        t, force = result.step_history[:, 0], result.step_history[:, 3]
+        t = result.step_history[:, 0]
+        force = result.step_history[:, 3]
         return rigid_is_enough(
             contact_time(t, force, bar.period),
             bar.period,

@@ -58,7 +58,7 @@ def check(setup: ImpactSetup, scatter: Scatter) -> None:
     """InputError if the strengths of these plies cannot be drawn."""
     if setup.strength is not None:
         raise InputError(key="strength", allowed="left out: a V50 draws the strengths itself")
-    if not setup.failure:
+    if not setup.yarn_failure:
         raise InputError(
             "strengths are drawn, and the yarns do not fail",
             key="yarn_failure",

@@ -43,7 +43,7 @@ def row(
     setup : ImpactSetup
     quantity : of `QUANTITIES`
     tolerance : [m/s] of the bracket of a critical velocity
-    options : of a V50, as of `v50.study`
+    options : of a V50, see `v50.study`
     """
     try:
         if quantity == "v50":
@@ -55,7 +55,9 @@ def row(
                 **study.summary(),
                 "checks": f"doubtful: {names}" if names else quality.OK,
             }
-        return shot(setup) if quantity == "shot" else critical_velocity(setup, tolerance)
+        if quantity == "shot":
+            return shot(setup)
+        return critical_velocity(setup, tolerance)
     except WeavecellError as problem:
         kinds = {UnstableError: "unstable", UndecidedError: "undecided"}
         return {"outcome": f"{kinds.get(type(problem), 'not determined')}: {problem}"}
@@ -100,4 +102,6 @@ def _with_reasons(indicators):
     """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and its limit."""
     status = quality.status(indicators)
     reasons = "; ".join(str(one) for one in indicators if one.status == status)
-    return status if status == quality.OK else f"{status}: {reasons}"
+    if status == quality.OK:
+        return status
+    return f"{status}: {reasons}"

@@ -159,7 +159,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         told = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
         return Shot(number, velocity, nan, False, **panel, balance=nan, failure=told)
     panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
-    left, through = shot.residual_velocity, shot.perforated
+    left = shot.residual_velocity
+    through = shot.perforated
     return Shot(number, velocity, left, through, **panel, balance=shot.balance)
 
 
@@ -180,7 +181,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
     named = setup.grading is not None or setup.elements_per_crossover is not None
-    clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
+    clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
         return setup
@@ -195,15 +196,20 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
-    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
-    least, most = BEYOND[0] * V.min(), BEYOND[1] * V.max()
+    V = np.asarray(velocity, float)
+    hit = np.asarray(perforated, bool)
+    least = BEYOND[0] * V.min()
+    most = BEYOND[1] * V.max()
     if hit.all():
         return np.linspace(least, V.min(), count, endpoint=False)
     if not hit.any():
         return np.linspace(most, V.max(), count, endpoint=False)[::-1]
-    low, high = V[~hit].max(), V[hit].min()
+    low = V[~hit].max()
+    high = V[hit].min()
     if low < high:
-        wider = WIDER * (high - low) if scatters else 0.0
+        wider = 0.0
+        if scatters:
+            wider = WIDER * (high - low)
         placed = np.linspace(low - wider, high + wider, count + 2)[1:-1]
     else:
         curve = probit.fit(V, hit)
@@ -304,7 +310,8 @@ def over_assumed(
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
-    ends, middle = assumed_range.changes(setup), 0.5 * sum(found.deterministic)
+    ends = assumed_range.changes(setup)
+    middle = 0.5 * sum(found.deterministic)
 
     def limit_of(changed):
         (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)

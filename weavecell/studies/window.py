@@ -76,7 +76,8 @@ def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
     """(value, its standard error) at a place of the line through points (n,) by least squares; NaN below n = 3."""
     if x.size < 3:
         return nan, nan
-    off, place = x - x.mean(), at - x.mean()
+    off = x - x.mean()
+    place = at - x.mean()
     slope = off @ y / (off @ off)
     residuals = y - y.mean() - slope * off
     variance = residuals @ residuals / (x.size - 2)
@@ -101,14 +102,16 @@ def about(result: ImpactResult, **runs: Any) -> Window | None:
     """
     if result.outcome != "perforated":
         return None
-    plain, velocity = (
-        replace(result.setup, snapshot_interval=None, history=None),
-        result.setup.strike_velocity,
-    )
+    plain = replace(result.setup, snapshot_interval=None, history=None)
+    velocity = result.setup.strike_velocity
     others = [
         (replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1
     ]
-    rows = run_cache.results(fire, others, **runs) if runs else [fire(*other) for other in others]
+    if runs:
+        # only the means are wanted: no shapes, no histories along yarns
+        rows = run_cache.results(fire, others, **runs)
+    else:
+        rows = [fire(*other) for other in others]
     return Window(
         velocity, tuple(sorted([*rows, _row(result)], key=lambda row: row["strike_velocity_m_s"]))
     )

@@ -28,7 +28,9 @@ QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOC
 def test_momentum_of_all_three_is_kept(fabric):
     """Free cloth before a free block: what the projectile loses they have, along its flight."""
     setup = ImpactSetup(
-        fabric, 100.0, **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "edge": "free"}
+        fabric,
+        100.0,
+        **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "boundary": "free"},
     )
     march = PackSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
@@ -92,11 +94,11 @@ def test_a_step_of_the_face_throws_no_point_out():
 
 def test_shots_without_failure_have_a_table_that_goes_far(fabric):
     """Forces beyond a table follow its last cell; yarns that do not fail are stretched far beyond their strength."""
-    setup = ImpactSetup(fabric, 100.0, failure=False, table_size=61)
+    setup = ImpactSetup(fabric, 100.0, yarn_failure=False, table_size=61)
     reached = setup.table().stretch1[-1]
     assert reached > 1 + UNFAILING * fabric.weave.warp.failure_strain
-    assert replace(setup, failure=True).table().stretch1[-1] < 1.06
-    assert not setup.panel().failure
+    assert replace(setup, yarn_failure=True).table().stretch1[-1] < 1.06
+    assert not setup.panel().yarn_failure
 
 
 def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):

@@ -49,7 +49,7 @@ def plain_cell(model, *stretches):
         return weave.yarns[m].EA * e
 
     def force(m, h):
-        if model.form == "variational":
+        if model.cell_formulation == "variational":
             step = 1e-6 * w[m]
             slope = (arc_length(w[m], h + step) - arc_length(w[m], h - step)) / (2 * step)
             return tension(m, h) * slope * SPREAD
@@ -60,17 +60,17 @@ def plain_cell(model, *stretches):
 
     def gap(F):
         squeezed = sum(float(law.d(F)) for law in model.used_laws)
-        return height(0, F) + height(1, F) + squeezed + model.gap - sum(rest)
+        return height(0, F) + height(1, F) + squeezed + model.crossover_gap - sum(rest)
 
     printed = model.used_laws[0].form == "printed"
-    if not printed and sum(lowest) + model.gap >= sum(rest):
+    if not printed and sum(lowest) + model.crossover_gap >= sum(rest):
         return *(tension(m, 0.0) for m in range(2)), 0.0
     F = brentq(gap, 1e-9, 1e4, rtol=1e-13)
     return tension(0, height(0, F)), tension(1, height(1, F)), F
 
 
 CELLS = {"unbalanced": (UNBALANCED, {}, PAIRS), "balanced": (BALANCED, {}, PAIRS)} | {
-    f"{law}, gap {gap:g}": (fabric, {"gap": gap}, pairs)
+    f"{law}, gap {gap:g}": (fabric, {"crossover_gap": gap}, pairs)
     for law, fabric, pairs in (("regularised", S720, WIDER[1:]), ("printed", PRINTED, WIDER))
     for gap in (0.0, 2e-5)
 }
@@ -80,7 +80,7 @@ CELLS = {"unbalanced": (UNBALANCED, {}, PAIRS), "balanced": (BALANCED, {}, PAIRS
 @pytest.mark.parametrize("name", CELLS)
 def test_against_plain_twin(name, form):
     fabric, options, pairs = CELLS[name]
-    model = CellModel(fabric, form=form, **options)
+    model = CellModel(fabric, cell_formulation=form, **options)
     close = 2e-6 if form == "variational" else 1e-7
     for pair in pairs if fabric not in (BALANCED, UNBALANCED) else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]

@@ -34,7 +34,7 @@ def fabric(name):
 def test_contact_is_lost_where_the_free_height_fills_the_cell(name):
     """With closed forms: the height of a free yarn against that of the cell; half its length where the cell is shut."""
     weave = fabric(name).weave
-    cell = CellModel(fabric(name), model="incompressible")
+    cell = CellModel(fabric(name), cell_model="incompressible")
     for family, (w, S0) in enumerate(zip(weave.w, weave.S0)):
         full = sum(cell.h0)
         lowest = cell.range()[family][0]
@@ -52,7 +52,7 @@ def test_contact_is_lost_where_the_free_height_fills_the_cell(name):
 @pytest.mark.parametrize("name", WEAVES)
 def test_decoupled_yarns_follow_the_length_of_their_arc(name):
     weave = fabric(name).weave
-    cell = CellModel(fabric(name), model="decoupled")
+    cell = CellModel(fabric(name), cell_model="decoupled")
     table = cell.table(61)
     for family, stretch in enumerate((table.stretch1, table.stretch2)):
         w = weave.w[family]
@@ -75,7 +75,7 @@ def test_decoupled_yarns_follow_the_length_of_their_arc(name):
 def test_a_folded_yarn_stays_in_contact(name):
     """Of a crossing yarn pulled straight the folded one has the height of the cell, and the tension of that arc."""
     weave = fabric(name).weave
-    cell = CellModel(fabric(name), model="incompressible")
+    cell = CellModel(fabric(name), cell_model="incompressible")
     full = sum(cell.h0)
     w = weave.w1
     S0 = weave.S01
@@ -96,8 +96,8 @@ def test_range_where_heights_vanish_in_rounding():
         base = fabric("even")
         weave = replace(base.weave, warp=replace(base.weave.warp, crimp=crimp))
         base = replace(base, weave=weave)
-        cell = CellModel(base, LAWS, gap=sum(weave.h0) * (1 - 3e-16))
-        assert sum(weave.h0) > cell.gap
+        cell = CellModel(base, LAWS, crossover_gap=sum(weave.h0) * (1 - 3e-16))
+        assert sum(weave.h0) > cell.crossover_gap
         for (lowest, _), yarn in zip(cell.range(), weave.yarns):
             assert lowest == pytest.approx(1 + yarn.crimp)
     assert np.isfinite(cell.table(21).values["T1"]).all()

@@ -28,7 +28,7 @@ from validation.models.variants import with_law_form
 def test_printed_law_at_rest(name, F, T1, T2):
     """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
     fabric = with_law_form(catalogue.load(name), "printed")
-    rest = CellModel(fabric, form="equilibrium").solve(1.0, 1.0)
+    rest = CellModel(fabric, cell_formulation="equilibrium").solve(1.0, 1.0)
     assert float(rest["F"]) == pytest.approx(F, rel=2e-3)
     assert (float(rest["T1"]), float(rest["T2"])) == pytest.approx((T1, T2), rel=4e-3)
 
@@ -37,16 +37,20 @@ def test_rest_and_limits(fabric):
     """At rest nothing acts by the regularised law."""
     rest = CellModel(fabric).solve(1.0, 1.0)
     assert all(rest[name] == 0.0 for name in ("T1", "T2", "F", "W"))
-    stiff = CellModel(fabric, model="incompressible").solve(1.02, 1.01)
+    stiff = CellModel(fabric, cell_model="incompressible").solve(1.02, 1.01)
     assert stiff["h1"] + stiff["h2"] == pytest.approx(sum(fabric.weave.h0), rel=1e-12)
-    loose = CellModel(fabric, model="decoupled").solve(1.04, 1.01)
+    loose = CellModel(fabric, cell_model="decoupled").solve(1.04, 1.01)
     weave = fabric.weave
     assert loose["T1"] == pytest.approx(
         weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01
     )  # erratum E-14
     assert loose["T2"] == 0.0
     middle = CellModel(fabric).solve(1.02, 1.01)
-    assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
+    assert (
+        CellModel(fabric, cell_model="decoupled").solve(1.02, 1.01)["T1"]
+        < middle["T1"]
+        < stiff["T1"]
+    )
 
 
 def table_potential(table, x, y):
@@ -70,7 +74,7 @@ def table_forces(table, x, y):
     room = np.zeros((2, x.size + 8))
     at = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid)
     N1, N2 = room
-    if table.model.form == "variational":
+    if table.model.cell_formulation == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
             *at,
@@ -95,7 +99,7 @@ def table_forces(table, x, y):
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_table_against_cell(fabric, form):
     """Errors of the table fall with the square of its spacing; at 201 they are below 0.2 % of the strength."""
-    model = CellModel(fabric, form=form)
+    model = CellModel(fabric, cell_formulation=form)
     rng = np.random.default_rng(1)
     x = rng.uniform(0.97, 1.04, 4000)
     y = rng.uniform(0.97, 1.04, 4000)

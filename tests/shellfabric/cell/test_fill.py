@@ -29,10 +29,10 @@ def difference(model, n):
 @pytest.mark.parametrize(
     "options",
     [
-        {"form": "equilibrium"},
-        {"gap": 2e-5},
-        {"model": "incompressible"},
-        {"model": "decoupled"},
+        {"cell_formulation": "equilibrium"},
+        {"crossover_gap": 2e-5},
+        {"cell_model": "incompressible"},
+        {"cell_model": "decoupled"},
         {"reach": 20.0},
     ],
     ids=str,
@@ -63,7 +63,7 @@ def test_random_cells(seed):
 def test_every_fabric_file(name, model, law):
     fabric = comparison.with_law_form(catalogue.load(name), law)
     for form in FORMS:
-        assert difference(CellModel(fabric, model=model, form=form), 21) < ROUNDING
+        assert difference(CellModel(fabric, cell_model=model, cell_formulation=form), 21) < ROUNDING
 
 
 CRIMPED = [
@@ -84,7 +84,10 @@ def test_extreme_crimps(crimps, counts):
         laws=laws,
     )
     for model, form in itertools.product(MODELS, FORMS):
-        assert difference(CellModel(fabric, laws, model=model, form=form), 31) < ROUNDING
+        assert (
+            difference(CellModel(fabric, laws, cell_model=model, cell_formulation=form), 31)
+            < ROUNDING
+        )
 
 
 def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_nested_iterations():

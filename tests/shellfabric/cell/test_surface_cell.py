@@ -14,7 +14,7 @@ from shellfabric.impact.simulation import ImpactSetup, run
 
 def sampled(fabric, d1, d2, form="variational"):
     """The surface that the cell of the fabric's own law has."""
-    state = CellModel(fabric, form=form).solve(
+    state = CellModel(fabric, cell_formulation=form).solve(
         1 + d1[:, None] / fabric.weave.w1, 1 + d2[None, :] / fabric.weave.w2
     )
     return ResponseSurface(

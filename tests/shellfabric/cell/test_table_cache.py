@@ -40,8 +40,8 @@ def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):
     assert_equal(MODEL.table(21), filled)
     for model, size in (
         (MODEL, 23),
-        (replace(MODEL, gap=1e-6), 21),
-        (replace(MODEL, form="equilibrium"), 21),
+        (replace(MODEL, crossover_gap=1e-6), 21),
+        (replace(MODEL, cell_formulation="equilibrium"), 21),
     ):
         table_cache.table(model, size)
     assert len(fills) == 5

@@ -22,7 +22,7 @@ def turns(panel, x):
 def test_clamped_yarn_under_a_point_load(axis):
     """F L^3 / 192 EI in the middle of a yarn clamped at both ends, and 8 / n^2 more with n segments."""
     bending = tuple(EI * (family == axis) for family in (0, 1))
-    panel = make_panel(symmetry="whole", bending=bending, failure=False)
+    panel = make_panel(symmetry="whole", bending=bending, yarn_failure=False)
     n, d, middle, stiffness = (
         panel.counts[axis],
         panel.spacing[axis],
@@ -44,7 +44,12 @@ def test_clamped_yarn_under_a_point_load(axis):
 def test_pure_bending_is_a_circle(grading):
     """Yarns whose nodes lie on a circle store 1/2 EI kappa^2 a length, to the chords' error, in all zones alike."""
     panel = make_panel(
-        0.06, symmetry="whole", edge="free", bending=(EI, 0.0), failure=False, grading=grading
+        0.06,
+        symmetry="whole",
+        boundary="free",
+        bending=(EI, 0.0),
+        yarn_failure=False,
+        grading=grading,
     )
     X, Y = panel.coordinates()
     sides, radius = panel.sides or tuple(map(np.full, panel.counts, panel.spacing)), 0.05

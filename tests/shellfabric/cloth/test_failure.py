@@ -111,7 +111,7 @@ def test_what_is_below_half_of_the_strength_is_not_followed():
 
 def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
     """One line past the strength breaks alone; the mean beside it leaves it out."""
-    panel = make_panel(elements_per_crossover=4, symmetry="whole", edge="free")
+    panel = make_panel(elements_per_crossover=4, symmetry="whole", boundary="free")
     state, const, strength = panel.state(1.0), panel.constants(), panel.weave.warp.strength
     row, middle = (count // 2 for count in panel.counts)
     T, intact = grid(const, state.T[0]), grid(const, state.intact_fraction[0])
@@ -137,7 +137,7 @@ def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
 
 def test_all_edges_are_judged_before_one_is_removed():
     """What breaks in a step does not depend on the order of lines: all of a block at once."""
-    panel = make_panel(elements_per_crossover=2, edge="free")
+    panel = make_panel(elements_per_crossover=2, boundary="free")
     state, const = panel.state(1.0), panel.constants()
     state.T[1][:] = 1e3 * panel.weave.weft.strength
     assert step(state, const, 1) == (const.ni + 1) * const.nj

@@ -36,8 +36,8 @@ GRADINGS += [((8, 1 / 3), (INF, 2))]
 def test_patch(grading, strain):
     """Under any uniform strain all stretches are the same and no inner node feels a force, in packed fabric too, in all
     zones and where they meet."""
-    changes = {"symmetry": "whole", "failure": False, "grading": grading}
-    panel = make_panel(0.06, edge="free", numerics=UNDAMPED, **changes)
+    changes = {"symmetry": "whole", "yarn_failure": False, "grading": grading}
+    panel = make_panel(0.06, boundary="free", numerics=UNDAMPED, **changes)
     state = bring(
         panel, panel.state(1.0), np.stack(panel.coordinates(), axis=-1) @ np.transpose(strain)
     )
@@ -114,7 +114,7 @@ def test_edges_of_a_step_against_their_plain_twin(again):
 
 def test_uniform_tension_cancels_exactly():
     """Cloth that is stretched evenly stays still to the last digit: no noise grows from rounding."""
-    panel = make_panel(edge="free", symmetry="whole", failure=False)
+    panel = make_panel(boundary="free", symmetry="whole", yarn_failure=False)
     state = panel.state(1.0)
     for c in range(3):
         state.f_int[c][:] = state.f_int_above[c][:] = 0.0
@@ -170,8 +170,8 @@ def test_kinetic_energy_of_free_nodes():
 def test_longitudinal_wave_speed(straight, weft_mass, share):
     """A straight yarn carries sqrt(E / rho); with a crossing yarn of its own mass to move, that over sqrt 2 (E-38)."""
     fabric = straight(weft_mass)
-    model = CellModel(fabric, model="decoupled")
-    panel = Panel(model.table(201), (0.6, 0.0203), edge="free", failure=False)
+    model = CellModel(fabric, cell_model="decoupled")
+    panel = Panel(model.table(201), (0.6, 0.0203), boundary="free", yarn_failure=False)
     solver = solver_at_rest(panel, 1.0)
     state, const = solver.state, solver.const
     state.projectile_position[2] = -1.0  # the projectile is far away
@@ -212,12 +212,14 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
     In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
     """
     settings = {"form": "equilibrium", "bending": (0.0, 0.0), "strain": 0.02, "cfl": 1.0} | changes
-    table = CellModel(straight(1.0), model="decoupled", form=settings["form"]).table(51)
+    table = CellModel(
+        straight(1.0), cell_model="decoupled", cell_formulation=settings["form"]
+    ).table(51)
     numerics = Numerics(cfl=settings["cfl"], stretch_viscosity=0.0)
     panel = make_panel(
         table=table,
-        edge="free",
-        failure=False,
+        boundary="free",
+        yarn_failure=False,
         symmetry="whole",
         numerics=numerics,
         bending=settings["bending"],
@@ -277,7 +279,7 @@ def highest_frequency(panel, x):
 def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
     """The trellis alone, sheared beyond the angle at which it locks: along unit vectors its stiffness grows as the
     inverse square of the stretch, and the step of cloth at rest is ten times too long at a stretch of 0.1."""
-    panel = make_panel(edge="free", symmetry="whole")
+    panel = make_panel(boundary="free", symmetry="whole")
     (X, Y), directions = (
         panel.coordinates(),
         ((np.cos(0.4), np.sin(0.4)), (np.sin(0.4), np.cos(0.4))),
@@ -291,7 +293,7 @@ def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
 
 @pytest.mark.parametrize(("edge", "whole"), [("clamped", 0), (("free", "clamped"), 1), ("free", 2)])
 def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(edge, whole):
-    panel = make_panel(edge=edge)
+    panel = make_panel(boundary=edge)
     assert sum(reach > x[-1] - x[0] for reach, x in zip(panel.reach(), panel.lines())) == whole
 
 

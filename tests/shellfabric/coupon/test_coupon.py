@@ -13,7 +13,7 @@ from shellfabric.coupon.model import mesh_coupon
 
 @pytest.fixture(scope="module")
 def table():
-    return CellModel(catalogue.load("S-728"), form="variational").table(61)
+    return CellModel(catalogue.load("S-728"), cell_formulation="variational").table(61)
 
 
 def disc(x, y):
@@ -158,7 +158,7 @@ def test_the_bound_covers_the_stiffness(coupon):
 
 def test_uniform_stretch_is_one_cell(table):
     """The energy of any coupon is that of its cells, whatever its outline and refinement; cross stretch is felt."""
-    W = float(CellModel(table.model.fabric, form="variational").solve(1.02, 1.01)["W"])
+    W = float(CellModel(table.model.fabric, cell_formulation="variational").solve(1.02, 1.01)["W"])
     for m in (1, 2):
         coupon = mesh_coupon(table, disc, 0.0071, elements_per_crossover=m)
         energy = coupon.forces(coupon.points * [1.02, 1.01])[2][0]

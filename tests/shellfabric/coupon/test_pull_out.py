@@ -14,7 +14,7 @@ from shellfabric.coupon.pull_out import PullOut, follow
 @pytest.fixture(scope="module")
 def table(straight):
     """Straight yarns that press on one another nowhere."""
-    return CellModel(straight(1.0), model="decoupled").table(41)
+    return CellModel(straight(1.0), cell_model="decoupled").table(41)
 
 
 @pytest.fixture(scope="module")

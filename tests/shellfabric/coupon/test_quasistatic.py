@@ -87,14 +87,14 @@ def test_a_pull_goes_on_from_its_states_bit_for_bit():
 
 @pytest.fixture(scope="module")
 def table():
-    return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(
-        121
-    )
+    return CellModel(
+        catalogue.load("S-728").with_effective_density(), cell_formulation="variational"
+    ).table(121)
 
 
 @pytest.mark.parametrize("elements", [1, 3])
 def test_picture_frame_gives_the_trellis_law(table, elements):
-    run = quasistatic.picture_frame(table, cells=3, steps=6, elements_per_crossover=elements)
+    run = quasistatic.picture_frame(table, crossovers=3, steps=6, elements_per_crossover=elements)
     assert quasistatic.frame_stress(run) == pytest.approx(
         table.model.fabric.shear.stress(run.prescribed), rel=1e-3
     )
@@ -141,7 +141,7 @@ def test_a_run_ends_at_the_strength(table):
 @pytest.mark.parametrize("strain", [(0.012, 0.012), (0.012, 0.006)])
 def test_the_middle_of_a_cross_is_the_cell(strain):
     """Arms of single yarns load the middle as the cell: load per yarn against the middle's strains, within 0.5 %."""
-    table = CellModel(catalogue.load("glass-balanced"), form="variational").table(121)
+    table = CellModel(catalogue.load("glass-balanced"), cell_formulation="variational").table(121)
     run = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5)
     w = table.model.fabric.weave.w1
     middle = quasistatic.middle_strain(run, (3 * w, 3 * w))
@@ -164,7 +164,7 @@ def straight(trellis=True):
     thin = comparison.with_straight_yarns(fabric)
     G = 0.3 * thin.shear.G1
     fabric = variants.with_shear(thin, G1=G, G2=G, gamma1=0.12, gamma2=0.7)
-    return CellModel(fabric, model="decoupled", form="variational").table(61)
+    return CellModel(fabric, cell_model="decoupled", cell_formulation="variational").table(61)
 
 
 SMALL = {"length": 0.0570, "width": 0.0296, "elongation": 0.004, "steps": 3}
@@ -211,7 +211,7 @@ def test_no_trellis_is_named(table):
 def test_yarns_that_pass_one_another_are_named():
     """A grip that is turned over folds the elements beside it."""
     table = straight()
-    run = quasistatic.picture_frame(table, cells=3, shear_angle=0.3, steps=1)
+    run = quasistatic.picture_frame(table, crossovers=3, shear_angle=0.3, steps=1)
     coupon = run.coupon
     hook = no_fold(run.coupon)
     state = run.states[-1]
@@ -231,7 +231,7 @@ GLASS = TrellisShear(
 def glass_strip(law, length, width, elongation, **choices):
     """The strip, and its loads over those of zones whose yarns do not stretch, as wide as the strip in the mean."""
     fabric = replace(catalogue.load("glass-balanced"), shear=law)
-    table = CellModel(fabric, model="incompressible", form="variational").table()
+    table = CellModel(fabric, cell_model="incompressible", cell_formulation="variational").table()
     run = quasistatic.bias_extension(
         table, length=length, width=width, elongation=elongation, **choices
     )

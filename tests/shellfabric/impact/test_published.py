@@ -37,6 +37,6 @@ SLOW = pytest.mark.slow(25)
 def test_the_slower_shot_is_stopped_and_the_faster_one_perforates(form, name):
     fabric = catalogue.load(name).with_effective_density()
     for strike_velocity, expected in zip(CAPTIONS[name], ("stopped", "perforated")):
-        result = run(ImpactSetup(fabric, strike_velocity, form=form))
+        result = run(ImpactSetup(fabric, strike_velocity, cell_formulation=form))
         assert result.outcome == expected, strike_velocity
         assert result.energy_error_max < (5e-3 if form == "variational" else 1e-2)

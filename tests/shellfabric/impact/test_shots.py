@@ -46,7 +46,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
         cfl=0.5
     )  # the error of the time integration, four times less, is not what is asked after
     panel = small(
-        symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs
+        symmetry="whole", projectile=shot(shape, **attitude), yarn_failure=False, numerics=knobs
     )
     march = PackSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("error")).max() < 1e-4 * march.strike_energy

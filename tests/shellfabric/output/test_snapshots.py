@@ -16,7 +16,7 @@ from validation.models.cable.smith import smith
 from weavecell.results import wave_fronts
 
 HEAVY = Projectile(1.0, 4e-3, 0.3e-3)  # too heavy to be slowed
-STRIP = {"projectile": HEAVY, "edge": "free", "cell_model": "decoupled", "table_size": 61}
+STRIP = {"projectile": HEAVY, "boundary": "free", "cell_model": "decoupled", "table_size": 61}
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])

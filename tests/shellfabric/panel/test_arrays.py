@@ -40,7 +40,7 @@ def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
 @pytest.mark.parametrize("symmetry", SYMMETRIES)
 @pytest.mark.parametrize("edge", [("clamped", "clamped"), ("free", "free"), ("clamped", "free")])
 def test_held_nodes_have_no_inverse_mass(symmetry, edge):
-    panel = make_panel(symmetry=symmetry, edge=edge)
+    panel = make_panel(symmetry=symmetry, boundary=edge)
     const = panel.constants()
     state = panel.state(50.0)
     free = np.ones((const.ni + 1, const.nj + 1), bool)
@@ -70,7 +70,7 @@ def test_strength_of_each_yarn():
     ):
         assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
-    assert np.isposinf(make_panel(failure=False).constants().warp_lines.strength).all()
+    assert np.isposinf(make_panel(yarn_failure=False).constants().warp_lines.strength).all()
 
 
 @pytest.mark.parametrize("contact_points", [2, 3, 4])

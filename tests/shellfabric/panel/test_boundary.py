@@ -27,7 +27,7 @@ def fire(panel, speed=100.0, steps=400):
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
 def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     """At the weft's ends alone: u_y = - length (1 - |x| / (zone / 2)) (t - start) / (end - start)."""
-    panel = make_panel(edge=("clamped", SLIP), symmetry=symmetry)
+    panel = make_panel(boundary=("clamped", SLIP), symmetry=symmetry)
     solver = solver_at_rest(panel, 50.0)
     state = solver.state
     const = solver.const
@@ -48,10 +48,10 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
 
 def test_the_pull_in_is_sampled():
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
-    solver = PackSolver(make_panel(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
+    solver = PackSolver(make_panel(boundary=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((solver.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
     assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
-    gripped = PackSolver(make_panel(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
+    gripped = PackSolver(make_panel(boundary=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
     assert not PackSolver(make_panel(), 90.0, 20e-6).run().ply_sample("pull_in").any()
 
@@ -62,7 +62,7 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
     """Cloth stretched evenly: below the grip the ends rest, above it they gain dt (T - F) / m in one step inwards, with
     the share of F that their line has in a yarn."""
     changes = {"symmetry": symmetry, "elements_per_crossover": elements}
-    panel = make_panel(edge=(Grip(20.0), "clamped"), failure=False, **changes)
+    panel = make_panel(boundary=(Grip(20.0), "clamped"), yarn_failure=False, **changes)
     const = panel.constants()
     held = np.full(panel.counts[1], 20.0 / elements)
     held[0] *= 0.5 if symmetry == "quarter" else 1.0  # a plane of symmetry halves a yarn
@@ -84,13 +84,13 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
 
 
 def test_firm_grip_is_a_clamp():
-    clamped, firm = (fire(make_panel(edge=edge))[2] for edge in ("clamped", Grip(1e6)))
+    clamped, firm = (fire(make_panel(boundary=edge))[2] for edge in ("clamped", Grip(1e6)))
     assert_array_equal(firm, clamped)
 
 
 def test_each_side_on_its_own():
     """Which nodes are held, led or gripped, corners among them."""
-    panel = make_panel(edge=(("clamped", "free"), (Grip(5.0), "free")), symmetry="whole")
+    panel = make_panel(boundary=(("clamped", "free"), (Grip(5.0), "free")), symmetry="whole")
     loose = boundary.loose(panel)
     assert not loose[0].any()
     assert not loose[:, 0].any()
@@ -101,13 +101,13 @@ def test_each_side_on_its_own():
         nodes, np.arange(1, 25) * 25
     )  # the corner at the clamp is held, the free one gripped
     assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
-    state, const, _ = fire(make_panel(edge=("clamped", "free")), 100.0, 500)
+    state, const, _ = fire(make_panel(boundary=("clamped", "free")), 100.0, 500)
     assert np.abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
 
 
 def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
     """The elements that contact looks at widen by as much as the edges have slipped."""
-    panel = make_panel(edge=(Grip(2.0), Grip(2.0)))
+    panel = make_panel(boundary=(Grip(2.0), Grip(2.0)))
     state, _, _ = fire(panel, 60.0, 500)
     assert np.abs(state.u[0]).max() > 1e-3
     assert state.contact_window[1] > panel.state(60.0).contact_window[1]
@@ -116,7 +116,7 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
 def test_grips_are_struck_off_the_middle():
     """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
     x = 4.3 * 2 * make_panel().weave.w[0]
-    sides = {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
+    sides = {"symmetry": "whole", "boundary": (Grip(5.0), "clamped")}
     right, left = (
         PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x)
     )
@@ -196,7 +196,7 @@ def test_an_edge_is_felt_by_its_distance_from_the_impact():
 
     def pull(crossovers, point=0.0):
         sides = {"opening": (crossovers * side, 30 * width), "impact_point": (point * side, 0.0)}
-        panel = make_panel(symmetry="whole", form="equilibrium", **sides)
+        panel = make_panel(symmetry="whole", cell_formulation="equilibrium", **sides)
         solver = PackSolver(panel, 90.0, 16e-6).run()
         return solver.sample("reaction_warp")[-1], solver.sample("v")[-1]
 

@@ -136,8 +136,8 @@ def reflected(table, zones, wavelength):
     panel = make_panel(
         table=table,
         opening=(0.6, 0.0203),
-        edge=edge,
-        failure=False,
+        boundary=edge,
+        yarn_failure=False,
         grading=zones,
         numerics=numerics,
     )
@@ -180,7 +180,7 @@ def reflected(table, zones, wavelength):
 )
 def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
     """A pulse along the warp: a hundredth comes back from elements eight to its length, a thousandth from sixteen."""
-    table = CellModel(straight(1e-6), model="decoupled").table(201)
+    table = CellModel(straight(1e-6), cell_model="decoupled").table(201)
     assert reflected(table, zones, wavelength) < most
 
 

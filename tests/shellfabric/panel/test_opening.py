@@ -50,7 +50,7 @@ def edges(panel: Panel) -> np.ndarray:
     sides=st.tuples(st.floats(0.03, 0.4), st.floats(0.03, 0.4)),
     mesh=st.sampled_from([{}, {"elements_per_crossover": 1}, {"elements_per_crossover": 3}]),
     symmetry=st.sampled_from(["quarter", "half", "whole"]),
-    edge=st.sampled_from(["clamped", "free"]),
+    boundary=st.sampled_from(["clamped", "free"]),
 )
 def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, edge):
     """Graded (the default of clamped edges) or not, and for every modelled part on the same lines."""
@@ -58,7 +58,7 @@ def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, edge):
     assume(
         min(sides) > 16 * max(fabric.weave.w)
     )  # four crossovers at least, and those under the nose
-    setup = setup_of(fabric, opening=sides, edge=edge, **mesh)
+    setup = setup_of(fabric, opening=sides, boundary=edge, **mesh)
     whole = replace(setup, symmetry="whole")
     panels = [one.panel(one.plain_table()) for one in (replace(setup, symmetry=symmetry), whole)]
     for panel in panels:

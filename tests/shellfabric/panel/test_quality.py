@@ -21,7 +21,7 @@ from validation.models.variants import with_law_form
 def small_panel(side=0.1, **numerics):
     cell = CellModel(catalogue.load("S-720").with_effective_density())
     return make_panel(
-        side, table=cell.table(51), numerics=Unchecked(threads=1, **numerics), failure=False
+        side, table=cell.table(51), numerics=Unchecked(threads=1, **numerics), yarn_failure=False
     )
 
 
@@ -96,7 +96,7 @@ def test_the_default_mesh_follows_projectile_and_failure_length():
     length = narrow().fabric.failure_length
     for changes, side in (
         ({}, 0.5 * length),
-        ({"edge": "free"}, ELEMENT_SIDE * 1.06e-3),
+        ({"boundary": "free"}, ELEMENT_SIDE * 1.06e-3),
         ({"grading": ((16, 1), (np.inf, 2))}, 1),
     ):
         assert max(narrow(**changes).panel(table).spacing) <= side

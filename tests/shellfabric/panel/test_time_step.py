@@ -17,7 +17,7 @@ def test_without_viscosity_a_ring_is_followed():
 
 def test_taut_cloth_is_distinguished_from_crimped():
     straight = CellModel(
-        comparison.with_straight_yarns(table().model.fabric), model="decoupled"
+        comparison.with_straight_yarns(table().model.fabric), cell_model="decoupled"
     ).table(26)
     assert straight.tautness() > 0.95
     assert table().tautness() < 0.35
@@ -25,7 +25,7 @@ def test_taut_cloth_is_distinguished_from_crimped():
 
 
 @pytest.mark.parametrize(
-    "changes", [{"form": "equilibrium"}, {"numerics": Numerics(stretch_viscosity=0.0)}]
+    "changes", [{"cell_formulation": "equilibrium"}, {"numerics": Numerics(stretch_viscosity=0.0)}]
 )
 def test_the_contact_is_no_stiffer_for_a_shorter_step(changes):
     """A shorter step is taken than of the usual panel, whose contact has the stiffness of its own."""

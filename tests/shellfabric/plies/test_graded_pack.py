@@ -39,7 +39,7 @@ def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
         PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run()
         for panel in (ply, forced(replace(ply)))
     )
-    assert np.ndim(one.consts[0].inv_dx) == 0 and np.ndim(other.consts[0].inv_dx) == 1
+    assert [np.ndim(march.consts[0].inv_dx) for march in (one, other)] == [0, 1]
     assert (one.sample("cut_yarns")[-1] > 0) == (strike_velocity > 200)
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):
@@ -70,7 +70,7 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
     square of that share. Points off the middles, of which 2 x 2 are an element's, reach two nodes beyond its border: a
     64th of their force in either direction."""
-    free = replace(graded, symmetry="whole", edge="free", grading=zones)
+    free = replace(graded, symmetry="whole", boundary="free", grading=zones)
     pack = Pack.stacked(free, 2, gap=0.0, contact=PlyContact(damping=0.0, points=points))
     pressed = Pressed(pack)
     X, Y = free.coordinates()

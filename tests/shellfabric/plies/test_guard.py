@@ -222,7 +222,7 @@ def test_no_motion_satisfies_every_row(ply):
 
 def crumpled(ply, plies, seed=7):
     """A free pack of crumpled plies that fly through each other, torn here and there."""
-    march, rng = solver(replace(ply, edge="free"), plies), np.random.default_rng(seed)
+    march, rng = solver(replace(ply, boundary="free"), plies), np.random.default_rng(seed)
     const, apart = march.const, march.places[1]
     nodes = (const.ni + 1) * const.row_stride
     for p, state in enumerate(march.states):
@@ -282,7 +282,7 @@ def bore(march, p):
 
 def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
     """A ply flies through one that is all hole onto the next."""
-    march = solver(replace(ply, edge="free"), 3)
+    march = solver(replace(ply, boundary="free"), 3)
     bore(march, 1)
     const, inner = march.const, slice(4, march.const.ni - 3)
     nodes = (const.ni + 1) * const.row_stride

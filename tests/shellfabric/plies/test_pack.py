@@ -50,7 +50,7 @@ def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
 @pytest.mark.parametrize("damping", [0.7, 0.0])
 @pytest.mark.parametrize("grading", [None, ((7, 1), (np.inf, 2)), ((7, 0.5), (np.inf, 1))])
 def test_colliding_plies_keep_momentum_and_energy(ply, grading, damping):
-    free = replace(ply, edge="free", symmetry="whole", opening=(0.034, 0.034), grading=grading)
+    free = replace(ply, boundary="free", symmetry="whole", opening=(0.034, 0.034), grading=grading)
     pack = Pack.stacked(
         free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping)
     )
@@ -86,7 +86,7 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
 
     The pack is N - 1 closures nearer; each of them is that of the law at the pressure of the pack.
     """
-    free = replace(ply, edge="free", symmetry="whole", opening=(0.012, 0.012))
+    free = replace(ply, boundary="free", symmetry="whole", opening=(0.012, 0.012))
     march, closed = far_from_nose(Pack.stacked(free, plies, gap=0.0, law=LAWS[law])), 0.0
     for p in (0, -1):
         march.states[p].dt_over_mass[:] = 0.0  # platens: no force moves them

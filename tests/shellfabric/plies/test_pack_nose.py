@@ -129,7 +129,7 @@ def test_it_foresees_what_all_other_forces_do(ply):
 
 def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
     """[N] highest tension in 40 us in the weft of the first of three plies."""
-    chosen = replace(ply, opening=(0.06, 0.06), failure=False, grading=grading)
+    chosen = replace(ply, opening=(0.06, 0.06), yarn_failure=False, grading=grading)
     pack = Pack.stacked(chosen, 3, gap=GAP, contact=PlyContact(**knobs))
     return PackSolver(pack, 158.0, 40e-6).run().peak_tensions[0, 1, 0]
 

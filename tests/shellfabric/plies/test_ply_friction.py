@@ -78,7 +78,7 @@ def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply, poi
     border give to the node behind it, of two a side 1/32 of theirs: 1/64 too much on the side of the short elements,
     and 1/128 too little on the other, where they are twice as long, in either direction."""
     zones = (7, 1), (np.inf, 2)
-    graded = replace(ply, edge="free", symmetry="whole", opening=(0.034, 0.034), grading=zones)
+    graded = replace(ply, boundary="free", symmetry="whole", opening=(0.034, 0.034), grading=zones)
     pair = Sliding(graded, MU, points=points)
     pair.move(15.0, 0.0, 20)
     inner = (slice(2, -2), slice(2, pair.consts[0].nj - 1))
@@ -101,7 +101,7 @@ def test_torn_fabric_is_rubbed_too(ply):
 
 def rubbing(ply, mu, **knobs):
     """A free ply before another, at which it can fly obliquely."""
-    free = replace(ply, edge="free", symmetry="whole")
+    free = replace(ply, boundary="free", symmetry="whole")
     return Pack.stacked(
         free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**knobs), friction=mu
     )

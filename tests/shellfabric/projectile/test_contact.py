@@ -27,7 +27,10 @@ def peak(points, rho):
     """Peak tensions (2,) of S-720 struck at 92.5 m/s, over 250 us."""
     numerics = Numerics(contact_points=points)
     panel = make_panel(
-        0.2032, form="equilibrium", projectile=Projectile(edge_radius=rho), numerics=numerics
+        0.2032,
+        cell_formulation="equilibrium",
+        projectile=Projectile(edge_radius=rho),
+        numerics=numerics,
     )
     return march(panel, 92.5, 1380)[0].peak_tension
 

@@ -72,12 +72,12 @@ def test_cloth_at_rest_stays_at_rest():
     ):
         for form in ("variational", "equilibrium"):
             fabric = catalogue.load(name)
-            table = CellModel(fabric, form=form).table(61)
+            table = CellModel(fabric, cell_formulation=form).table(61)
             assert np.any(table.stretch1 == 1.0)
             assert np.any(table.stretch2 == 1.0)
             opening = tuple(48 * w for w in fabric.weave.w)
             panel = Panel(
-                table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free"
+                table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", boundary="free"
             )
             solver = solver_at_rest(panel, 1.0)
             state = solver.state
@@ -187,7 +187,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
 def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elements):
     """Past its strength a yarn goes, and its crossing yarn is left alone (E-14); past its own that goes too."""
     panel = small(
-        table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements
+        table=tables[form], boundary="free", symmetry="whole", elements_per_crossover=elements
     )
     state = panel.state(1.0)
     weave = fabric.weave
@@ -220,7 +220,7 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
 
 def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     """With two of the four warp segments at its ends gone, a weft segment is half crossed, half alone."""
-    panel = small(edge="free", symmetry="whole")
+    panel = small(boundary="free", symmetry="whole")
     state = panel.state(1.0)
     const = panel.constants()
     k = 12 * const.row_stride + 12

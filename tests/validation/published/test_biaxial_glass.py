@@ -10,7 +10,7 @@ from weavecell.studies.biaxial_path import to_strength
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (
-    CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED)
+    CellModel(fabric, cell_formulation="equilibrium") for fabric in (BALANCED, UNBALANCED)
 )
 
 

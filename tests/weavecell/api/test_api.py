@@ -6,7 +6,6 @@ import math
 import re
 import subprocess
 import sys
-import typing
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -197,20 +196,6 @@ def test_bad_arguments_are_one_line(call, told):
     assert "\n" not in str(problem.value)
 
 
-def test_keywords_are_the_keys_of_the_input_file():
-    """`Keywords`, which editors and type checkers read, has the names and the choices of the schema."""
-    where, hints = keywords.tables(), typing.get_type_hints(keywords.Keywords, localns=_TYPES)
-    assert set(where) == set(hints)
-    for name, table in where.items():
-        if not table:
-            continue
-        (kind,) = tables_in(Scene.model_fields[table].annotation)
-        wanted, given = (
-            _choices(each) for each in (kind.model_fields[name].annotation, hints[name])
-        )
-        assert wanted - {"text", "inline", "pair"} == given, name
-
-
 @pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
 def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
     told = " ".join(inspect.getdoc(getattr(wc, name)).split())
@@ -222,20 +207,6 @@ def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
             assert f"; {' '.join(field.description.split())}" in told or key == "ply"
             meaning = re.sub(r"\s*\(\[.*?\]\(.*?\)\)", "", field.title or "")
             assert meaning in told
-
-
-_TYPES = dict.fromkeys(("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "HasLaw"), object)
-
-
-def _choices(kind):
-    """The texts of the Literals in a type, without those of tables below."""
-    if typing.get_origin(kind) is typing.Literal:
-        return set(typing.get_args(kind))
-    return (
-        set().union(*(_choices(part) for part in typing.get_args(kind)))
-        if typing.get_args(kind)
-        else set()
-    )
 
 
 def test_a_shot_as_text(shot):

@@ -15,7 +15,7 @@ from weavecell.studies.biaxial_path import to_strength
 
 @pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])
 def test_a_path_ends_at_the_strength(ratio):
-    model = CellModel(catalogue.load("S-731"), form="variational")
+    model = CellModel(catalogue.load("S-731"), cell_formulation="variational")
     path = to_strength(model, ratio, 11)
     yarns = model.fabric.weave.yarns
     k = ("warp", "weft").index(path.failed)
@@ -30,7 +30,7 @@ def test_a_path_ends_at_the_strength(ratio):
 @pytest.mark.parametrize("ratio", [(0, 0), (1, -1), (1, np.nan), (1,)])
 def test_paths_that_lead_nowhere(ratio):
     with pytest.raises(InputError, match="ratio"):
-        to_strength(CellModel(catalogue.load("S-720"), form="variational"), ratio)
+        to_strength(CellModel(catalogue.load("S-720"), cell_formulation="variational"), ratio)
 
 
 def test_a_path_ends_at_the_strength_of_the_runs(results):

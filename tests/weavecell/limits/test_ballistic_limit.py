@@ -175,7 +175,7 @@ def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
 def test_cloth_that_nothing_holds_has_no_limit(small):
     """With free edges the projectile carries the cloth along: neither stop nor perforation."""
     with pytest.raises(UndecidedError, match="no critical velocity") as caught:
-        ballistic_limit.shoot(small(edge="free"), [5.0])
+        ballistic_limit.shoot(small(boundary="free"), [5.0])
     assert caught.value.shots == ()
 
 

@@ -136,7 +136,7 @@ def test_what_a_set_up_assumes_follows_from_it():
     assert (
         found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
     )
-    assert [end(setup).edge[0].force for end in found["clamp force"].values()] == [10.0, 40.0]
+    assert [end(setup).boundary[0].force for end in found["clamp force"].values()] == [10.0, 40.0]
     weak = found["strength after weaving"]["strength after weaving 0.88"](setup).fabric.weave.warp
     assert weak.strength == pytest.approx(0.88 * setup.fabric.weave.warp.strength)
     woven = {"modulus": 0.9, "strength": 0.9, "source": "tests of drawn yarns"}

@@ -30,7 +30,7 @@ def table(**law):
     """Straight yarns, thin: their shear stiffness is that of the fabric at its own thickness."""
     fabric = with_straight_yarns(catalogue.load("S-728").with_effective_density())
     fabric = replace(fabric, shear=TrellisShear(**law))
-    return CellModel(fabric, model="decoupled", form="variational").table(61)
+    return CellModel(fabric, cell_model="decoupled", cell_formulation="variational").table(61)
 
 
 @pytest.fixture(scope="module")

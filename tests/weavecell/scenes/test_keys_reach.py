@@ -64,7 +64,7 @@ def row(key):
     if table.startswith("panel.boundary") and name in TABLES["sides"]:
         side = TABLES["sides"][name]
         held = {"panel.boundary": (0, 1), "panel.boundary.warp": (0,), "panel.boundary.weft": (1,)}
-        holds = {f"edge.{k}.{side['field']}": side["holds"] for k in held[table]}
+        holds = {f"boundary.{k}.{side['field']}": side["holds"] for k in held[table]}
         slips = GRIP if name == "clamp_force" else PULL
         return table_of(table, slips), side["value"], holds, ()
     if key in TABLES["rows"]:
@@ -152,8 +152,9 @@ def about(value):
     "key", [key for key in ENTRIES if key in OF_THE_RUN or key.startswith("accuracy.")]
 )
 def test_a_key_that_the_run_reads_stands_in_the_scene(key):
-    _, value, *_ = row(key)
-    assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
+    context, value, *_ = row(key)
+    scene = with_value(merged(SHOT, context), key, value)
+    assert attrgetter(key)(check(scene, None)) == in_si(key, value)
 
 
 @pytest.mark.parametrize("name", ["IMPACT", "LIMITS", "V50", "SWEEP", "COUPON"])
@@ -186,8 +187,8 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.form) == ("incompressible", "variational")
-    assert cell.gap == pytest.approx(1e-5)
+    assert (cell.cell_model, cell.cell_formulation) == ("incompressible", "variational")
+    assert cell.crossover_gap == pytest.approx(1e-5)
 
 
 def test_keys_of_a_pull_out_reach_its_model(monkeypatch):

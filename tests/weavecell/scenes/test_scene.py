@@ -52,7 +52,7 @@ def test_cell_from_a_surface():
         table["fabric"]["cell_formulation"] = form
         path = data / "scene.toml"
         panel = build.setup(build.build(scenes_impact.check(table, path), path, "s"), path).panel()
-        assert panel.table.model.form == form
+        assert panel.table.model.cell_formulation == form
         assert panel.table.model.region[0][1] == pytest.approx(1.0567, abs=1e-4)
 
 

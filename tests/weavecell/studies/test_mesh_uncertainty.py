@@ -10,10 +10,9 @@ import pytest
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.panel.boundary import Grip, PullIn
-from shellfabric.projectile.projectile import Projectile
+from shellfabric.panel.boundary import Grip
 from weavecell.report import chapters_discretisation as chapters
-from weavecell.studies import mesh_uncertainty, rigidity
+from weavecell.studies import mesh_uncertainty
 from weavecell.studies.mesh_uncertainty import Shot
 from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
@@ -58,7 +57,7 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
         ((near, side / 2), *((2 * until, side) for until, side in zones)),
     )
     gripped = mesh_uncertainty.finer(
-        replace(setup, edge=Grip(50.0)), table
+        replace(setup, boundary=Grip(50.0)), table
     )  # which no graded panel has
     assert (gripped.grading, gripped.elements_per_crossover) == (None, 2)
     with pytest.raises(InputError, match="--uncertainty"):
@@ -100,6 +99,7 @@ def result_of(setup, outcome, residual):
         peak_tension=(10.0, 20.0),
         strike_energy=2.4,
         absorbed_energy=1.6,
+        rigidity=None,
     )
 
 
@@ -174,13 +174,13 @@ def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
 
 
-def climbed(setup, results, monkeypatch, targets, **fixed):
-    """(number of the run that counts, Discretisation, projectiles of the runs) of made-up results, coarsest first."""
-    bodies = []
+def refined(setup, results, monkeypatch, quantity, target):
+    """(number of the run that counts, Discretisation) of made-up results, coarsest first."""
+    runs = []
 
     def shoot(this, table, name):
-        bodies.append(this.projectile.body)
-        result = results[min(len(bodies), len(results)) - 1]
+        runs.append(name)
+        result = results[min(len(runs), len(results)) - 1]
         failure = result if isinstance(result, Exception) else None
         known = result_of(this, "unstable", 0.0) if failure else result
         known.setup = this
@@ -188,43 +188,47 @@ def climbed(setup, results, monkeypatch, targets, **fixed):
 
     monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
     monkeypatch.setattr(mesh_uncertainty, "_can_be_meshed", lambda *_: True)
-    _, found = mesh_uncertainty.climb(setup, targets, shoot, **fixed)
-    return len(bodies), found, bodies
+    _, found = mesh_uncertainty.refine(setup, quantity, target, shoot)
+    return len(runs), found
 
 
 @pytest.mark.parametrize(
-    ("ends", "targets", "runs", "confirmed"),
+    ("ends", "quantity", "target", "runs", "confirmed"),
     [
-        ((20.0, 20.4, 20.5), {"residual_velocity": 0.02}, 2, True),  # 0.4 of 40 m/s are 1 %
-        ((20.0, 20.4, 20.5), {"residual_velocity": 0.005}, 3, True),
+        ((20.0, 20.4, 20.5), "residual_velocity", 0.02, 2, True),  # 0.4 of 40 m/s are 1 %
+        ((20.0, 20.4, 20.5), "residual_velocity", 0.005, 3, True),
         (
             (20.0, 20.4, 20.5),
-            {"residual_velocity": 0.001},
+            "residual_velocity",
+            0.001,
             4,
             False,
         ),  # 8 elements a crossover are the finest
         (
             (20.0, 20.0, 20.0),
-            {"deflection": 0.001},
+            "deflection",
+            0.001,
             2,
             True,
         ),  # of a panel that is perforated there is none
         (
             (20.0, None, 20.0),
-            {"residual_velocity": 0.02},
+            "residual_velocity",
+            0.02,
             4,
             True,
         ),  # an unstable mesh is compared with none
         (
             (20.0, 0.0, 0.0),
-            {"residual_velocity": 0.5},
+            "residual_velocity",
+            0.5,
             3,
             True,
         ),  # an outcome that changes is no agreement
     ],
 )
-def test_finer_meshes_are_run_until_two_agree_within_the_targets(
-    setup, monkeypatch, ends, targets, runs, confirmed
+def test_finer_meshes_are_run_until_two_agree_within_the_target(
+    setup, monkeypatch, ends, quantity, target, runs, confirmed
 ):
     results = [
         UnstableError("it broke")
@@ -233,45 +237,13 @@ def test_finer_meshes_are_run_until_two_agree_within_the_targets(
         for end in ends
     ]
     results += results[-1:] if confirmed else [result_of(setup, "perforated", 21.0)]
-    run, found, _ = climbed(setup, results, monkeypatch, targets)
+    run, found = refined(setup, results, monkeypatch, quantity, target)
     assert (run, len(found.meshes), found.confirmed) == (runs, runs, confirmed)
     assert found.meshes[:2] == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
     assert found.setup.grading[0][1] == 0.5 ** (runs - 1)
     told = chapters.summary(found)["accuracy"]
-    assert (told["model"], told["confirmed"]) == (found.meshes[-1], confirmed)
+    assert (told["quantity"], told["confirmed"]) == (quantity, confirmed)
     assert chapters.words(found).count("NOT confirmed") == (not confirmed)
-
-
-@pytest.mark.parametrize(
-    ("enough", "fixed", "bodies"),
-    [
-        (True, (), ["rigid", "rigid"]),
-        (False, (), ["rigid", "elastic_bar", "elastic_bar"]),
-        (False, ("projectile",), ["rigid", "rigid"]),
-    ],
-)
-def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough, fixed, bodies):
-    result = result_of(setup, "perforated", 20.0)
-    monkeypatch.setattr(rigidity, "of_shot", lambda _: SimpleNamespace(enough=enough))
-    assert (
-        climbed(setup, [result], monkeypatch, {"residual_velocity": 0.1}, fixed=fixed)[2] == bodies
-    )
-
-
-@pytest.mark.parametrize(
-    ("changes", "symmetry"),
-    [
-        ({}, "quarter"),
-        ({"projectile": Projectile(obliquity=0.3, azimuth=np.pi / 2)}, "half"),
-        ({"projectile": Projectile(obliquity=0.3, azimuth=0.7)}, "whole"),
-        ({"edge": ((PullIn(1e-3, 0.0, 1e-4), "clamped"), "clamped")}, "whole"),
-    ],
-)
-def test_the_smallest_part_of_a_panel(setup, changes, symmetry):
-    assert (
-        mesh_uncertainty.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry
-        == symmetry
-    )
 
 
 def test_outcomes_that_differ_have_no_interval(setup):

@@ -68,7 +68,7 @@ def test_strengths_are_of_whole_panels_that_fail(setup):
     with pytest.raises(InputError, match="symmetry = 'quarter': must be whole"):
         replace(setup, strength=YarnStrength(14.3))
     with pytest.raises(InputError, match="strength: must be left out: the yarns do not fail"):
-        replace(setup, symmetry="whole", failure=False, strength=YarnStrength(14.3))
+        replace(setup, symmetry="whole", yarn_failure=False, strength=YarnStrength(14.3))
     assert wc.setup("S-720", "90 m/s", strength={"weibull_shape": 14.3}).symmetry == "whole"
 
 

@@ -46,7 +46,7 @@ def test_the_mesh_of_a_study(fabric):
     )
     for changes in ({"elements_per_crossover": 1}, {"grading": ((np.inf, 1),)}):
         assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
-    for changes in ({"edge": "free"}, *stepped):
+    for changes in ({"boundary": "free"}, *stepped):
         assert v50.graded(replace(plain, **changes)) == replace(
             plain, elements_per_crossover=1, **changes
         )

@@ -38,19 +38,21 @@ BOUNDED = ("incompressible", "compressible", "decoupled")
 
 def cell(name: str, model: str = "compressible", **changes: Any) -> CellModel:
     """The cell of a fabric."""
-    return CellModel(catalogue.load(name), model=model, form="equilibrium", **changes)
+    return CellModel(
+        catalogue.load(name), cell_model=model, cell_formulation="equilibrium", **changes
+    )
 
 
 def printed(name: str, a: float | None = None) -> CellModel:
     """The cell with the law as printed, or with another `a` [m]."""
     given = catalogue.load(name)
     laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
-    return CellModel(given, laws, form="equilibrium")  # type: ignore[arg-type]
+    return CellModel(given, laws, cell_formulation="equilibrium")  # type: ignore[arg-type]
 
 
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
-    table = CellModel(catalogue.load(name), form="variational").table(size)
+    table = CellModel(catalogue.load(name), cell_formulation="variational").table(size)
     a, b = np.broadcast_to(half, 2)
     return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
 
@@ -311,7 +313,7 @@ def cell_error(path: Any, fabric: str) -> float:
     """RMS of both tensions of the cell less those of the 3D crossover, over the
     strengths, along a path of the crossover up to the cell's first failure."""
     given = catalogue.load(fabric)
-    cell = CellModel(given, form="equilibrium")
+    cell = CellModel(given, cell_formulation="equilibrium")
     stretches = [1 + path[key] / w for key, w in zip(("d1", "d2"), given.weave.w)]
     found = cell.solve(*stretches)
     errors = []

@@ -151,7 +151,7 @@ def settings(setup: ImpactSetup) -> Table:
     """Settings of the solver, for those who develop the code."""
     values = {
         "cell model": setup.cell_model,
-        "cell formulation": setup.form,
+        "cell formulation": setup.cell_formulation,
         "stretches along each side of the cell table": setup.table_size,
         "time between energy audits": text(setup.audit_interval, "s"),
     }
@@ -227,7 +227,7 @@ def assumptions(
     drawn : whether each yarn has a strength of its own
     """
     fails = "Yarns do not fail."
-    if setup.failure:
+    if setup.yarn_failure:
         fails = _failure_in_words(setup, drawn)
     rows = [
         ("crossovers", _crossovers_in_words(setup)),
