@@ -164,7 +164,7 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
         (lambda: wc.setup("S-720", 90.0, plie=3), "plie = 3: is no keyword, did you mean plies?"),
         (
             lambda: wc.setup("S-720", 90.0, edge="free"),
-            "edge = 'free': is no keyword; keywords: law, cell_model, ",
+            "edge = 'free': is no keyword; keywords: weaving_damage, law, ",
         ),
         (
             lambda: wc.setup("S-720", 90.0, edge_radius=1.0),

@@ -36,7 +36,7 @@ def table(**law):
 @pytest.fixture(scope="module")
 def framed():
     known = {"G1": 2e7, "G2": 5e8, "gamma1": 0.4, "gamma2": 0.8}
-    return quasistatic.picture_frame(table(**known), cells=2, shear_angle=1.1, steps=55)
+    return quasistatic.picture_frame(table(**known), crossovers=2, shear_angle=1.1, steps=55)
 
 
 def comes_back(found, fabric):

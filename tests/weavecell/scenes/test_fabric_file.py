@@ -137,7 +137,7 @@ def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
     assert told[0].startswith("note: warp and weft: the strength 2350 mN/tex is 218.6 N a yarn; ")
     assert told[1].startswith("note: counts, linear densities and crimp give 208.2 g/m^2")
     assert told[2].startswith("assumed: crimp 2.62 / 0.91 % of warp / weft (")
-    code, out, _ = command("fabrics", "show", "mine.toml")
+    code, out, _ = command("show", "mine.toml")
     assert code == 0
     for word in ("warp share", "shear.K_s", "solid.E_c", "interlayer_gap", "section"):
         assert word in out[out.index("what is assumed") : out.index("where each number comes from")]
