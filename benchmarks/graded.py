@@ -26,12 +26,12 @@ from shell import machine, publish
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
-from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models.variants import with_straight_yarns
+from weavecell.studies.ballistic_limit import critical_velocity
 
 ZONES = {
     "1": None,

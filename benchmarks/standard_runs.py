@@ -21,12 +21,10 @@ from fabrics import catalogue
 from shellfabric.backing.block import Backing
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction
 from validation.models.cable.net import CableNet
 
 TOLERANCE = 1e-9  # of a change that only reorders sums
 SMALL = {"opening": 0.06, "end_time": 100e-6}
-SLIDING = {**SMALL, "crossovers": CrossoverFriction(0.2)}
 BLOCK = Backing(size=(0.06, 0.06, 0.04))
 BAR = Projectile(body="elastic_bar")
 
@@ -83,8 +81,6 @@ RUNS = {
     "S-745 at 215 m/s": lambda: shot("S-745", 215.0),
     "4 x S-728 at 91 m/s": lambda: shot("S-728", 91.0, plies=4),
     "4 x S-726 at 300 m/s, torn": lambda: shot("S-726", 300.0, plies=4, end_time=60e-6),
-    "S-726, sliding crossovers": lambda: shot("S-726", 96.0, **SLIDING),
-    "2 x S-726, sliding crossovers": lambda: shot("S-726", 130.0, plies=2, **SLIDING),
     "S-726 on a block": lambda: shot("S-726", 150.0, backing=BLOCK, **SMALL),
     "S-726, elastic bar": lambda: shot("S-726", 150.0, projectile=BAR, **SMALL),
     "S-726, oblique weave": lambda: shot(

@@ -24,9 +24,8 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from fabrics.base.executors import open_executor
-from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.studies import inputs, strengths, v50
+from weavecell.studies import ballistic_limit, inputs, strengths, v50
 
 FABRIC, OPENING, VELOCITIES = (
     "S-720",

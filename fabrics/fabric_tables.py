@@ -154,7 +154,7 @@ class DataTable(Table):
     """A table of a fabric file."""
 
     @classmethod
-    def unknown(cls, near: str | None) -> tuple[str, str | None]:
+    def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
         """As of Table."""
         return _unknown(near, cls.model_fields)
 

@@ -328,7 +328,7 @@ class State(Row, kept=True):
         "slots uint8",
         "-",
         "damage bits of the elements: 1 a warp yarn failed, 2 a weft yarn failed, 4 "
-        "eroded (no longer in contact), 8 a window between sliding yarns, 16 torn and "
+        "eroded (no longer in contact), 16 torn and "
         "drawn out to twice its size",
     )
     block_damage = array(
@@ -729,86 +729,6 @@ class PackContact(Row):
     )
 
 
-class Slip(Row):
-    """Yarns that slide through the crossovers of a ply."""
-
-    active = flag("whether yarns can slip: the threshold is not infinite")
-    cohesion = number("N", "threshold of slip at a crossover without contact force")
-    mu = number("-", "coefficient of friction of yarn on yarn")
-    table = array("cells, 4", "N", "bilinear coefficients of the contact force of the cell")
-    lateral = number(
-        "N", "stiffness of the lateral contact of neighbouring yarns, times the spacing; 0 for none"
-    )
-    closest = number("-", "stretch of a segment below which its crossing yarns touch")
-    least = number("-", "share of yarn below which a segment gives none")
-    share = array("2 x slots", "-", "yarn that a segment holds over that at rest", kept=True)
-    inv_share = array("2 x slots", "-", "1 / share", kept=True)
-    x = array("2 x slots", "-", "effective stretch of a segment: stretch over share", kept=True)
-    config = array(
-        "2 x slots",
-        "N",
-        "configurational force of a segment: minus the derivative of its energy by its yarn",
-        kept=True,
-    )
-    q = array(
-        "2 x slots",
-        "m/s",
-        "flux of warp and weft through a node, at half steps: velocity of the yarn "
-        "relative to the node",
-        kept=True,
-    )
-    q_before = array("2 x slots", "m/s", "flux half a step before the forces", kept=True)
-    friction = array("2 x slots", "N", "force of friction on the flux", kept=True)
-    stop = array("2 x slots", "N", "force that keeps the flux within its bounds", kept=True)
-    residual = array(
-        "2 x slots", "N", "force that the iteration of the two fluxes has left", kept=True
-    )
-    mass = array("2 x slots", "kg", "mass of the node's warp and weft")
-    pull = array("2 x slots", "-", "that mass over the free mass of the node; 0 where it is held")
-    mobility = array(
-        "2 x slots", "1/kg", "1 / reduced mass of the flux; 0 where the yarn cannot slip"
-    )
-    coupling = array(
-        "slots",
-        "kg",
-        "product of the masses of the two yarns over that of the node; 0 where it is held",
-    )
-    part = array(
-        "slots",
-        "-",
-        "part of a crossover that a node stands for; less than 1 on the rim and on "
-        "planes of symmetry",
-    )
-    grip = array(
-        "slots", "N", "force with which the clamp of a gripped side holds the yarn that ends in it"
-    )
-    row_slips = array("ni + 2 boolean", "-", "whether a yarn slips at a node of the row", kept=True)
-    tail = array(
-        "2 x 2 x slots + 2 row_stride",
-        "-",
-        "yarn of a segment without force that hangs from its near and from its far "
-        "node, over that of a segment at rest; at slot k + row_stride",
-        kept=True,
-    )
-    removed = array(
-        "2 x slots uint8",
-        "-",
-        "whether a segment has failed or its yarn has left a crossover: 2 in this "
-        "step, 1 before it",
-        kept=True,
-    )
-    passed = array("2 x slots", "m", "length of yarn that has passed through a node", kept=True)
-    counter = array(
-        "3 int64", "-", "whether a tail is used up, segments pulled out, ends of yarn", kept=True
-    )
-    work = array(
-        "3",
-        "J",
-        "work of friction, of the bounds of a flux, and what the iteration leaves",
-        kept=True,
-    )
-
-
 class Zone(Row):
     """Resolved yarns: chains, crossings, neighbours, points under the nose, ties to the membrane (`yarns.patch`)."""
 
@@ -920,6 +840,5 @@ PARAMETERS = {
     "work": Work,
     "contact": PackContact,
     "stack": Stack,
-    "slip": Slip,
 }
 unit = units(PARAMETERS)

@@ -232,27 +232,7 @@ def contact(pyplot):
     return figure
 
 
-def sliding(pyplot):
-    figure, ax = bare(pyplot, 1, (8, 3.7))
-    left, right = np.array([-2.6, -0.75]), np.array([2.6, -0.75])
-    ax.plot(*zip(left, (0, 0), right), color=WARP, lw=7, alpha=0.35, solid_joinstyle="round")
-    ax.add_patch(Ellipse((0, -0.48), 1.1, 0.62, color=WEFT, alpha=0.5, lw=0))
-    ax.plot([-2.6, 0, 2.6], [-0.75, 0, -0.75], "o", color=INK, ms=7)
-    along = right / np.linalg.norm(right)
-    arrow(ax, 0.15 * along, 1.25 * along, "$q_1$", (0.1, 0.22), WARP)
-    arrow(ax, 1.45 * along, 2.4 * along, "$C_1$ ahead", (0.25, 0.28))
-    back = left / np.linalg.norm(left)
-    arrow(ax, 1.25 * back, 2.35 * back, "$C_1$ behind", (-0.25, 0.28))
-    arrow(ax, (-0.1, -0.95), (-0.95, -0.95), "$f_1$", (-0.6, 0))
-    arrow(ax, (0, 0.12), (0, 0.85), r"$\dot v$", (0.2, 0.12))
-    arrow(ax, (0, -1.75), (0, -0.95), "$F_c$", (0.28, -0.2), WEFT)
-    ax.text(0.75, -1.25, r"$|f_1|\leq c_0+\mu F_c+\mu|f_{\mathrm{nose}}|$", fontsize=11)
-    ax.text(-2.9, -1.25, r"share $s$, stretch $\Lambda$", color=WARP, fontsize=11)
-    ax.set(xlim=(-3.3, 3.5), ylim=(-2.0, 1.2))
-    return figure
-
-
-DRAWINGS = {"weave": weave, "cell": cell, "mesh": mesh, "contact": contact, "sliding": sliding}
+DRAWINGS = {"weave": weave, "cell": cell, "mesh": mesh, "contact": contact}
 
 if __name__ == "__main__":
     main(*sys.argv[1:])

@@ -20,11 +20,11 @@ from fabrics import catalogue
 from fabrics.base.executors import InProcess
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.impact import ballistic_limit, simulation
+from shellfabric.impact import simulation
 from unitcell3d.identify.calibrate import calibrate
 from weavecell.results import coupon as coupon_results
 from weavecell.scenes import build, coupon, honoured, impact
-from weavecell.studies import inputs, v50
+from weavecell.studies import ballistic_limit, inputs, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
 DIGITS, TOLERANCE, ROWS, MOST = 12, 1e-11, 6, 6

@@ -34,7 +34,6 @@ MODELS = {
     "shellfabric.cell": ("the unit cell", "about 10 seconds"),
     "shellfabric.panel": ("a ply", "about half a minute"),
     "shellfabric.plies": ("packs", "about 1 minute"),
-    "shellfabric.sliding": ("sliding crossovers", "some minutes"),
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "validation.models.cable": ("the cable net", "a minute or two"),

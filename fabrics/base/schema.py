@@ -55,8 +55,11 @@ class Table(BaseModel):
                 raise InputError(key=key, allowed=allowed)
 
     @classmethod
-    def unknown(cls, near: str | None) -> tuple[str, str | None]:
-        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it."""
+    def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
+        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it.
+
+        Without a message the line has the value of the key.
+        """
         hint = f', did you mean "{near}"?' if near else ";"
         return f"unknown key{hint} allowed here: {', '.join(cls.model_fields)}", None
 
@@ -294,10 +297,11 @@ def _problems(found, model, given, file):
             near = _meant(names[-1], error["input"], table)
             homes = _homes(model, names[-1])
             meant |= {".".join((*names[:-1], near))} if near and not homes else set()
-            message, allowed = table.unknown(near)
+            message, allowed = table.unknown(names[-1], near)
             if homes:
                 message, allowed = f"unknown key here, it is a key of {homes}", None
-            line = InputError(message, file=file, key=key, allowed=allowed)
+            value = error["input"] if message is None else None
+            line = InputError(message, file=file, key=key, value=value, allowed=allowed)
         elif error["type"] == "missing" and key in meant:
             continue
         elif error["type"] == "missing":

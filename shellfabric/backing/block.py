@@ -202,7 +202,9 @@ class Block:
             raise InputError(
                 key="dt", value=dt, allowed=f"above 0 and at most {backing.longest_step:.3g} s"
             )
-        self.backing, self.dt, self.time = backing, float(dt), 0.0
+        self.backing = backing
+        self.dt = float(dt)
+        self.time = 0.0
         self.shape = nx, ny, nz = backing.count
         grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
         grid[..., 2] += backing.standoff
@@ -211,7 +213,8 @@ class Block:
         self.nodes = nodes
         bricks = Bricks.of(self.rest[_corners(nodes)])
         material = backing.material
-        self._gradient, self._volume = bricks.gradient, bricks.volume
+        self._gradient = bricks.gradient
+        self._volume = bricks.volume
         self._twist = np.ascontiguousarray(bricks.twist)
         self._control = backing.hourglass * bricks.control(3 * (material.modulus,), material.shear)
         self._edges = bricks.edges
@@ -228,14 +231,22 @@ class Block:
             ]
         )
         self._boundaries(nodes, bricks)
-        n, m = len(self.rest), nx * ny * nz
-        self.x, self.v = self.rest.copy(), np.zeros((n, 3))
-        self._outer, self._own = np.zeros((n, 3)), np.zeros((m, 8, 3))
+        n = len(self.rest)
+        m = nx * ny * nz
+        self.x = self.rest.copy()
+        self.v = np.zeros((n, 3))
+        self._outer = np.zeros((n, 3))
+        self._own = np.zeros((m, 8, 3))
         self.metric = np.tile(np.eye(3), (m, 1, 1))
-        self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
+        self.alpha = np.zeros(m)
+        self.last = np.zeros(m)
+        self.gone = np.zeros(m, bool)
         self.past = np.zeros((m, 2))
-        self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 4))
-        self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
+        self.energy = np.zeros((m, 5))
+        self._work = np.zeros((nx + 1, 4))
+        self._drags = np.zeros((n, 3))
+        self._shot = np.zeros(7)
+        self._points = np.zeros(7)
         self._substeps = np.array([1, 0])  # of a step, and steps since they were found
         self._columns: np.ndarray | None = None  # of the points of `press`
         self._memory = np.zeros((0, 2))
@@ -245,11 +256,13 @@ class Block:
 
     def _boundaries(self, nodes, bricks):
         """Masses, supports, dashpots and contact springs of the nodes."""
-        backing, material = self.backing, self.backing.material
+        backing = self.backing
+        material = self.backing.material
         share = np.repeat(bricks.volume / 8, 8)
         corners = _corners(nodes).ravel()
         self.mass = np.bincount(corners, material.density * share)
-        self.free, self._dashpot = np.ones((len(self.rest), 3)), np.zeros((len(self.rest), 3))
+        self.free = np.ones((len(self.rest), 3))
+        self._dashpot = np.zeros((len(self.rest), 3))
         outer = [(0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])]
         for axis, (face, mirrored) in enumerate(zip((nodes[0], nodes[:, 0]), backing.mirrors)):
             if mirrored:
@@ -341,7 +354,9 @@ class Block:
             self._memory[:, 0] = (
                 places[:, 2] + thickness - self.backing.standoff
             )  # as against the face at rest
-        forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
+        forces = np.empty_like(places)
+        drags = np.empty_like(places)
+        none = np.zeros(len(places))
         points = (
             places,
             np.ascontiguousarray(velocities, float),
@@ -481,22 +496,19 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis: int = 0) -> FloatArray:
-        """Depth and shape: (k, 2) [m] radius and depth of the remaining face, from the axis along x (axis 0) or y.
+        """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x (axis 0) or y."""
+        face = self.depth_map()
+        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
+        line = face[i:, j] if axis == 0 else face[i, j:]
+        return line[:, [axis, 2]]
+
+    def depth_map(self) -> FloatArray:
+        """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
         """
+        gone = self.gone.reshape(self.shape)
         nz = self.shape[2]
-        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
-        gone, nodes = self.gone.reshape(self.shape)[i:, j:], self.nodes[i:, j:]
-        gone, nodes = (gone[:, 0], nodes[:, 0]) if axis == 0 else (gone[0], nodes[0])
-        layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
-        beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
-        edge = nodes[np.arange(len(nodes)), beside]
-        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.standoff], axis=1)
-
-    def depth_map(self) -> FloatArray:
-        """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face, as in `crater`."""
-        gone, nz = self.gone.reshape(self.shape), self.shape[2]
         layers = np.where(gone.any(axis=2), nz - np.argmax(gone[:, :, ::-1], axis=2), 0)
         wide = np.pad(layers, 1, mode="edge")
         beside = np.minimum(
@@ -520,7 +532,8 @@ class Block:
             getattr(self, name)[...] = arrays[name]
         self.time, self._kick, self._taken = map(float, arrays["clock"])
         if "columns" in arrays:
-            self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
+            self._columns = np.array(arrays["columns"])
+            self._memory = np.array(arrays["memory"])
         self._before = {
             who: np.array(arrays[f"{who}_force"])
             for who in ("shot", "points")
@@ -530,6 +543,7 @@ class Block:
 
 def _corners(grid):
     """(m, 8) nodes of the bricks of a grid, the last index fastest."""
-    a, b = slice(None, -1), slice(1, None)
+    a = slice(None, -1)
+    b = slice(1, None)
     parts = [(a, a, a), (b, a, a), (b, b, a), (a, b, a), (a, a, b), (b, a, b), (b, b, b), (a, b, b)]
     return np.stack([grid[part] for part in parts], axis=-1).reshape(-1, 8)

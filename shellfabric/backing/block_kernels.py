@@ -56,13 +56,18 @@ def principal(A, n):
                 cos = 1.0 / math.sqrt(t * t + 1.0)
                 sin = t * cos
                 for k in range(3):
-                    a, b = A[k, p], A[k, q]
-                    A[k, p], A[k, q] = cos * a - sin * b, sin * a + cos * b
+                    a = A[k, p]
+                    b = A[k, q]
+                    A[k, p] = cos * a - sin * b
+                    A[k, q] = sin * a + cos * b
                 for k in range(3):
-                    a, b = A[p, k], A[q, k]
-                    A[p, k], A[q, k] = cos * a - sin * b, sin * a + cos * b
+                    a = A[p, k]
+                    b = A[q, k]
+                    A[p, k] = cos * a - sin * b
+                    A[q, k] = sin * a + cos * b
                 for k in range(3):
-                    a, b = n[k, p], n[k, q]
+                    a = n[k, p]
+                    b = n[k, q]
                     n[k, p], n[k, q] = cos * a - sin * b, sin * a + cos * b
 
 
@@ -70,9 +75,11 @@ def principal(A, n):
 def inverse(F, G):
     """G = F^-1 of (3, 3); returns det F."""
     for c in range(3):
-        d, e = (c + 1) % 3, (c + 2) % 3
+        d = (c + 1) % 3
+        e = (c + 2) % 3
         for r in range(3):
-            s, t = (r + 1) % 3, (r + 2) % 3
+            s = (r + 1) % 3
+            t = (r + 2) % 3
             G[r, c] = F[d, s] * F[e, t] - F[d, t] * F[e, s]
     J = F[0, 0] * G[0, 0] + F[0, 1] * G[1, 0] + F[0, 2] * G[2, 0]
     for c in range(3):
@@ -98,13 +105,16 @@ def flow_increment(q, G, hard, law, dt):
     q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
     above: from the increment without rate, or from the rate at which q itself is the flow stress.
     """
-    H, m, c = law[3], law[5], dt * law[6]
+    H = law[3]
+    m = law[5]
+    c = dt * law[6]
     most = (q - hard) / (3.0 * G + H)
     if m == 0.0 or c == 0.0:
         return most
     s = min(math.log1p(most / c), math.log(q / hard) / m)
     for _ in range(60):
-        grown, factor = math.exp(s), math.exp(m * s)
+        grown = math.exp(s)
+        factor = math.exp(m * s)
         d = c * (grown - 1.0)
         over = q - 3.0 * G * d - (hard + H * d) * factor
         change = over / (3.0 * G * c * grown + (m * (hard + H * d) + H * c * grown) * factor)
@@ -133,13 +143,22 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     stored, work : [J/m3] elastic energy, and plastic work of this call
     alpha : after
     """
-    K, G, yields, H = law[0], law[1], law[2], law[3]
-    b, n, Fi = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    K = law[0]
+    G = law[1]
+    yields = law[2]
+    H = law[3]
+    b = np.zeros((3, 3))
+    n = np.empty((3, 3))
+    Fi = np.empty((3, 3))
     push_forward(F, C, b)
     principal(b, n)
-    e0, e1, e2 = 0.5 * math.log(b[0, 0]), 0.5 * math.log(b[1, 1]), 0.5 * math.log(b[2, 2])
+    e0 = 0.5 * math.log(b[0, 0])
+    e1 = 0.5 * math.log(b[1, 1])
+    e2 = 0.5 * math.log(b[2, 2])
     trace = e0 + e1 + e2
-    d0, d1, d2 = e0 - trace / 3.0, e1 - trace / 3.0, e2 - trace / 3.0
+    d0 = e0 - trace / 3.0
+    d1 = e1 - trace / 3.0
+    d2 = e2 - trace / 3.0
     size = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     q = 2.0 * G * math.sqrt(1.5) * size
     work = 0.0
@@ -153,12 +172,13 @@ def hencky(F, C, alpha, law, viscous, dt, P):
         )
         alpha += step
         keep = 1.0 - 3.0 * G * step / q
-        d0, d1, d2, size = keep * d0, keep * d1, keep * d2, keep * size
-        m0, m1, m2 = (
-            math.exp(2.0 * (d0 + trace / 3.0)),
-            math.exp(2.0 * (d1 + trace / 3.0)),
-            math.exp(2.0 * (d2 + trace / 3.0)),
-        )
+        d0 = keep * d0
+        d1 = keep * d1
+        d2 = keep * d2
+        size = keep * size
+        m0 = math.exp(2.0 * (d0 + trace / 3.0))
+        m1 = math.exp(2.0 * (d1 + trace / 3.0))
+        m2 = math.exp(2.0 * (d2 + trace / 3.0))
         for c in range(3):
             for d in range(3):
                 b[c, d] = m0 * n[c, 0] * n[d, 0] + m1 * n[c, 1] * n[d, 1] + m2 * n[c, 2] * n[d, 2]
@@ -169,7 +189,9 @@ def hencky(F, C, alpha, law, viscous, dt, P):
                     for d in range(3):
                         C[r, s] += Fi[r, c] * b[c, d] * Fi[s, d]
     p = K * trace + viscous
-    t0, t1, t2 = p + 2.0 * G * d0, p + 2.0 * G * d1, p + 2.0 * G * d2
+    t0 = p + 2.0 * G * d0
+    t1 = p + 2.0 * G * d1
+    t2 = p + 2.0 * G * d2
     for c in range(3):
         for d in range(3):
             b[c, d] = t0 * n[c, 0] * n[d, 0] + t1 * n[c, 1] * n[d, 1] + t2 * n[c, 2] * n[d, 2]
@@ -194,8 +216,12 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     """Forces of the bricks i along x: see `forces`."""
     (_, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
     metric, alpha, last, past, gone = history
-    nodes, places = np.empty(8, np.int64), np.empty((8, 3))
-    F, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
+    nodes = np.empty(8, np.int64)
+    places = np.empty((8, 3))
+    F = np.empty((3, 3))
+    P = np.empty((3, 3))
+    D = np.empty((3, 3))
+    H = np.empty((4, 3))
     per_time = 1.0 / dt if dt > 0.0 else 0.0
     for j in range(ny):
         for k in range(nz):
@@ -213,7 +239,8 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
                 energy[m, ELASTIC] = np.nan
                 continue
             swell = math.log(J)
-            rate, before = (swell - last[m]) * per_time, alpha[m]
+            rate = (swell - last[m]) * per_time
+            before = alpha[m]
             viscous = law[7] * least_height(P, edges[m]) * rate
             stored, work, alpha[m] = hencky(F, metric[m], before, law, viscous, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
@@ -221,7 +248,9 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
             if alpha[m] > before:
                 work = 0.5 * (min(past[m, 1], mises) + mises) * (alpha[m] - before)
             damped = 0.5 * (past[m, 0] + viscous) * rate * dt
-            last[m], past[m, 0], past[m, 1] = swell, viscous, mises
+            last[m] = swell
+            past[m, 0] = viscous
+            past[m, 1] = mises
             held = hourglass(F, places, twist[m], control[m], H, D, own[m])
             energy[m, PLASTIC] += volume[m] * work
             energy[m, VISCOUS] += volume[m] * damped
@@ -238,7 +267,8 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
                 energy[m, ELASTIC] = energy[m, HOURGLASS] = 0.0
                 own[m] = 0.0
                 continue
-            energy[m, ELASTIC], energy[m, HOURGLASS] = volume[m] * stored, held
+            energy[m, ELASTIC] = volume[m] * stored
+            energy[m, HOURGLASS] = held
             for a in range(8):
                 for c in range(3):
                     for r in range(3):
@@ -289,11 +319,9 @@ def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
                 total = outer[n, c] + drags[n, c]
                 for a in range(8):
                     # the brick of which this node is the corner a
-                    p, q, r = (
-                        i - CORNER_OFFSETS[a, 0],
-                        j - CORNER_OFFSETS[a, 1],
-                        k - CORNER_OFFSETS[a, 2],
-                    )
+                    p = i - CORNER_OFFSETS[a, 0]
+                    q = j - CORNER_OFFSETS[a, 1]
+                    r = k - CORNER_OFFSETS[a, 2]
                     if 0 <= p < nx and 0 <= q < ny and 0 <= r < nz:
                         m = (p * ny + q) * nz + r
                         if not gone[m]:

@@ -16,18 +16,31 @@ from shellfabric.jit.compile import kernel
 @kernel(fastmath={"contract"})
 def brick_nodes(first, i, j, k, ny, nz, nodes):
     """Numbers of the eight nodes of the brick (i, j, k), in the order of `PATTERNS`; filled."""
-    sheet, row = (ny + 1) * (nz + 1), nz + 1
+    sheet = (ny + 1) * (nz + 1)
+    row = nz + 1
     n = first + i * sheet + j * row + k
-    nodes[0], nodes[1], nodes[2], nodes[3] = n, n + sheet, n + sheet + row, n + row
-    nodes[4], nodes[5], nodes[6], nodes[7] = n + 1, n + sheet + 1, n + sheet + row + 1, n + row + 1
+    nodes[0] = n
+    nodes[1] = n + sheet
+    nodes[2] = n + sheet + row
+    nodes[3] = n + row
+    nodes[4] = n + 1
+    nodes[5] = n + sheet + 1
+    nodes[6] = n + sheet + row + 1
+    nodes[7] = n + row + 1
 
 
 @kernel(fastmath={"contract"})
 def patterns(x, H):
     """H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x : (8, 3)."""
     for c in range(3):
-        s0, s1, s2, s3 = x[0, c] + x[4, c], x[1, c] + x[5, c], x[2, c] + x[6, c], x[3, c] + x[7, c]
-        d0, d1, d2, d3 = x[4, c] - x[0, c], x[5, c] - x[1, c], x[6, c] - x[2, c], x[7, c] - x[3, c]
+        s0 = x[0, c] + x[4, c]
+        s1 = x[1, c] + x[5, c]
+        s2 = x[2, c] + x[6, c]
+        s3 = x[3, c] + x[7, c]
+        d0 = x[4, c] - x[0, c]
+        d1 = x[5, c] - x[1, c]
+        d2 = x[6, c] - x[2, c]
+        d3 = x[7, c] - x[3, c]
         H[0, c] = -d0 - d1 + d2 + d3
         H[1, c] = -d0 + d1 + d2 - d3
         H[2, c] = s0 - s1 + s2 - s3
@@ -38,7 +51,10 @@ def patterns(x, H):
 def spread_patterns(g, force):
     """force[a, c] += sum_m h_ma g_mc."""
     for c in range(3):
-        p, q, r, s = g[0, c], g[1, c], g[2, c], g[3, c]
+        p = g[0, c]
+        q = g[1, c]
+        r = g[2, c]
+        s = g[3, c]
         force[0, c] += p + q + r - s
         force[1, c] += p - q - r + s
         force[2, c] += -p - q + r - s
@@ -70,7 +86,9 @@ def hourglass(f, x, twist, K, H, D, force):
     energy = 0.0
     D[:] = 0.0
     for m in range(4):
-        q0, q1, q2 = H[m, 0], H[m, 1], H[m, 2]
+        q0 = H[m, 0]
+        q1 = H[m, 1]
+        q2 = H[m, 2]
         for i in range(3):
             q0 -= twist[m, i] * f[0, i]
             q1 -= twist[m, i] * f[1, i]
@@ -90,7 +108,9 @@ def hourglass(f, x, twist, K, H, D, force):
             D[0, i] -= twist[m, i] * g0
             D[1, i] -= twist[m, i] * g1
             D[2, i] -= twist[m, i] * g2
-        H[m, 0], H[m, 1], H[m, 2] = g0, g1, g2
+        H[m, 0] = g0
+        H[m, 1] = g1
+        H[m, 2] = g2
     spread_patterns(H, force)
     return energy
 

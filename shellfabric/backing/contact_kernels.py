@@ -69,7 +69,9 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sum
         for j in range(ny + 1):
             for k in range(nz + 1):
                 n = (i * (ny + 1) + j) * (nz + 1) + k
-                p0, p1, p2 = x[n, 0] - position[0], x[n, 1] - position[1], x[n, 2] - position[2]
+                p0 = x[n, 0] - position[0]
+                p1 = x[n, 1] - position[1]
+                p2 = x[n, 2] - position[2]
                 # debris may fly ahead of what it came from: every node of the column is looked at
                 if p2 > 0.0 or p0 * p0 + p1 * p1 > widest:
                     continue
@@ -107,8 +109,10 @@ def top_brick(p, q, ny, nz, gone):
 @kernel()
 def weights(a, b, w):
     """Bilinear weights w : (4,) of the nodes of a facet at (a, b)."""
-    w[0], w[1] = 0.25 * (1 - a) * (1 - b), 0.25 * (1 + a) * (1 - b)
-    w[2], w[3] = 0.25 * (1 + a) * (1 + b), 0.25 * (1 - a) * (1 + b)
+    w[0] = 0.25 * (1 - a) * (1 - b)
+    w[1] = 0.25 * (1 + a) * (1 - b)
+    w[2] = 0.25 * (1 + a) * (1 + b)
+    w[3] = 0.25 * (1 - a) * (1 + b)
 
 
 @kernel()
@@ -116,9 +120,11 @@ def beyond(px, py, x, nodes):
     """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along z."""
     p = q = 0
     for m, (go_p, go_q) in enumerate(((0, -1), (1, 0), (0, 1), (-1, 0))):
-        n, k = nodes[m], nodes[(m + 1) % 4]
+        n = nodes[m]
+        k = nodes[(m + 1) % 4]
         if (x[k, 0] - x[n, 0]) * (py - x[n, 1]) < (x[k, 1] - x[n, 1]) * (px - x[n, 0]):
-            p, q = p + go_p, q + go_q
+            p = p + go_p
+            q = q + go_q
     return p, q
 
 
@@ -140,17 +146,23 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """
     w = np.empty(4)
     for _ in range(MAX_COLUMNS):
-        p, q = column[0], column[1]
+        p = column[0]
+        q = column[1]
         r = top_brick(p, q, ny, nz, gone)
         if r == nz:
             return False
         first = (p * (ny + 1) + q) * (nz + 1) + r
-        nodes[0], nodes[1] = first, first + (ny + 1) * (nz + 1)
-        nodes[2], nodes[3] = nodes[1] + nz + 1, first + nz + 1
-        a, b, found = 0.0, 0.0, False
+        nodes[0] = first
+        nodes[1] = first + (ny + 1) * (nz + 1)
+        nodes[2] = nodes[1] + nz + 1
+        nodes[3] = first + nz + 1
+        a = 0.0
+        b = 0.0
+        found = False
         for _ in range(20):
             weights(a, b, w)
-            rx, ry = px, py
+            rx = px
+            ry = py
             for m in range(4):
                 rx -= w[m] * x[nodes[m], 0]
                 ry -= w[m] * x[nodes[m], 1]
@@ -171,21 +183,26 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
                 + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1])
             )
             det = xa * yb - xb * ya
-            da, db = (yb * rx - xb * ry) / det, (xa * ry - ya * rx) / det
-            a, b = min(max(a + da, -4.0), 4.0), min(max(b + db, -4.0), 4.0)
+            da = (yb * rx - xb * ry) / det
+            db = (xa * ry - ya * rx) / det
+            a = min(max(a + da, -4.0), 4.0)
+            b = min(max(b + db, -4.0), 4.0)
             if abs(da) + abs(db) < 1e-12:
                 found = True
                 break
         tiny = 1e-9
-        go_p, go_q = (a > 1 + tiny) - (a < -1 - tiny), (b > 1 + tiny) - (b < -1 - tiny)
+        go_p = (a > 1 + tiny) - (a < -1 - tiny)
+        go_q = (b > 1 + tiny) - (b < -1 - tiny)
         if not found:
             go_p, go_q = beyond(px, py, x, nodes)
         if go_p == 0 and go_q == 0:
-            place[0], place[1] = a, b
+            place[0] = a
+            place[1] = b
             return found
         if not (0 <= p + go_p < nx and 0 <= q + go_q < ny):
             return False
-        column[0], column[1] = p + go_p, q + go_q
+        column[0] = p + go_p
+        column[1] = q + go_q
     return False
 
 
@@ -211,7 +228,10 @@ def closest_point(p, x, nodes, place, A, B):
     -------
     found : False where it leads further: the point is not at this facet, but far along its slope
     """
-    a, b, w, found = place[0], place[1], np.empty(4), False
+    a = place[0]
+    b = place[1]
+    w = np.empty(4)
+    found = False
     for _ in range(20):
         tangents(a, b, x, nodes, A, B)
         weights(a, b, w)
@@ -221,15 +241,22 @@ def closest_point(p, x, nodes, place, A, B):
             for m in range(4):
                 off -= w[m] * x[nodes[m], c]
             twist = x[nodes[0], c] - x[nodes[1], c] + x[nodes[2], c] - x[nodes[3], c]
-            aa, bb, ab = aa + A[c] * A[c], bb + B[c] * B[c], ab + A[c] * B[c] - 4.0 * off * twist
-            ra, rb = ra + off * A[c], rb + off * B[c]
+            aa = aa + A[c] * A[c]
+            bb = bb + B[c] * B[c]
+            ab = ab + A[c] * B[c] - 4.0 * off * twist
+            ra = ra + off * A[c]
+            rb = rb + off * B[c]
         det = aa * bb - ab * ab
-        da, db = 4.0 * (bb * ra - ab * rb) / det, 4.0 * (aa * rb - ab * ra) / det
-        a, b = a + da, b + db
+        da = 4.0 * (bb * ra - ab * rb) / det
+        db = 4.0 * (aa * rb - ab * ra) / det
+        a = a + da
+        b = b + db
         if not (det > 0.0 and abs(a) < MAX_FACET_COORDINATE and abs(b) < MAX_FACET_COORDINATE):
             break
         if abs(da) + abs(db) < 1e-12:
-            place[0], place[1], found = a, b, True
+            place[0] = a
+            place[1] = b
+            found = True
             break
     tangents(place[0], place[1], x, nodes, A, B)
     return found
@@ -238,7 +265,8 @@ def closest_point(p, x, nodes, place, A, B):
 @kernel()
 def outward_normal(A, B, normal):
     """Unit normal : (3,) of a facet with the slopes A, B, out of the block: against z at rest; filled."""
-    normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
+    normal[0] = A[2] * B[1] - A[1] * B[2]
+    normal[1] = A[0] * B[2] - A[2] * B[0]
     normal[2] = A[1] * B[0] - A[0] * B[1]
     normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
 
@@ -246,9 +274,11 @@ def outward_normal(A, B, normal):
 @kernel()
 def depth_and_opening(p, speed, x, v, nodes, w, normal, thickness):
     """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w of the facet."""
-    inside, opening = thickness, 0.0
+    inside = thickness
+    opening = 0.0
     for c in range(3):
-        under, moving = 0.0, 0.0
+        under = 0.0
+        moving = 0.0
         for m in range(4):
             under += w[m] * x[nodes[m], c]
             moving += w[m] * v[nodes[m], c]
@@ -271,11 +301,13 @@ def at_points(values, rest, weights, nj, found):
     """
     stride = nj + 1
     for s in range(found.shape[0]):
-        element, m = s // weights.shape[0], s % weights.shape[0]
+        element = s // weights.shape[0]
+        m = s % weights.shape[0]
         k = element // nj * stride + element % nj
         w = weights[m]
         for c in range(3):
-            x, at = values[c], rest[c]
+            x = values[c]
+            at = rest[c]
             found[s, c] = w[0] * (x[k] + at[k]) + w[1] * (x[k + stride] + at[k + stride])
             found[s, c] += w[2] * (x[k + 1] + at[k + 1])
             found[s, c] += w[3] * (x[k + stride + 1] + at[k + stride + 1])
@@ -291,7 +323,8 @@ def to_nodes(forces, weights, nj, found):
     for m in range(weights.shape[0]):
         for corner, step in enumerate((0, stride, 1, stride + 1)):
             for element in range(forces.shape[0] // weights.shape[0]):
-                k, s = element // nj * stride + element % nj + step, element * weights.shape[0] + m
+                k = element // nj * stride + element % nj + step
+                s = element * weights.shape[0] + m
                 for c in range(3):
                     found[c][k] += weights[m, corner] * forces[s, c]
 
@@ -308,13 +341,20 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, f
     contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the nodes; overwritten
     """
     (nx, ny, nz), (x, v, gone), (px, pv, stiffness, damping) = counts, block, points
-    place, normal, w, A, B = np.empty(2), np.empty(3), np.empty(4), np.empty(3), np.empty(3)
+    place = np.empty(2)
+    normal = np.empty(3)
+    w = np.empty(4)
+    A = np.empty(3)
+    B = np.empty(3)
     for s in range(*ends):
         contacts[s, 0] = contacts[s, 1] = 0.0
-        was, offset, nodes = memory[s, 0], memory[s, 1], feet[s]
+        was = memory[s, 0]
+        offset = memory[s, 1]
+        nodes = feet[s]
         below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
         if not (below and closest_point(px[s], x, nodes, place, A, B)):
-            memory[s, 0], memory[s, 1] = -1.0, 0.0
+            memory[s, 0] = -1.0
+            memory[s, 1] = 0.0
             continue
         weights(place[0], place[1], w)
         outward_normal(A, B, normal)
@@ -325,13 +365,13 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, f
             offset += step + opening * dt
         offset = min(max(offset, 0.0), max(inside, 0.0))
         depth = max(inside - offset, 0.0)
-        memory[s, 0], memory[s, 1] = inside, offset
+        memory[s, 0] = inside
+        memory[s, 1] = offset
         if depth > 0.0:
-            contacts[s, 0], contacts[s, 1] = (
-                depth,
-                max(-damping[s] * opening, -stiffness[s] * depth),
-            )
-            contacts[s, 2:5], contacts[s, 5:] = normal, w
+            contacts[s, 0] = depth
+            contacts[s, 1] = max(-damping[s] * opening, -stiffness[s] * depth)
+            contacts[s, 2:5] = normal
+            contacts[s, 5:] = w
 
 
 @entry(parallel=True)
@@ -352,14 +392,16 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
     sums : (7,) CONTACT [J], overwritten
     """
     (outer, drags), (force, drag_force), count = forces, on_points, columns.shape[0]
-    feet, contacts = np.empty((count, 4), np.int64), np.empty((count, 9))
+    feet = np.empty((count, 4), np.int64)
+    contacts = np.empty((count, 9))
     size = (count + SLICES - 1) // SLICES
     for part in prange(SLICES):
         ends = part * size, min((part + 1) * size, count)
         find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts)
     sums[:] = 0.0
     for s in range(count):
-        depth, drag = contacts[s, 0], contacts[s, 1]
+        depth = contacts[s, 0]
+        drag = contacts[s, 1]
         force[s] = drag_force[s] = 0.0
         if depth == 0.0:
             continue
@@ -367,7 +409,8 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
         sums[CONTACT] += 0.5 * push * depth
         for c in range(3):
             normal = contacts[s, 2 + c]
-            force[s, c], drag_force[s, c] = push * normal, drag * normal
+            force[s, c] = push * normal
+            drag_force[s, c] = drag * normal
             for m in range(4):
                 outer[feet[s, m], c] += push * contacts[s, 5 + m] * normal
                 drags[feet[s, m], c] += drag * contacts[s, 5 + m] * normal

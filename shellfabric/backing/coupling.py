@@ -112,7 +112,8 @@ def dent_volume(face: FloatArray) -> float:
     The sum over facets of their area seen along z times the mean depth of their corners, what rises above counting 0.
     """
     depth = np.maximum(face[..., 2], 0.0)
-    across, along = face[1:, 1:, :2] - face[:-1, :-1, :2], face[:-1, 1:, :2] - face[1:, :-1, :2]
+    across = face[1:, 1:, :2] - face[:-1, :-1, :2]
+    along = face[:-1, 1:, :2] - face[1:, :-1, :2]
     area = 0.5 * (across[..., 0] * along[..., 1] - across[..., 1] * along[..., 0])
     mean = 0.25 * (depth[1:, 1:] + depth[:-1, :-1] + depth[:-1, 1:] + depth[1:, :-1])
     return float(np.sum(area * mean))
@@ -120,7 +121,8 @@ def dent_volume(face: FloatArray) -> float:
 
 def wall_angle(crater: FloatArray) -> float:
     """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of its depth."""
-    inner, outer = radius_at(crater, 0.8), radius_at(crater, 0.2)
+    inner = radius_at(crater, 0.8)
+    outer = radius_at(crater, 0.2)
     return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
 
 
@@ -164,11 +166,9 @@ class BackingCoupling:
     """
 
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
-        self.projectile, self.const, self.p = (
-            panel.shot.seen_from(-panel.weave_angle),
-            const,
-            backing.points,
-        )
+        self.projectile = panel.shot.seen_from(-panel.weave_angle)
+        self.const = const
+        self.p = backing.points
         self._turn = axes(panel.weave_angle) if panel.weave_angle else None
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
@@ -194,8 +194,10 @@ class BackingCoupling:
     def step(self, state: Any) -> None:
         """One step of the block under its contacts with fabric and projectile; stores the contact forces [N] in
         state.f_block_cloth and state.f_block_nose."""
-        const, block = self.const, self.block
-        to, back = self._turn, None if self._turn is None else self._turn.T
+        const = self.const
+        block = self.block
+        to = self._turn
+        back = None if self._turn is None else self._turn.T
         position, velocity = (
             turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity)
         )

@@ -50,7 +50,8 @@ class Bricks:
 
         The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which is exact for them.
         """
-        volume, gradient = np.zeros(len(corners)), np.zeros((len(corners), 8, 3))
+        volume = np.zeros(len(corners))
+        gradient = np.zeros((len(corners), 8, 3))
         for point in CORNERS / np.sqrt(3):
             slopes = _slopes(point)
             jacobian = np.einsum("mac,ai->mci", corners, slopes)

@@ -1,4 +1,4 @@
-"""Coefficients of the tables of a cell: bilinear, bicubic and biquadratic interpolation."""
+"""Coefficients of the tables of a cell: bilinear and biquadratic interpolation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ def grid(lowest: float, highest: float, n: int) -> FloatArray:
 
 def bilinear(f: FloatArray) -> FloatArray:
     """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
-    f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
+    f00 = f[:-1, :-1]
+    f10 = f[1:, :-1]
+    f01 = f[:-1, 1:]
+    f11 = f[1:, 1:]
     found = np.empty((*f00.shape, 4))
     for k, values in enumerate((f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00)):
         found[..., k] = values
@@ -35,26 +38,11 @@ def nonnegative(
     it costs accuracy of the table.
     """
     f = np.maximum(f, 0.0)
-    fx, fy = np.clip(fx, -3 * f, 3 * f), np.clip(fy, -3 * f, 3 * f)
+    fx = np.clip(fx, -3 * f, 3 * f)
+    fy = np.clip(fy, -3 * f, 3 * f)
     lowest = 3 * np.abs(fx + fy) - 9 * f
     highest = 9 * f - 3 * np.abs(fx - fy)
     return f, fx, fy, np.clip(fxy, lowest, highest)
-
-
-def bicubic(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray) -> FloatArray:
-    """(n1-1, n2-1, 16): c with f = sum c[4 p + q] s^p t^q, from nodal values and slopes per cell of the grid.
-
-    Neighbouring cells share values and slopes, so that f is continuous with its first derivatives.
-    """
-    M = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
-    n1, n2 = f.shape[0] - 1, f.shape[1] - 1
-    G = np.empty((n1, n2, 4, 4))
-    for p in range(2):
-        for q in range(2):
-            part = slice(p, n1 + p), slice(q, n2 + q)
-            G[:, :, p, q], G[:, :, p + 2, q] = f[part], fx[part]
-            G[:, :, p, q + 2], G[:, :, p + 2, q + 2] = fy[part], fxy[part]
-    return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
 
 
 def spline(
@@ -88,13 +76,16 @@ def spline(
 
 def _monomials(d):
     """Coefficients of 1, s, s^2 along the first axis between two controls, from these and the one behind them."""
-    before, here, behind = d[:-2], d[1:-1], d[2:]
+    before = d[:-2]
+    here = d[1:-1]
+    behind = d[2:]
     return 0.5 * before + 0.5 * here, here - before, 0.5 * before - here + 0.5 * behind
 
 
 def _controls(f, slope, axis):
     """Controls between the nodes along an axis, and one beyond each end, from values and slopes at the nodes."""
-    f, slope = np.moveaxis(f, axis, 0), np.moveaxis(slope, axis, 0)
+    f = np.moveaxis(f, axis, 0)
+    slope = np.moveaxis(slope, axis, 0)
     inner = 0.5 * (f[:-1] + f[1:]) + 0.25 * (slope[:-1] - slope[1:])
     return np.moveaxis(
         np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis

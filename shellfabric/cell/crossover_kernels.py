@@ -1,17 +1,16 @@
 """The biaxial crossover, solved as one monotone equation in the contact force (thesis section 4.3.1).
 
-Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1), or two straight
-segments (`yarn_kernels`). With k = pi h / 2 w,
+Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1). With k = pi h / 2 w,
 
     S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
-    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7), or with a toe (`yarn_kernels`)
+    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7)
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
     F        = T dS/dh / q                                           variational form: the gradient of the energy
 
 A cosine presses along its whole length. F is the resultant of that load; what works on a change of height is q F, with
 q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of compression is one of the resultant, to
-which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. Straight
-segments and the equilibrium form press at the crossing alone, q = 1.
+which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. The
+equilibrium form presses at the crossing alone, q = 1.
 
 Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
 
@@ -19,19 +18,15 @@ Both forms make h_i a rising function of F, and so is the compression d_i(F). Th
 
 which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata E-05, E-06, E-09, E-10).
 
-A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift, toe, profile): half length, length, stiffness, height at
-rest, its law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0:
-none), the strain of its toe and its profile.
+A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift): half length, length, stiffness, height at rest, its law of
+compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0: none).
 """
 
 import math
 
 from shellfabric.cell.yarn_kernels import (
-    COSINE,
-    STRAIGHT,
     arc,
     arc_curvature,
-    energy,
     free_height,
     tension,
     yarn_alone,
@@ -43,23 +38,23 @@ _MAX_STEPS = 200
 
 
 @kernel()
-def work_share(form, profile):
+def work_share(form):
     """q, the force that does work on a change of height over the contact force."""
-    return 0.25 * math.pi if form == VARIATIONAL and profile == COSINE else 1.0
+    return 0.25 * math.pi if form == VARIATIONAL else 1.0
 
 
 @kernel()
-def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
+def contact_force(w, h, S0, EA, form):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    S, dS = arc(w, h, profile)
-    T, dT = tension(S, dS, S0, EA, toe)
-    if form == EQUILIBRIUM and profile != STRAIGHT:
+    S, dS = arc(w, h)
+    T, dT = tension(S, dS, S0, EA)
+    if form == EQUILIBRIUM:
         k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
-    q = work_share(form, profile)
-    return T * dS / q, (dT * dS + T * arc_curvature(w, h, profile)) / q, T
+    q = work_share(form)
+    return T * dS / q, (dT * dS + T * arc_curvature(w, h)) / q, T
 
 
 @kernel()
@@ -68,13 +63,16 @@ def height(w, F, yarn, lowest, form):
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
-    S0, EA, toe, profile = yarn[1], yarn[2], yarn[7], yarn[8]
-    low, high = lowest, lowest + 0.05 * w
-    while contact_force(w, high, S0, EA, form, toe, profile)[0] < F:
-        low, high = high, 2.0 * high
+    S0 = yarn[1]
+    EA = yarn[2]
+    low = lowest
+    high = lowest + 0.05 * w
+    while contact_force(w, high, S0, EA, form)[0] < F:
+        low = high
+        high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
-        force, slope, _ = contact_force(w, h, S0, EA, form, toe, profile)
+        force, slope, _ = contact_force(w, h, S0, EA, form)
         if force > F:
             high = h
         else:
@@ -85,7 +83,7 @@ def height(w, F, yarn, lowest, form):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, S0, EA, form, toe, profile)[1]
+    return h, 1.0 / contact_force(w, h, S0, EA, form)[1]
 
 
 @kernel()
@@ -126,9 +124,11 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
     printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
     if not printed and free1 + free2 + gap >= warp[3] + weft[3]:
         return 0.0
-    low, high = 0.0, max(guess, 1e-6)
+    low = 0.0
+    high = max(guess, 1e-6)
     while residual(high, w1, w2, free1, free2, warp, weft, gap, form)[0] < 0.0:
-        low, high = high, 4.0 * high
+        low = high
+        high = 4.0 * high
         if high > 1e12:
             return -1.0
     F = high
@@ -153,17 +153,15 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
 def forces_of_cell(w1, w2, warp, weft, form, solution):
     """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
     F, h1, h2 = solution
-    S1, dS1 = arc(w1, h1, warp[8])
-    S2, dS2 = arc(w2, h2, weft[8])
-    T1, T2 = (
-        tension(S1, dS1, warp[1], warp[2], warp[7])[0],
-        tension(S2, dS2, weft[1], weft[2], weft[7])[0],
-    )
-    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
+    S1, dS1 = arc(w1, h1)
+    S2, dS2 = arc(w2, h2)
+    T1, _ = tension(S1, dS1, warp[1], warp[2])
+    T2, _ = tension(S2, dS2, weft[1], weft[2])
+    W = 0.5 * T1 * (S1 - warp[1]) + 0.5 * T2 * (S2 - weft[1])
     stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(
         F, weft[4], weft[5], weft[6]
     )
-    W += work_share(form, warp[8]) * stored
+    W += work_share(form) * stored
     if form == EQUILIBRIUM:
         return T1, T2, T1, T2, F, h1, h2, W
     # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
@@ -186,14 +184,17 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form (erratum E-15), and
     the gradient of W, N = T dS/d(2w), in the variational form. W is the energy of the yarns and of their compression.
     """
-    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2], warp[7])
-    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2], weft[7])
-    w1, w2 = stretch1 * warp[0], stretch2 * weft[0]
-    free1, free2 = free_height(w1, warp[1], warp[8]), free_height(w2, weft[1], weft[8])
+    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2])
+    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2])
+    w1 = stretch1 * warp[0]
+    w2 = stretch2 * weft[0]
+    free1 = free_height(w1, warp[1])
+    free2 = free_height(w2, weft[1])
     F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
-    h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
+    h1 = height(w1, F, warp, free1, form)[0]
+    h2 = height(w2, F, weft, free2, form)[0]
     return forces_of_cell(w1, w2, warp, weft, form, (F, h1, h2))
 
 
@@ -220,7 +221,8 @@ def tension_bound_table(low, high, over, top, unit, out):
     last = out.shape[0] - 1
     out[:] = 0.0
     for m in range(low.size):
-        begin, end = min(max(int(low[m] / unit), 0), last), min(max(int(high[m] / unit), 0), last)
+        begin = min(max(int(low[m] / unit), 0), last)
+        end = min(max(int(high[m] / unit), 0), last)
         for step in range(begin, end + 1):
             out[step, 1] = max(out[step, 1], over[m])
         if end < last:

@@ -23,7 +23,7 @@ from shellfabric.cell.crossover_kernels import (
     forces_of_cell,
     work_share,
 )
-from shellfabric.cell.yarn_kernels import COSINE, elliptic, free_height, tension, yarn_alone
+from shellfabric.cell.yarn_kernels import elliptic, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
@@ -33,15 +33,15 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 @kernel()
 def force_at_height(w, h, yarn, form):
     """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one elliptic integral."""
-    if form != VARIATIONAL or yarn[8] != COSINE or h <= 0.0:
-        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form, yarn[7], yarn[8])
+    if form != VARIATIONAL or h <= 0.0:
+        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form)
         return F, slope
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
-    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2], yarn[7])
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2])
     slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
-    q = work_share(form, yarn[8])
+    q = work_share(form)
     return T * dS / q, slope / q
 
 
@@ -57,10 +57,14 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
         d2, e2 = compression(F, weft[4], weft[5], weft[6])
         if not (s1 > 0.0 and s2 > 0.0):
             break
-        miss1, miss2 = (F - F1) / s1, (F - F2) / s2
+        miss1 = (F - F1) / s1
+        miss2 = (F - F2) / s2
         dF = -(h1 + h2 + d1 + d2 - full + miss1 + miss2) / (1.0 / s1 + 1.0 / s2 + e1 + e2)
-        dh1, dh2 = miss1 + dF / s1, miss2 + dF / s2
-        F, h1, h2 = F + dF, h1 + dh1, h2 + dh2
+        dh1 = miss1 + dF / s1
+        dh2 = miss2 + dF / s2
+        F = F + dF
+        h1 = h1 + dh1
+        h2 = h2 + dh2
         if not (F > 0.0 and h1 >= free1 and h2 >= free2):
             break
         if abs(dF) <= _SMALL * F and abs(dh1) <= _SMALL * w1 and abs(dh2) <= _SMALL * w2:
@@ -72,16 +76,19 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
 def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
     """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if a cell failed."""
     n2 = stretches2.size
-    free, alone, stored = np.empty(n2), np.empty(n2), np.empty(n2)
+    free = np.empty(n2)
+    alone = np.empty(n2)
+    stored = np.empty(n2)
     for j in range(n2):
-        free[j] = free_height(stretches2[j] * weft[0], weft[1], weft[8])
-        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2], weft[7])
+        free[j] = free_height(stretches2[j] * weft[0], weft[1])
+        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2])
     printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
     for i in range(stretches1.size):
         w1 = stretches1[i] * warp[0]
-        free1 = free_height(w1, warp[1], warp[8])
-        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2], warp[7])
-        last, guess = (-1.0, 0.0, 0.0), 1.0
+        free1 = free_height(w1, warp[1])
+        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2])
+        last = (-1.0, 0.0, 0.0)
+        guess = 1.0
         for j in range(n2):
             w2 = stretches2[j] * weft[0]
             apart = not coupled or (not printed and free1 + free[j] + gap >= warp[3] + weft[3])

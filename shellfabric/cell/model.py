@@ -29,9 +29,7 @@ from shellfabric.cell import coefficients, fill_kernels
 from shellfabric.cell import crossover_kernels as kernels
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
-PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
 MODELS = ("compressible", "incompressible", "decoupled")
-_LONGEST_TOE = 0.1
 _CLOSED = 1e-3  # stretch of a cell that has closed up
 COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
@@ -49,16 +47,12 @@ class CellModel:
     form : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis; forces T).
         The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
         form's forces are no gradient, and do work that nothing stores
-    profile : "cosine" (of the thesis), or "straight" segments from crossing to crossing (Kawabata's)
-    toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
-        the linear yarn of the thesis. See `yarn_kernels`
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
         not fail, since forces beyond a table follow its last cell and may grow without bound
 
     Raises
     ------
-    InputError : unknown model, form or profile, negative gap, a toe outside [0, 0.1], or a compressible cell without
-        laws
+    InputError : unknown model or form, negative gap, or a compressible cell without laws
     """
 
     fabric: Fabric
@@ -66,19 +60,12 @@ class CellModel:
     gap: float = 0.0
     model: str = "compressible"
     form: str = "variational"
-    profile: str = "cosine"
-    toe: float | tuple[float, ...] = 0.0
     reach: float = 1.0
 
     def __post_init__(self):
-        for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
+        for key, known in (("model", MODELS), ("form", FORMS)):
             if getattr(self, key) not in known:
                 raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
-        if np.shape(self.toe) not in ((), (2,)) or not all(
-            0 <= toe <= _LONGEST_TOE for toe in self.toes
-        ):
-            allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
-            raise InputError(key="toe", value=self.toe, allowed=allowed)
         if not 1 <= self.reach < np.inf:
             raise InputError(key="reach", value=self.reach, allowed="at least 1")
         if not 0 <= self.gap <= sum(self.h0):
@@ -96,39 +83,15 @@ class CellModel:
         return self.laws or self.fabric.laws or ()
 
     @property
-    def toes(self) -> tuple[float, ...]:
-        """[-] of warp and weft."""
-        return tuple(float(toe) for toe in np.broadcast_to(self.toe, 2))
-
-    @property
     def h0(self) -> tuple[float, ...]:
-        """[m] heights at rest of warp and weft, of the profile."""
-        weave = self.fabric.weave
-        if self.profile == "cosine":
-            return weave.h0
-        return tuple(
-            kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0)
-        )
-
-    @property
-    def ultimate_strains(self) -> tuple[float, ...]:
-        """[-] of warp and weft, alone, at their strength: the toe comes beyond the failure strain of the fibres."""
-        if not any(self.toes):
-            return tuple(yarn.failure_strain for yarn in self.fabric.weave.yarns)
-        from scipy.optimize import brentq
-
-        found = []
-        for yarn, toe in zip(self.fabric.weave.yarns, self.toes):
-            short = lambda e, last=yarn.failure_strain, toe=toe: e + toe * np.expm1(-e / toe) - last  # noqa: E731
-            e = yarn.failure_strain
-            found.append(brentq(short, e, e + toe, xtol=1e-15) if toe else e)
-        return tuple(found)
+        """[m] heights at rest of warp and weft."""
+        return self.fabric.weave.h0
 
     @property
     def yarn_tuples(self) -> tuple[tuple[float, ...], ...]:
         """The two yarns as `crossover_kernels` takes them."""
-        weave, profile = self.fabric.weave, PROFILES[self.profile]
-        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
+        weave = self.fabric.weave
+        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws)
         return tuple(
             (
                 w,
@@ -138,17 +101,14 @@ class CellModel:
                 law.a,
                 law.b,
                 law.F0 if law.form == "regularised" else 0.0,
-                toe,
-                profile,
             )
-            for w, S0, yarn, h0, law, toe in rows
+            for w, S0, yarn, h0, law in rows
         )
 
     def alone(self, family: int, stretch: ArrayLike) -> FloatArray:
         """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at stretches of the cell."""
-        w, S0, EA, *_, toe, _ = self.yarn_tuples[family]
-        slack = np.maximum(2 * w * np.asarray(stretch, float) - S0, 0)
-        return EA * (slack / S0 + toe * np.expm1(-slack / S0 / toe)) if toe else EA * slack / S0
+        w, S0, EA = self.yarn_tuples[family][:3]
+        return EA * np.maximum(2 * w * np.asarray(stretch, float) - S0, 0) / S0
 
     def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
         """The cell at given stretches.
@@ -176,13 +136,12 @@ class CellModel:
 
     def range(self) -> tuple[tuple[float, float], ...]:
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
-        weave, bounds = self.fabric.weave, []
-        for w, S0, crossing, ultimate in zip(
-            weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains
-        ):
+        weave = self.fabric.weave
+        bounds = []
+        for w, S0, yarn, crossing in zip(weave.w, weave.S0, weave.yarns, weave.yarns[::-1]):
             lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
-            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
+            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * yarn.failure_strain)))
         return tuple(bounds)
 
     def _contact_loss(self, w, S0):
@@ -195,8 +154,6 @@ class CellModel:
             return 1.0
         if full >= S0 / 2:
             return 0.0
-        if self.profile == "straight":
-            return np.sqrt((S0 / 2) ** 2 - full**2) / w
         straight = S0 / (2 * w)
         too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
         if too_long(_CLOSED) >= 0:
@@ -224,11 +181,9 @@ class CellTable:
     stretch1, stretch2 : (n1,), (n2,) [-] uniform
     values : dict of (n1, n2) arrays T1, T2, N1, N2, W, and what else `CellModel.solve` gives
     tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
-    slopes : (W, fx, fy, fxy), each (n1, n2) [J]: W and its slopes per cell of the grid, which are N (variational form),
-        or differences
-    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline (`coefficients.spline`), which the
-        solver reads: half as dear as the bicubic. With 201 stretches its forces are within 0.2 % of the strength of the
-        cell's, and within 3e-5 in the mean
+    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline (`coefficients.spline`), which panels
+        and coupons read. With 201 stretches its forces are within 0.2 % of the strength of the cell's, and within 3e-5
+        in the mean
     residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
     """
 
@@ -238,7 +193,6 @@ class CellTable:
     values: dict
     tension1: np.ndarray = field(repr=False)
     tension2: np.ndarray = field(repr=False)
-    slopes: tuple = field(repr=False)
     spline: np.ndarray = field(repr=False)
     residual: float = 0.0
 
@@ -285,7 +239,8 @@ class CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.form == "variational":
-            fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
+            fx = values["N1"] * 2 * w1 * (x[1] - x[0])
+            fy = values["N2"] * 2 * w2 * (y[1] - y[0])
         else:
             fx, fy = np.gradient(values["W"], edge_order=2)
         return cls.of(model, x, y, values, fx, fy)
@@ -302,7 +257,9 @@ class CellTable:
         residual: float = 0.0,
     ) -> CellTable:
         """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
-        W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
+        W = values["W"].copy()
+        fx = fx.copy()
+        fy = fy.copy()
         # the mixed slope from both sides; it is the same function where W is smooth
         fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
         # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
@@ -320,15 +277,9 @@ class CellTable:
             values,
             coefficients.bilinear(values["T1"]),
             coefficients.bilinear(values["T2"]),
-            (W, fx, fy, fxy),
             coefficients.spline(W, fx, fy, fxy, rest),
             residual,
         )
-
-    @cached_property
-    def potential(self) -> FloatArray:
-        """(n1-1, n2-1, 16) [J] bicubic coefficients of W."""
-        return coefficients.bicubic(*self.slopes)
 
     @property
     def steps(self) -> tuple[float, float]:
@@ -347,10 +298,13 @@ class CellTable:
     def _stiffness(self):
         """(largest, at rest) [N/m]."""
         weave = self.model.fabric.weave
-        m1, m2 = weave.warp_count, weave.weft_count
+        m1 = weave.warp_count
+        m2 = weave.weft_count
         d1, d2 = self.steps
-        N1, N2 = self.values["N1"] * m1, self.values["N2"] * m2
-        k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
+        N1 = self.values["N1"] * m1
+        N2 = self.values["N2"] * m2
+        k11 = np.diff(N1, axis=0)[:, :-1] / d1
+        k22 = np.diff(N2, axis=1)[:-1, :] / d2
         k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
         found = 0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)
         rest = tuple(int(np.argmin(np.abs(x - 1))) for x in (self.stretch1, self.stretch2))

@@ -38,14 +38,13 @@ def beyond(table: CellTable) -> tuple[float, ...]:
 
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
     """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
-    found, weave = [], table.model.fabric.weave
+    found = []
+    weave = table.model.fabric.weave
     spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
     for family, values in enumerate((table.tension1, table.tension2)):
-        scale, tensions, bounds = (
-            2 * weave.w[family] * table.steps[family],
-            values.reshape(-1, 4),
-            [],
-        )
+        scale = 2 * weave.w[family] * table.steps[family]
+        tensions = values.reshape(-1, 4)
+        bounds = []
         for begin in range(0, len(spline), _PIECE):
             W, T = (
                 np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1))
@@ -75,7 +74,9 @@ def _bounds(force, tension):
 def _ceiling(low, high, over, top):
     """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps."""
     most = max(high.max(), top.max())
-    unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
+    unit = most / _STEPS
+    rounding = 1e-9 * most
+    steps = np.empty((_STEPS + 1, 2))
     crossover_kernels.tension_bound_table(
         low - rounding, high + rounding, over + rounding, top + rounding, unit, steps
     )
@@ -84,7 +85,11 @@ def _ceiling(low, high, over, top):
 
 def _bernstein(quadratics):
     """(2, 3, n) coefficients of Bernstein from those of 1, x, x x, on 0 <= x <= 1."""
-    a, b, c = quadratics[:, 0], quadratics[:, 1], quadratics[:, 2]
+    a = quadratics[:, 0]
+    b = quadratics[:, 1]
+    c = quadratics[:, 2]
     found = np.empty_like(quadratics)
-    found[:, 0], found[:, 1], found[:, 2] = a, a + 0.5 * b, a + b + c
+    found[:, 0] = a
+    found[:, 1] = a + 0.5 * b
+    found[:, 2] = a + b + c
     return found

@@ -60,7 +60,6 @@ class SurfaceCell:
     fabric: Fabric
     surface: ResponseSurface
     form: str = "variational"
-    toes = (0.0, 0.0)  # yarns that cross nothing are linear
 
     def __post_init__(self):
         if self.form not in FORMS:
@@ -95,10 +94,8 @@ class SurfaceCell:
         """
         from scipy.interpolate import PchipInterpolator
 
-        stretches, weave = (
-            (np.asarray(stretch1, float), np.asarray(stretch2, float)),
-            self.fabric.weave,
-        )
+        stretches = (np.asarray(stretch1, float), np.asarray(stretch2, float))
+        weave = self.fabric.weave
         clamped = [np.clip(x, *bounds) for x, bounds in zip(stretches, self.region)]
         phi = (
             self._contact(0, stretches[0], clamped[1])
@@ -154,7 +151,8 @@ class SurfaceCell:
         """Stretch of yarn m below which it leaves the other yarn, which has the stretch `other` and bears nothing."""
         weave = self.fabric.weave
         height = sum(weave.h0) - free_height(other * weave.w[1 - m], weave.S0[1 - m])
-        low, high = 0.5, weave.S0[m] / (2 * weave.w[m])
+        low = 0.5
+        high = weave.S0[m] / (2 * weave.w[m])
         for _ in range(60):  # the length at this height rises with the stretch
             middle = 0.5 * (low + high)
             low, high = (
@@ -185,7 +183,8 @@ def potential(
     from scipy.sparse import coo_matrix
     from scipy.sparse.linalg import spsolve
 
-    number, rises = np.arange(fx.size).reshape(fx.shape), (_rises(fx), _rises(fy.T).T)
+    number = np.arange(fx.size).reshape(fx.shape)
+    rises = (_rises(fx), _rises(fy.T).T)
     low = np.concatenate([number[:-1].ravel(), number[:, :-1].ravel()])
     high = np.concatenate([number[1:].ravel(), number[:, 1:].ravel()])
     rise = np.concatenate([part.ravel() for part in rises])
@@ -201,7 +200,8 @@ def potential(
         (np.r_[-weight, weight], (np.r_[sides, sides], np.r_[low, high])), (low.size, fx.size)
     ).tocsc()
     free = np.flatnonzero((fx.ravel() != 0) | (fy.ravel() != 0))
-    W, part = np.zeros(fx.size), G[:, free]
+    W = np.zeros(fx.size)
+    part = G[:, free]
     W[free] = spsolve((part.T @ part).tocsc(), part.T @ (weight * rise))
     change = W[high] - W[low] - rise
     first, second = (c.reshape(r.shape) for c, r in zip(np.split(change, [rises[0].size]), rises))

@@ -40,7 +40,8 @@ def table(model: CellModel, n: int = 201) -> CellTable:
     place = folder()
     if place is None:
         return model.table(n)
-    kept, name = RunCache(place, ARRAYS), key((model, int(n)), "shellfabric.cell.table_cache")
+    kept = RunCache(place, ARRAYS)
+    name = key((model, int(n)), "shellfabric.cell.table_cache")
     with suppress(OSError, ValueError, EOFError):
         x, y, out = _split(kept[name])
         os.utime(kept.file(name))

@@ -45,8 +45,8 @@ from shellfabric.jit.simd import (
 from shellfabric.state import unit
 
 ONE = np.uint64(1)
-# of state.element_flag; WINDOW: sliding yarns drawn apart; DRAWN_OUT: torn, and twice its size
-WARP_FAILED, WEFT_FAILED, ERODED, WINDOW, DRAWN_OUT = 1, 2, 4, 8, 16
+# of state.element_flag; DRAWN_OUT: torn, and twice its size
+WARP_FAILED, WEFT_FAILED, ERODED, DRAWN_OUT = 1, 2, 4, 8
 
 
 def mean_crossing_warp(split, k, a, b, c, d):

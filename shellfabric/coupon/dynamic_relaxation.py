@@ -77,12 +77,17 @@ def relax(
     max_iterations : after which the state is returned unsettled
     load : [-] what to call the state
     """
-    x, free, heaviest = np.array(x, float), ~held, 0.0
-    v, energy, history = np.zeros_like(x), 0.0, []
+    x = np.array(x, float)
+    free = ~held
+    heaviest = 0.0
+    v = np.zeros_like(x)
+    energy = 0.0
+    history = []
     settled = False
     while True:
         f, bound, energies = forces(x)
-        out, reaction = float(np.linalg.norm(f[free])), float(np.linalg.norm(f[held]))
+        out = float(np.linalg.norm(f[free]))
+        reaction = float(np.linalg.norm(f[held]))
         history.append((out, reaction))
         settled = out <= tolerance * max(reaction, force_floor)
         if settled or len(history) >= max_iterations or not np.isfinite(out + reaction):
@@ -101,7 +106,8 @@ def relax(
                 x -= 0.5 * v
                 energy = 0.0
                 continue
-            v, energy = faster, now
+            v = faster
+            energy = now
         x += v
     scale = max(reaction, force_floor)
     residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
@@ -150,7 +156,8 @@ def relax_path(
     UnstableError : a step did not settle, or a hook's; its attribute `states` holds what was computed, the state that
         was refused last
     """
-    states, ended = list(done), False
+    states = list(done)
+    ended = False
     for load in loads[len(states) :]:
         target = path(load)
         start = _start(body, x, held, states, load, target, force_floor)

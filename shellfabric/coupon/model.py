@@ -80,7 +80,8 @@ class Coupon:
 
     @cached_property
     def _arguments(self):
-        table, weave = self.table, self.weave
+        table = self.table
+        weave = self.weave
         (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
         grid = (
             table.stretch1[0],
@@ -90,15 +91,15 @@ class Coupon:
             ry,
             table.stretch2.size - 2,
         )
-        rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
-        yarns = tuple((w, S0, self.yarn_share * yarn.EA, toe) for w, S0, yarn, toe in rows)
+        rows = zip(weave.w, weave.S0, weave.yarns)
+        yarns = tuple((w, S0, self.yarn_share * yarn.EA) for w, S0, yarn in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
             if self.trellis and shear
             else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
-        potential = self.yarn_share * table.potential.reshape(-1, 16)
+        potential = self.yarn_share * table.spline.reshape(-1, 9)
         return (
             self.edges,
             self.cells,
@@ -118,11 +119,13 @@ class Coupon:
 
     def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
         """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its neighbours' mean."""
-        n, pairs = len(self.points), np.concatenate(self.edges)
+        n = len(self.points)
+        pairs = np.concatenate(self.edges)
         joined = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
         joined = (joined + joined.T).tocsr()
         laplace = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
-        out, free = np.array(u, float), np.flatnonzero(~held)
+        out = np.array(u, float)
+        free = np.flatnonzero(~held)
         out[free] = splu(laplace[free][:, free].tocsc()).solve(
             joined[free][:, np.flatnonzero(held)] @ out[held]
         )
@@ -141,7 +144,9 @@ class Coupon:
 
     def tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """((e1,), (e2,)) [N] tensions of the yarns in the warp and the weft segments."""
-        stretches, model, found = self.stretches(x), self.table.model, []
+        stretches = self.stretches(x)
+        model = self.table.model
+        found = []
         for m, (own, other) in enumerate(zip(stretches, stretches[::-1])):
             there = self.across[m] >= 0
             count = there.sum(axis=1)
@@ -162,10 +167,12 @@ class Coupon:
     @cached_property
     def _means(self):
         """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each segment."""
-        length, means = self.table.model.fabric.failure_length, []
+        length = self.table.model.fabric.failure_length
+        means = []
         for family, (edges, cells) in enumerate(zip(self.edges, self.cells)):
             along = (self.points[edges[0, 1]] - self.points[edges[0, 0]]) / self.spacing[family]
-            middles, side = self.points[edges].mean(axis=1), self.spacing[1 - family]
+            middles = self.points[edges].mean(axis=1)
+            side = self.spacing[1 - family]
             away = middles - middles[0]
             places = np.rint(
                 np.stack([away @ along / self.spacing[family], away @ (-along[1], along[0]) / side])
@@ -225,13 +232,16 @@ def mesh_coupon(
         *(side * (np.arange(-n, n + 1) + shift) for side, n, shift in zip(spacing, half, offset)),
         indexing="ij",
     )
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = c * X - s * Y, s * X + c * Y
+    c = np.cos(angle)
+    s = np.sin(angle)
+    x = c * X - s * Y
+    y = s * X + c * Y
     present = _present_yarns(x, y, outline, woven)
     count = _beside(
         *present
     )  # an edge stands for half of each element beside it in which its yarn is present
-    number, edges = -np.ones(X.shape, int), []
+    number = -np.ones(X.shape, int)
+    edges = []
     used = np.zeros(X.shape, bool)
     for part, (di, dj) in zip(count, ((1, 0), (0, 1))):
         i, j = np.nonzero(part)

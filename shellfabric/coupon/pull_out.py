@@ -1,282 +1,275 @@
-"""Yarn pull-out coupon: one yarn pulled through its crossovers, under a pre-tension of the yarns that it crosses.
+"""Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it crosses are in tension.
 
-The crossovers are held in place: what moves is the yarn. Its end is drawn out at a constant velocity by a crosshead, so
-heavy that nothing slows it. All crossovers take part one after the other, as the front of slip reaches them at the
-wave speed of the yarn; the load is then the sum of their thresholds, until the tail of the yarn comes to them.
+The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at its stretch x; the
+piece of yarn there is 1/x times the piece that fills the cell. At each crossover that the yarn slides through
 
-The contact force of the cell is that of perfectly flexible yarns: without a tension of the pulled yarn there is none,
-however much the crossing yarns are stretched. With mu alone the load is therefore that of a capstan, which multiplies
-the tension at each crossover and begins at nothing; the cohesion is what it begins with.
+    T_ahead - T_behind = c0 + mu F_c(x),    x the mean of the two stretches
+
+Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it, and so on up to the
+crosshead. What the crosshead has drawn out is what the pieces hold less than at first, and what has come from the tail.
+
+1. The front of slip runs from the crosshead to the tail; behind it the yarn has no tension and lies still.
+2. All crossovers slide, and the tail moves on.
+3. The tail leaves one crossover after the other.
+
+The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not press back, however
+much the crossing yarns are stretched. With mu alone there is then no load; the cohesion is what it begins with. Yarns
+that resist bending press back (`contact_force`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
+from fabrics.friction.pull_out import FRICTION
 from shellfabric.cell.model import CellTable
-from shellfabric.driver.solver import RUNNING, Hook
-from shellfabric.panel.numerics import Numerics
-from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding import contact_force
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.state import Slip
+from shellfabric.coupon import contact_force
 
-CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
-DAMPING = (
-    0.5  # 1 / transit of the wave: a crimped yarn, ten times softer, is just critically damped
+TAIL = 0.5  # of a spacing: yarn beyond the last crossover
+BISECTIONS = 50  # 1e-15 of the table's range
+FRONTS = (
+    17  # tensions at the front of slip between two crossovers, of which samples are interpolated
 )
-BESIDE = 4  # crossovers on each side of the yarn, which nothing happens in
 
 
 @dataclass(frozen=True)
 class PullOut:
-    """A yarn of the warp pulled out of held crossovers.
+    """A yarn of the warp drawn out of held crossovers.
 
     Parameters
     ----------
     table : CellTable of the fabric, variational
-    crossings : crossovers that the yarn is pulled through
-    velocity : [m/s] of the crosshead
-    pre_tension : [N] of each crossing yarn, before the yarn is pulled
-    friction : CrossoverFriction
-    numerics : Numerics
-    together : whether all yarns of the family are pulled, each by the same; otherwise one alone. In the panel half of a
-        segment's energy follows from the mean stretch of neighbouring yarns: one alone is 3/4 as stiff as it is
+    crossings : crossovers that the yarn is drawn through
+    pre_tension : [N] of each crossing yarn, before the yarn is drawn
+    mu : [-] coefficient of friction of yarn on yarn
+    cohesion : [N] c0, friction of a crossover without contact force
+    bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of flexible yarns
 
     Raises
     ------
-    InputError : a value out of its range, or a pre-tension beyond the strength of the crossing yarns
+    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the strength of the
+        crossing yarns
     """
 
     table: CellTable
     crossings: int = 20
-    velocity: float = 2.0
     pre_tension: float = 0.0
-    friction: CrossoverFriction = field(default_factory=CrossoverFriction)
-    numerics: Numerics = field(default_factory=Numerics)
-    together: bool = False
+    mu: float = FRICTION
+    cohesion: float = 0.0
+    bending: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self):
-        if self.crossings < 8 or self.crossings % 2:
-            raise InputError(
-                key="crossings", value=self.crossings, allowed="an even number of at least 8"
-            )
-        if not 0 < self.velocity < inf:
-            raise InputError(key="velocity", value=self.velocity, allowed="above 0")
+        if self.table.model.form != "variational":
+            allowed = "variational in a pull-out"
+            raise InputError(key="form", value=self.table.model.form, allowed=allowed)
+        for key in ("crossover_friction", "crossover_cohesion"):
+            value = self.mu if key == "crossover_friction" else self.cohesion
+            if not 0 <= value < inf:
+                raise InputError(key=key, value=value, allowed="at least 0")
+        if not min(self.bending) >= 0:
+            raise InputError(key="bending", value=self.bending, allowed="at least 0")
+        if self.crossings < 1:
+            raise InputError(key="crossings", value=self.crossings, allowed="at least 1")
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
             allowed = "at least 0 and below the strength of the crossing yarns"
             raise InputError(key="pre_tension", value=self.pre_tension, allowed=allowed)
 
-    def panel(self) -> SlidingPanel:
-        """The panel: `crossings` + 1 nodes along the warp, the last of them the crosshead's; all sides free."""
-        w1, w2 = self.table.model.fabric.weave.w
-        opening = ((self.crossings + 0.5) * 2 * w1, (2 * BESIDE + 0.5) * 2 * w2)
-        small = Projectile(radius=0.4 * min(w1, w2), edge_radius=0.1 * min(w1, w2))
-        return SlidingPanel(
-            self.table,
-            opening,
-            small,
-            "whole",
-            1,
-            "free",
-            self.numerics,
-            trellis=False,
-            failure=False,
-            friction=self.friction,
-        )
-
     @property
-    def transit(self) -> float:
-        """[s] of a wave along the yarn."""
-        weave = self.table.model.fabric.weave
-        wave = (weave.warp.EA / weave.warp.linear_density) ** 0.5
-        return self.crossings * 2 * weave.w1 / wave
+    def spacing(self) -> float:
+        """[m] of the crossovers."""
+        return 2 * self.table.model.fabric.weave.w1
 
-    def stretch(self) -> float:
-        """[-] stretch of the crossing yarns under the pre-tension: the pulled yarn without tension, where yarns resist
-        bending, and at its length at rest where they do not."""
-        table, bending = self.table, self.friction.bending
+    @cached_property
+    def crossing_stretch(self) -> float:
+        """[-] stretch at which the crossing yarns have the pre-tension, while the drawn yarn has none."""
         if self.pre_tension == 0:
             return 1.0
-        if any(bending):
-            tension = contact_force.crossing_tension(table, bending)
-        else:
-            tension = table.values["T2"][int(np.argmin(np.abs(table.stretch1 - 1)))]
-        loaded = (table.stretch2 >= 1) & (np.gradient(tension) > 0)
-        return float(np.interp(self.pre_tension, tension[loaded], table.stretch2[loaded]))
+        stretch = self.table.stretch2
+        tension = contact_force.crossing_tension(self.table, self.bending)
+        loaded = (stretch >= 1) & (np.gradient(tension) > 0)
+        return float(np.interp(self.pre_tension, tension[loaded], stretch[loaded]))
 
-    def drawn_in(self) -> float:
-        """[-] share of yarn at which the pulled yarn has no tension, its ends loose while the others are stretched;
-        1 where yarns do not resist bending."""
-        table, stretch = self.table, self.stretch()
-        if stretch == 1 or not any(self.friction.bending):
-            return 1.0
-        column = int(np.argmin(np.abs(table.stretch2 - stretch)))
-        slack = np.flatnonzero(table.values["N1"][:, column] <= 0)
-        return 1 / min(float(table.stretch1[slack[-1]]), 1.0)
+    def _along_yarn(self, values):
+        """(n1,) values of the table at the stretch of the crossing yarns."""
+        return np.array([np.interp(self.crossing_stretch, self.table.stretch2, v) for v in values])
+
+    @cached_property
+    def tensions(self) -> FloatArray:
+        """(n1,) [N] axial force of the yarn at the stretches of the table."""
+        return self._along_yarn(self.table.values["T1"])
+
+    @cached_property
+    def thresholds(self) -> FloatArray:
+        """(n1,) [N] friction of a crossover at the stretches of the table."""
+        forces = contact_force.stiff_table(self.table, self.bending)
+        return self.cohesion + self.mu * self._along_yarn(forces)
+
+    @property
+    def slack(self) -> float:
+        """[-] largest stretch of the table at which the yarn has no tension."""
+        return float(self.table.stretch1[np.flatnonzero(self.tensions <= 0)[-1]])
+
+    def tension(self, stretch: FloatArray) -> FloatArray:
+        """[N] axial force of the yarn."""
+        return np.interp(stretch, self.table.stretch1, self.tensions)
+
+    def stretch_ahead(self, behind: FloatArray, *, at_tail: bool = False) -> FloatArray:
+        """Stretch ahead of a crossover that the yarn slides through.
+
+        Parameters
+        ----------
+        behind : (k,) [-] stretch behind it
+        at_tail : whether the tail is behind it, which presses on nothing: the contact force is then of the stretch
+            ahead alone
+
+        Returns
+        -------
+        (k,) [-]; the end of the table if the yarn cannot bear the friction
+        """
+        low = behind
+        high = np.full_like(behind, self.table.stretch1[-1])
+        for _ in range(BISECTIONS):
+            ahead = 0.5 * (low + high)
+            pressed = ahead if at_tail else 0.5 * (behind + ahead)
+            friction = np.interp(pressed, self.table.stretch1, self.thresholds)
+            slides = self.tension(ahead) > self.tension(behind) + friction
+            low = np.where(slides, low, ahead)
+            high = np.where(slides, ahead, high)
+        return low
+
+    def stretches(self, first: FloatArray) -> FloatArray:
+        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first ones `first` (k,)."""
+        found = [first]
+        while len(found) < self.crossings:
+            found.append(self.stretch_ahead(found[-1]))
+        self._check(found)
+        return np.transpose(found)
+
+    def _check(self, stretches):
+        """Refuse more crossovers than the yarn can be drawn through."""
+        strength = self.table.model.fabric.weave.warp.strength
+        for number, stretch in enumerate(stretches):
+            broken = self.tension(stretch) > strength
+            if np.any(broken | np.isclose(stretch, self.table.stretch1[-1], rtol=1e-9)):
+                allowed = f"at most {number} with this friction: the yarn breaks in more"
+                raise InputError(key="crossings", value=self.crossings, allowed=allowed)
 
 
 @dataclass(frozen=True)
-class PullOutResult:
-    """Load and displacement of a pull-out.
+class PullOutCurve:
+    """Samples of a pull-out.
 
     Parameters
     ----------
-    coupon : what was run
-    time, displacement, load : (n,) [s], [m], [N] of the crosshead
-    sliding : (n,) crossovers that the yarn slides through
-    energy_error : [-] largest error of the energy balance over the work of the crosshead
+    coupon : PullOut
+    displacement : (n,) [m] of the crosshead
+    load : (n,) [N] on the yarn
+    sliding : (n,) [-] crossovers that the yarn slides through
+    left : (n,) [-] crossovers that the yarn's end has left
+    friction_work : (n,) [J]
     """
 
     coupon: PullOut
-    time: np.ndarray
-    displacement: np.ndarray
-    load: np.ndarray
-    sliding: np.ndarray
-    energy_error: float
+    displacement: FloatArray
+    load: FloatArray
+    sliding: IntArray
+    left: IntArray
+    friction_work: FloatArray
 
     @property
     def peak(self) -> float:
         """[N] highest load."""
         return float(self.load.max())
 
+    @property
+    def plateau(self) -> float | None:
+        """[N] load while all crossovers slide; None where there is no such sample."""
+        whole = np.flatnonzero(self.sliding == self.coupon.crossings)
+        if not whole.size:
+            return None
+        return float(self.load[whole[-1]])
 
-class PullOutSolver(PackSolver):
-    """A pull-out: PackSolver with held nodes, and a crosshead at the end of the middle warp.
-
-    Parameters
-    ----------
-    coupon : PullOut
-    end_time, interval : [s] as ExplicitSolver
-    start : [s] in which the crosshead comes to its velocity, and the sliding is damped from then on, for a load that
-        is quasi-static; 0 starts it with all of its velocity, and damps nothing
-    """
-
-    struck = False
-
-    def __init__(
-        self, coupon: PullOut, end_time: float, *, interval: float = 1e-6, start: float = 0.0
-    ) -> None:
-        panel = coupon.panel()
-        self.coupon, self.start = coupon, start
-        super().__init__(panel, 1.0, end_time, interval=interval, energy_error_limit=1.0)
-
-    def set_up(self) -> tuple[Slip, ...]:
-        """Hold the nodes, stretch the crossing yarns and set the crosshead in motion before the first sample."""
-        panel, const, state = self.parts[0]
-        for array in (state.inverse_mass, state.dt_over_mass):
-            array[:] = 0
-        state.contact_window[:] = 0
-        state.active_rows[:] = 0, const.ni
-        stretch = self.coupon.stretch()
-        grid(state.u[1], panel)[:] = (stretch - 1) * panel.coordinates()[1]
-        (self.slip,) = slips = super().set_up()
-        grid(self.slip.x[1], panel)[:, :-1] = stretch
-        grid(state.stretch[1], panel)[:, :-1] = stretch
-        nodes = grid(np.arange(self.slip.q[0].size), panel)[-1]
-        self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
-        warp, weft = (
-            grid(mobile, panel) for mobile in self.slip.mobility
-        )  # other yarns stay where they are
-        pulled = slice(None) if self.coupon.together else slice(middle, middle + 1)
-        self.held = nodes[pulled]
-        yarns = warp[:, pulled].copy()
-        warp[:], weft[:] = 0, 0
-        warp[:, pulled], grid(self.slip.part, panel)[:, pulled] = yarns, 1
-        for array, value in (
-            (self.slip.mass[0], CROSSHEAD),
-            (self.slip.mobility[0], 1 / CROSSHEAD),
-            (self.slip.part, 0),
-            (self.slip.q[0], self.crosshead_velocity()),
-            (self.slip.q_before[0], self.crosshead_velocity()),
-        ):
-            grid(array, panel)[-1, pulled] = value
-        share, inverse, x = (
-            grid(each[0], panel)[:-1, pulled]
-            for each in (self.slip.share, self.slip.inv_share, self.slip.x)
-        )
-        share[:], inverse[:], x[:] = (
-            self.coupon.drawn_in(),
-            1 / self.coupon.drawn_in(),
-            1 / self.coupon.drawn_in(),
-        )
-        self.slip.row_slips[const.ni] = True
-        return slips
-
-    def crosshead_velocity(self) -> float:
-        """[m/s] that is prescribed now; smooth at both ends of the start."""
-        x = 1.0
-        if self.time < self.start:
-            x = self.time / self.start
-        return self.coupon.velocity * x**3 * (10 - 15 * x + 6 * x * x)
-
-    def advance(self, history: FloatArray) -> tuple[int, int]:
-        """See ExplicitSolver. With a start one step at a time, each after the crosshead has been accelerated."""
-        if self.start == 0 or not len(history):
-            return super().advance(history)
-        made, reason = 0, RUNNING
-        while made < len(history) and reason == RUNNING:
-            if made:
-                self._start_workers()
-            self._accelerate()
-            _, reason = super().advance(history[made : made + 1])
-            made += 1
-        return made, reason
-
-    def _accelerate(self):
-        """Give the crosshead the velocity that is prescribed now, and damp what slides towards it: the yarn does not
-        ring, and what slides with the crosshead is not touched.
-
-        What the kinetic energy changes by, mass x q_before x q / 2 of a leapfrog, comes from outside.
-        """
-        slip, velocity = self.slip, self.crosshead_velocity()
-        q, q_before, mass = slip.q[0], slip.q_before[0], slip.mass[0]
-        share = DAMPING * self.const.dt / self.coupon.transit
-        change = np.where(q == 0, 0.0, share * (velocity - q))
-        change[self.held] = velocity - q[self.held]
-        stored = 0.5 * mass * q_before * q
-        q += change
-        q_before += change
-        self.energy_at_start += float(np.sum(0.5 * mass * q_before * q - stored))
-
-    def load(self) -> float:
-        """[N] of the crosshead."""
-        behind = self.node - self.const.row_stride
-        return float(self.slip.config[0][behind])
-
-    def sliding_crossovers(self) -> int:
-        """Crossovers that the yarn slides through, at half of the crosshead's velocity or more."""
-        flux = grid(self.slip.q[0], self.panel)[:-1, self.const.nj // 2]
-        return int(np.count_nonzero(np.abs(flux) > 0.5 * self.coupon.velocity))
+    @property
+    def slip_length(self) -> float:
+        """[m] length of yarn, at rest, that slides at the peak."""
+        return float(self.coupon.spacing * self.sliding[np.argmax(self.load)])
 
 
-def run(coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> PullOutResult:
-    """Pull the yarn until `end_time` [s]; a sample every `interval` [s].
+def follow(coupon: PullOut, displacement: float, *, samples: int = 500) -> PullOutCurve:
+    """Draw the yarn until the crosshead has moved by `displacement` [m], in equal samples.
 
     Raises
     ------
-    InputError : a time that is not positive
-    UnstableError : as ExplicitSolver.run
+    InputError : a displacement that is not positive, no sample, or more crossovers than the yarn can be drawn through
     """
-    solver = PullOutSolver(coupon, end_time, interval=interval)
-    rows: list[tuple[float, float, float, int]] = []
-
-    def record(running: PullOutSolver) -> None:
-        moved = float(running.slip.passed[0][running.node])
-        rows.append((running.time, moved, running.load(), running.sliding_crossovers()))
-
-    hooks: tuple[Hook, ...] = (record,)
-    solver.run(hooks)
-    table: FloatArray = np.array(rows)
-    mean, moved = 0.5 * (table[1:, 2] + table[:-1, 2]), np.diff(table[:, 1])
-    work = max(float(np.sum(mean * moved)), 1e-30)
-    error = float(np.max(np.abs(solver.sample("error")))) / work
-    return PullOutResult(
-        coupon, table[:, 0], table[:, 1], table[:, 2], table[:, 3].astype(int), error
+    if not 0 < displacement < inf:
+        raise InputError(key="displacement", value=displacement, allowed="above 0")
+    if samples < 1:
+        raise InputError(key="samples", value=samples, allowed="at least 1")
+    stretches, (sliding, left, from_tail) = _path(coupon)
+    given = coupon.spacing * (1 / coupon.slack - 1 / stretches)  # by the pieces between crossovers
+    moved = given.sum(axis=1) + from_tail
+    tension = coupon.tension(stretches)
+    friction = np.diff(tension, axis=1, prepend=0.0)
+    # through a crossover has passed what the pieces ahead of it have not given
+    passed = moved[:, None] - np.cumsum(given[:, ::-1], axis=1)[:, ::-1]
+    works = 0.5 * (friction[1:] + friction[:-1]) * np.diff(passed, axis=0)
+    work = np.concatenate([[0.0], np.cumsum(works.sum(axis=1))])
+    at = np.linspace(0.0, displacement, samples + 1)
+    state = np.searchsorted(moved, at, side="right") - 1
+    return PullOutCurve(
+        coupon=coupon,
+        displacement=at,
+        load=np.interp(at, moved, tension[:, -1]),
+        sliding=sliding[state].astype(int),
+        left=left[state].astype(int),
+        friction_work=np.interp(at, moved, work),
     )
+
+
+def _path(coupon):
+    """States of the yarn in their order.
+
+    Returns
+    -------
+    (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the crossovers that the
+    yarn slides through, those that its end has left, and the yarn [m] that its tail has given
+    """
+    n = coupon.crossings
+    slack = coupon.slack
+    rows = []
+    counts = []
+    at_rest = np.full(1, slack)
+    at_front = np.linspace(slack, coupon.stretch_ahead(at_rest)[0], FRONTS)
+    at_tail = coupon.stretch_ahead(at_rest, at_tail=True)
+    ahead = coupon.stretches(at_front)
+    for pieces in range(1, n + 1):
+        if pieces == n:
+            ahead = coupon.stretches(np.linspace(slack, at_tail[0], FRONTS))
+        rows.append(_with_slack(slack, n, ahead[:, :pieces]))
+        counts += [(pieces - 1, 0, 0.0)] * FRONTS
+    ahead = coupon.stretches(at_tail)
+    start = 0.0
+    for left in range(n + 1):
+        row = _with_slack(slack, n, ahead[:, : n - left])
+        end = coupon.spacing * (TAIL + left) / slack
+        rows.append(np.repeat(row, 2, axis=0))
+        counts += [(n - left, left, start), (n - left, left, end)]
+        # when the end leaves the next crossover the pieces shorten, and its tail moves on by as much
+        if left < n:
+            next_row = _with_slack(slack, n, ahead[:, : n - left - 1])
+            start = end + coupon.spacing * np.sum(1 / next_row - 1 / row)
+    return np.concatenate(rows), np.transpose(counts)
+
+
+def _with_slack(slack, n, ahead):
+    """(k, n) stretches: `ahead` (k, pieces) of the pieces at the crosshead, slack of those behind."""
+    found = np.full((len(ahead), n), slack)
+    found[:, n - ahead.shape[1] :] = ahead
+    return found

@@ -29,6 +29,9 @@ STIFFEST = 3e4
 MOST_SOFTENED = (
     0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
 )
+DIRECTIONS = {"warp": 1, "weft": -1}  # order of (warp, weft) that gives (along, across)
+_SLACK = 1e-6  # of a half side: by which a node on the outline may miss it
+_INNER = 1 - _SLACK
 BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shears as one stays below 1.5
 
 
@@ -66,13 +69,15 @@ def bias_extension(
         table, length, width, elements_per_crossover, trellis
     )
     inextensible_shear(length, width, elongation)  # refuses what aligned yarns would not allow
-    y, centre = coupon.points[:, 1], zones(coupon, length, width) == ZONES.index("C")
+    y = coupon.points[:, 1]
+    centre = zones(coupon, length, width) == ZONES.index("C")
 
     def no_bands(state):
         gamma = np.abs(coupon.shear_angles(state.x))
         ratio = concentration(gamma, centre)
         if ratio > BANDS:
-            worst, load = int(np.argmax(gamma)), abs(state.reaction[grips == 1, 1].sum())
+            worst = int(np.argmax(gamma))
+            load = abs(state.reaction[grips == 1, 1].sum())
             raise UnstableError(
                 f"the shear has run into bands: one element in a hundred shears {ratio:.3g} times as far as the middle "
                 f"of the central zone, up to {np.degrees(gamma[worst]):.0f} degrees, under a load of {load:.2g} N",
@@ -107,10 +112,8 @@ def bias_coupon(
     if not length > width > 0:
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
-    slack, row = (
-        1e-6 * width,
-        1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover,
-    )
+    slack = 1e-6 * width
+    row = 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
     coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
@@ -136,7 +139,8 @@ def yarn_share(fabric: Fabric) -> float:
     of a dry glass weave, whose yarns act as if they did not stretch. Relaxation finds no equilibrium at such a ratio.
     What softer yarns change is measured in every run (`softened_work`).
     """
-    weave, shear = fabric.weave, fabric.shear
+    weave = fabric.weave
+    shear = fabric.shear
     if shear is None:
         return 1.0
     sheared = [2 * w * weave.thickness * shear.G1 for w in reversed(weave.w)]
@@ -204,20 +208,13 @@ def picture_frame(
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
-    half = [cells * w for w in table.model.fabric.weave.w]
-    slack = 1e-6 * min(half)
-    coupon = mesh_coupon(
-        table,
-        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
-        max(half),
-        elements_per_crossover=elements_per_crossover,
-        offset=_about((cells, cells), elements_per_crossover),
-    )
+    coupon, half = _cut_rectangle(table, (cells, cells), "warp", elements_per_crossover)
     x, y = coupon.points.T
-    grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
+    grips = np.any(np.abs(coupon.points) > _INNER * half, axis=1).astype(int)
 
     def path(load):
-        c, s = np.cos(0.5 * load * shear_angle), np.sin(0.5 * load * shear_angle)
+        c = np.cos(0.5 * load * shear_angle)
+        s = np.sin(0.5 * load * shear_angle)
         return np.stack([c * x + s * y, s * x + c * y], axis=1)
 
     return run(coupon, grips, path, shear_angle, steps, (no_fold(coupon),), **relaxing)
@@ -231,7 +228,8 @@ def frame_stress(result: Result) -> FloatArray:
     )
     stress = []
     for gamma, state in zip(result.prescribed, result.states):
-        c, s = 0.5 * np.cos(0.5 * gamma), 0.5 * np.sin(0.5 * gamma)
+        c = 0.5 * np.cos(0.5 * gamma)
+        s = 0.5 * np.sin(0.5 * gamma)
         stress.append(
             np.sum(state.reaction * np.stack([-s * x + c * y, c * x - s * y], axis=1)) / volume
         )
@@ -254,23 +252,13 @@ def uniaxial(
 
     Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole crossovers.
     """
-    turn = {"warp": 0.0, "weft": pi / 2}
-    if direction not in turn:
-        raise InputError(key="direction", value=direction, allowed=" or ".join(turn))
-    pitch = table.model.fabric.weave.w if direction == "warp" else table.model.fabric.weave.w[::-1]
+    if direction not in DIRECTIONS:
+        raise InputError(key="direction", value=direction, allowed=" or ".join(DIRECTIONS))
+    pitch = table.model.fabric.weave.w[:: DIRECTIONS[direction]]
     many = [max(2, round(size / (2 * w))) for size, w in zip((length, width), pitch)]
-    half = [n * w for n, w in zip(many, pitch)]
-    slack = 1e-6 * min(half)
-    coupon = mesh_coupon(
-        table,
-        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
-        max(half),
-        angle=turn[direction],
-        elements_per_crossover=elements_per_crossover,
-        offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
-    )
+    coupon, half = _cut_rectangle(table, many, direction, elements_per_crossover)
     x, y = coupon.points.T
-    grips = np.where(x > half[0] - slack, 1, np.where(x < -half[0] + slack, 2, 0))
+    grips = np.select([x > _INNER * half[0], x < -_INNER * half[0]], [1, 2])
 
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
@@ -303,11 +291,13 @@ def biaxial(
     cross_yarns_removed : from the arms, so that the middle is pulled by single yarns
     """
     weave = table.model.fabric.weave
-    half, full = [centre * w for w in weave.w], [(centre + 2 * arm) * w for w in weave.w]
+    half = [centre * w for w in weave.w]
+    full = [(centre + 2 * arm) * w for w in weave.w]
     slack = 1e-6 * min(half)
 
     def outline(x, y):
-        across, along = np.abs(x) < half[0] + slack, np.abs(y) < half[1] + slack
+        across = np.abs(x) < half[0] + slack
+        along = np.abs(y) < half[1] + slack
         return (along & (np.abs(x) < full[0] + slack)) | (across & (np.abs(y) < full[1] + slack))
 
     def woven(x, y):
@@ -340,7 +330,8 @@ def biaxial(
 
 def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
     """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a coupon."""
-    coupon, found = result.coupon, []
+    coupon = result.coupon
+    found = []
     inside = [
         np.all(np.abs(coupon.points[edges].mean(axis=1)) < np.asarray(half), axis=1)
         for edges in coupon.edges
@@ -350,13 +341,30 @@ def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
     return np.array(found)
 
 
+def _cut_rectangle(table, crossovers, direction, elements_per_crossover):
+    """(Coupon, half its sides [m]) of so many crossovers along x and y; the yarns of `direction` lie along x."""
+    order = DIRECTIONS[direction]
+    half = np.array(crossovers) * table.model.fabric.weave.w[::order]
+    outer = (1 + _SLACK) * half
+    coupon = mesh_coupon(
+        table,
+        lambda x, y: (np.abs(x) < outer[0]) & (np.abs(y) < outer[1]),
+        max(half),
+        angle=0.0 if direction == "warp" else pi / 2,
+        elements_per_crossover=elements_per_crossover,
+        offset=_about(crossovers[::order], elements_per_crossover),
+    )
+    return coupon, half
+
+
 def _fit_diagonals(table, length, width, m):
     """Length and width as whole diagonals of a square element, and the offset that puts clamp corners on nodes."""
     (dX, dY) = (2 * w / m for w in table.model.fabric.weave.w)
     if abs(dX - dY) > 1e-9 * dX:
         return length, width, (0.0, 0.0)
     step = dX / sqrt(2)
-    rows, columns = round(length / (2 * step)), round(width / (2 * step))
+    rows = round(length / (2 * step))
+    columns = round(width / (2 * step))
     return 2 * rows * step, 2 * columns * step, ((rows + columns) % 2 / 2,) * 2
 
 

@@ -27,49 +27,30 @@ from shellfabric.jit.compile import entry, kernel
 
 
 @kernel()
-def powers(p):
-    """1, p, p^2, p^3 with slopes and curvatures; above 1 each goes on as its parabola: tensions go on straight."""
-    if p <= 1.0:
-        return (
-            (1.0, p, p * p, p * p * p),
-            (0.0, 1.0, 2.0 * p, 3.0 * p * p),
-            (0.0, 0.0, 2.0, 6.0 * p),
-        )
-    e = p - 1.0
-    return (
-        (1.0, p, p * p, 1.0 + 3.0 * e * (1.0 + e)),
-        (0.0, 1.0, 2.0 * p, 3.0 + 6.0 * e),
-        (0.0, 0.0, 2.0, 6.0),
-    )
-
-
-@kernel()
 def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
-    """W and its slopes W1, W2, W11, W12, W22 with the stretches, from the bicubic table.
+    """W and its slopes W1, W2, W11, W12, W22 with the stretches, from the biquadratic table.
 
     Below the table the yarn is slack and the lowest edge is exact; above it the tensions go on linearly.
     """
-    p, q = max((l1 - x0) * rx, 0.0), max((l2 - y0) * ry, 0.0)
-    i1, i2 = min(int(p), top1), min(int(q), top2)
-    P, dP, ddP = powers(p - i1)
-    Q, dQ, ddQ = powers(q - i2)
-    m = i1 * (top2 + 1) + i2
-    W, W1, W2, W11, W12, W22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(4):
-        c0, c1, c2, c3 = (
-            table[m, 4 * k],
-            table[m, 4 * k + 1],
-            table[m, 4 * k + 2],
-            table[m, 4 * k + 3],
-        )
-        value = c0 + c1 * Q[1] + c2 * Q[2] + c3 * Q[3]
-        slope = c1 + c2 * dQ[2] + c3 * dQ[3]
-        W += P[k] * value
-        W1 += dP[k] * value
-        W11 += ddP[k] * value
-        W2 += P[k] * slope
-        W12 += dP[k] * slope
-        W22 += P[k] * (c2 * ddQ[2] + c3 * ddQ[3])
+    p = max((l1 - x0) * rx, 0.0)
+    q = max((l2 - y0) * ry, 0.0)
+    i1 = min(int(p), top1)
+    i2 = min(int(q), top2)
+    p = p - i1
+    q = q - i2
+    c = table[i1 * (top2 + 1) + i2]
+    a0 = c[0] + q * (c[1] + q * c[2])  # coefficients of 1, p, p^2
+    a1 = c[3] + q * (c[4] + q * c[5])
+    a2 = c[6] + q * (c[7] + q * c[8])
+    b0 = c[1] + 2.0 * q * c[2]
+    b1 = c[4] + 2.0 * q * c[5]
+    b2 = c[7] + 2.0 * q * c[8]
+    W = a0 + p * (a1 + p * a2)
+    W1 = a1 + 2.0 * p * a2
+    W2 = b0 + p * (b1 + p * b2)
+    W11 = 2.0 * a2
+    W12 = b1 + 2.0 * p * b2
+    W22 = 2.0 * (c[2] + p * (c[5] + p * c[8]))
     return W, rx * W1, ry * W2, rx * rx * W11, rx * ry * W12, ry * ry * W22
 
 
@@ -77,17 +58,21 @@ def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
 def stretch_edges(x, edges, length, L, tx, ty):
     """Stretches L and directions (tx, ty) of the edges of one family, whose length at rest is `length`."""
     for e in range(edges.shape[0]):
-        i, j = edges[e, 0], edges[e, 1]
-        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        i = edges[e, 0]
+        j = edges[e, 1]
+        dx = x[j, 0] - x[i, 0]
+        dy = x[j, 1] - x[i, 1]
         d = math.sqrt(dx * dx + dy * dy)
         L[e] = d / length
-        tx[e], ty[e] = dx / d, dy / d
+        tx[e] = dx / d
+        ty[e] = dy / d
 
 
 @kernel()
 def mean_crossing(L, across, e):
     """Mean stretch of the edges that cross edge e, and the share of each; share 0 where none does."""
-    total, count = 0.0, 0
+    total = 0.0
+    count = 0
     for c in range(4):
         if across[e, c] >= 0:
             total += L[across[e, c]]
@@ -99,7 +84,7 @@ def mean_crossing(L, across, e):
 def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pulls, rows):
     """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
 
-    first : whether this family is the first argument of the table; yarn = (w, S0, EA, toe). Returns the energy.
+    first : whether this family is the first argument of the table; yarn = (w, S0, EA). Returns the energy.
     lengths, pulls, rows : of this family and of the other: length at rest of an edge [m]; (e,) dE/dLambda and parts of
         the bound, added to
     """
@@ -109,7 +94,7 @@ def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pu
     for e in range(L.size):
         mean, share = mean_crossing(L_other, across, e)
         if share == 0.0:
-            T, U = yarn_alone(L[e], yarn[0], yarn[1], yarn[2], yarn[3])
+            T, U = yarn_alone(L[e], yarn[0], yarn[1], yarn[2])
             k = 2.0 * yarn[0]
             energy += cells[e] * U
             pull[e] += cells[e] * k * T
@@ -136,7 +121,8 @@ def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pu
 def scatter_edge_forces(edges, length, L, tx, ty, pull, row, f, bound):
     """Add the pulls of one family to its nodes, and its rows to their bounds."""
     for e in range(edges.shape[0]):
-        i, j = edges[e, 0], edges[e, 1]
+        i = edges[e, 0]
+        j = edges[e, 1]
         N = pull[e] / length
         f[i, 0] += N * tx[e]
         f[i, 1] += N * ty[e]
@@ -150,7 +136,10 @@ def scatter_edge_forces(edges, length, L, tx, ty, pull, row, f, bound):
 @kernel()
 def shear_angle(x, quad, dX, dY):
     """Shear angle [rad] of a quadrilateral, in (-pi/2, 3 pi/2], and its mean warp and weft vectors."""
-    p, q, r, s = quad[0], quad[1], quad[2], quad[3]
+    p = quad[0]
+    q = quad[1]
+    r = quad[2]
+    s = quad[3]
     ax = 0.5 * (x[q, 0] - x[p, 0] + x[r, 0] - x[s, 0]) / dX
     ay = 0.5 * (x[q, 1] - x[p, 1] + x[r, 1] - x[s, 1]) / dX
     bx = 0.5 * (x[s, 0] - x[p, 0] + x[r, 0] - x[q, 0]) / dY
@@ -169,10 +158,13 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
         stress, U = trellis_law(gamma, G1, G2, gamma1, gamma2)
         tangent = G1 + rise * min(max(abs(gamma) - gamma1, 0.0), gamma2 - gamma1)
         energy += V * U
-        aa, bb = ax * ax + ay * ay, bx * bx + by * by
+        aa = ax * ax + ay * ay
+        bb = bx * bx + by * by
         # the angle of a vector grows along its normal: dgamma/da = (-ay, ax) / aa, dgamma/db = (by, -bx) / bb
-        px, py = -0.5 * ay / (aa * dX), 0.5 * ax / (aa * dX)
-        qx, qy = 0.5 * by / (bb * dY), -0.5 * bx / (bb * dY)
+        px = -0.5 * ay / (aa * dX)
+        py = 0.5 * ax / (aa * dX)
+        qx = 0.5 * by / (bb * dY)
+        qy = -0.5 * bx / (bb * dY)
         near = math.sqrt((px + qx) ** 2 + (py + qy) ** 2)
         far = math.sqrt((px - qx) ** 2 + (py - qy) ** 2)
         curved = V * abs(stress) * (1.0 / (aa * dX * dX) + 1.0 / (bb * dY * dY))
@@ -191,29 +183,27 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
 def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, work):
     """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of yarns and trellis [J].
 
-    edges, cells, across, quads, spacing : see `coupon.model.Coupon`;  yarns : (w, S0, EA, toe) of warp and weft
-    table, grid : (cells, 16) [J] coefficients of the potential; where it begins, cells per stretch and last cell, of
+    edges, cells, across, quads, spacing : see `coupon.model.Coupon`;  yarns : (w, S0, EA) of warp and weft
+    table, grid : (cells, 9) [J] coefficients of the potential; where it begins, cells per stretch and last cell, of
         both stretches
     shear : V [m3], G1, G2 [Pa], gamma1, gamma2 [rad]
     work : (2, 5, edges) scratch: stretch, direction (2), pull and row of both families
     """
     (warp, weft), (dX, dY) = edges, spacing
-    f, bound = np.zeros_like(x), np.zeros(x.shape[0])
-    n1, n2 = warp.shape[0], weft.shape[0]
-    L1, tx1, ty1, pull1, row1 = (
-        work[0, 0, :n1],
-        work[0, 1, :n1],
-        work[0, 2, :n1],
-        work[0, 3, :n1],
-        work[0, 4, :n1],
-    )
-    L2, tx2, ty2, pull2, row2 = (
-        work[1, 0, :n2],
-        work[1, 1, :n2],
-        work[1, 2, :n2],
-        work[1, 3, :n2],
-        work[1, 4, :n2],
-    )
+    f = np.zeros_like(x)
+    bound = np.zeros(x.shape[0])
+    n1 = warp.shape[0]
+    n2 = weft.shape[0]
+    L1 = work[0, 0, :n1]
+    tx1 = work[0, 1, :n1]
+    ty1 = work[0, 2, :n1]
+    pull1 = work[0, 3, :n1]
+    row1 = work[0, 4, :n1]
+    L2 = work[1, 0, :n2]
+    tx2 = work[1, 1, :n2]
+    ty2 = work[1, 2, :n2]
+    pull2 = work[1, 3, :n2]
+    row2 = work[1, 4, :n2]
     work[:, 3:] = 0.0
     stretch_edges(x, warp, dX, L1, tx1, ty1)
     stretch_edges(x, weft, dY, L2, tx2, ty2)

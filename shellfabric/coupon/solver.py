@@ -136,7 +136,8 @@ def at_strength(coupon: Coupon) -> Callable[[State], bool]:
     """A hook that ends a run once the mean tension of a yarn has reached its strength."""
 
     def hook(state):
-        tensions, yarns = coupon.mean_tensions(state.x), coupon.weave.yarns
+        tensions = coupon.mean_tensions(state.x)
+        yarns = coupon.weave.yarns
         return any(T.max() >= yarn.strength for T, yarn in zip(tensions, yarns))
 
     return hook

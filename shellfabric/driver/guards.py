@@ -18,7 +18,7 @@ ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem t
 def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
     """[m/s] the highest speed of a node that a run goes on with: ten times the velocity that sets nodes in motion.
 
-    That is the strike velocity or, in a slow strike or a pull-out, the velocity e c at which a yarn of the wave speed c
+    That is the strike velocity or, in a slow strike, the velocity e c at which a yarn of the wave speed c
     that breaks at the strain e lets go of its end. Nodes are faster than either without any instability: the nose
     throws light ones at twice its own velocity and more, the end of a broken yarn flies at 2 e c (430 m/s in a sound
     strike at 20 m/s), and the free corner of a panel that is drawn in cracks as a whip does.

@@ -108,18 +108,23 @@ class ExplicitSolver:
         ):
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
-        self.projectile, self.strike_velocity, self.end_time = (
-            projectile,
-            float(strike_velocity),
-            float(end_time),
-        )
-        self.interval, self.energy_error_limit = float(interval), energy_error_limit
+        self.projectile = projectile
+        self.strike_velocity = float(strike_velocity)
+        self.end_time = float(end_time)
+        self.interval = float(interval)
+        self.energy_error_limit = energy_error_limit
         self.samples: list[FloatArray] = []
         self.step_history: list[FloatArray] = []
         self.snapshots: list[Any] = []
-        self.reason, self.wall_time, self.share, self.threads = RUNNING, 0.0, 1.0, 1
-        self.checks, self.exchange, self.energy_at_start = 0, ENERGY_CHECK_SHARE, None
-        self.reduces_threads, self._threaded_time = False, np.zeros(2)
+        self.reason = RUNNING
+        self.wall_time = 0.0
+        self.share = 1.0
+        self.threads = 1
+        self.checks = 0
+        self.exchange = ENERGY_CHECK_SHARE
+        self.energy_at_start = None
+        self.reduces_threads = False
+        self._threaded_time = np.zeros(2)
         self._shared = np.zeros(barrier.SLOTS, np.int64)
 
     def _begin(self, dt):
@@ -283,7 +288,8 @@ class ExplicitSolver:
     @contextmanager
     def _clock(self):
         """Adds to the wall time, and reduces the threads where the processor is shared."""
-        start, used = time.perf_counter(), time.thread_time()
+        start = time.perf_counter()
+        used = time.thread_time()
         yield
         wall = time.perf_counter() - start
         self.wall_time += wall
@@ -299,7 +305,8 @@ class ExplicitSolver:
 
         On the way the energy is checked as often as `allowed_exchange` has been exchanged.
         """
-        history, made = self._rows(min(self.steps_per_sample, self.last_step - self.steps)), 0
+        history = self._rows(min(self.steps_per_sample, self.last_step - self.steps))
+        made = 0
         try:
             while made < len(history):
                 with self._clock():
@@ -339,7 +346,9 @@ class ExplicitSolver:
 
     def _guard(self):
         """Stop a run that has become unphysical, and say where."""
-        row, parts, fastest = dict(zip(self.sample_names, self.samples[-1])), self.node_speeds(), []
+        row = dict(zip(self.sample_names, self.samples[-1]))
+        parts = self.node_speeds()
+        fastest = []
         for part, (speed, limit) in enumerate(parts):
             finite = np.isfinite(speed)
             if not finite.all():

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import groupby
-from math import ceil, degrees, inf, pi, remainder
+from math import ceil, degrees, inf, pi
 from typing import Any
 
 import numpy as np
@@ -36,14 +36,7 @@ from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
-from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import (
-    WINDOWING_FRICTION,
-    CrossoverFriction,
-    SlidingPanel,
-    SlipSummary,
-)
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -51,7 +44,6 @@ MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
 PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
 OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
-OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 )
@@ -89,13 +81,13 @@ class ImpactSetup:
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
-    impact_point : [m] from the middle of the opening, along its two sides; None takes that of `struck_at`
+    impact_point : [m] from the middle of the opening, along its two sides
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
         as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
-    cell_model, form, gap, profile : see CellModel
+    cell_model, form, gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
@@ -108,7 +100,6 @@ class ImpactSetup:
     backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
-    crossovers : sliding.model.CrossoverFriction of yarns that slide through their crossovers; None pins them
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
@@ -132,14 +123,13 @@ class ImpactSetup:
     edge: str | PullIn | Grip | tuple = "clamped"
     weave_angle: float = 0.0
     round: bool = False
-    impact_point: tuple[float, float] | None = None
+    impact_point: tuple[float, float] = (0.0, 0.0)
     symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
-    profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
     packed_area: float = Panel.packed_area
     surface: ResponseSurface | None = None
@@ -152,7 +142,6 @@ class ImpactSetup:
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
-    crossovers: CrossoverFriction | None = None
     plies: int = 1
     stacking: str = "aligned"
     ply_gap: float | None = None
@@ -222,20 +211,9 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
-    @property
-    def struck_at(self) -> tuple[float, float]:
-        """[m] the impact point that is given, or its default: the middle of the opening. One ply of sliding yarns has a
-        crossover there; modelled whole, it is struck OFF_CROSSOVER beside it, since an exact hit is the exception and
-        overstates the limit where yarns are pushed aside."""
-        if self.impact_point is not None:
-            return self.impact_point
-        slides = self.crossovers is not None and not self.crossovers.pins
-        off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
-        return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
-
     def _mesh_notes(self):
         """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
-        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
+        given = self.grading or self.elements_per_crossover or self.plies > 1
         if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
             return ()
         why = "an oblique or yawed shot, or edges that are not clamped"
@@ -257,16 +235,8 @@ class ImpactSetup:
 
     def _held_openings(self):
         """(name of a fabric, `Panel.held_opening`) of plies whose edges follow yarns."""
-        if self.crossovers is not None:  # a line of the grid is one yarn
-            for fabric in self.fabrics:
-                spacing = 2 * np.array(fabric.weave.w)
-                yield (
-                    fabric.name,
-                    2 * spacing * np.floor(0.5 * np.array(self.opening) / spacing + 1e-9),
-                )
-            return
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
-        if not (self.weave_angle or self.round or any(self.struck_at) or angles - {0.0}):
+        if not (self.weave_angle or self.round or any(self.impact_point) or angles - {0.0}):
             return
         used = self.meshed
         for one in used.kinds:
@@ -277,32 +247,16 @@ class ImpactSetup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of opening and mesh, and of a shot at sliding yarns, a line each; nothing of a set-up
-        that is refused when it is run."""
+        """What has to be known of opening and mesh, a line each; nothing of a set-up that is refused when it is run."""
         try:
-            found = (*self.opening_notes, *self._mesh_notes())
+            return (*self.opening_notes, *self._mesh_notes())
         except InputError:
             return ()
-        if self.crossovers is None or self.crossovers.pins:
-            return found
-        x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
-        alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
-        lines = {
-            f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome": self.symmetry
-            != "whole",
-            "one sliding ply is struck on a crossover: the limit may be overstated": alone
-            and not off,
-            f"one sliding ply is struck {x:.2g} mm along warp, {y:.2g} mm along weft off a crossover": alone
-            and off,
-            f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
-            f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
-        }
-        return (*found, *(line for line, applies in lines.items() if applies))
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
         """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
-        found = [replace(self, plies=1, lay_up=(), impact_point=self.struck_at)]
+        found = [replace(self, plies=1, lay_up=())]
         for ply in self.lay_up:
             one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
             if one not in found:
@@ -325,14 +279,14 @@ class ImpactSetup:
         longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
         elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone
         (oblique or yawed, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
-        PACK_ELEMENTS. Sliding crossovers have one to a crossover.
+        PACK_ELEMENTS.
 
         Raises
         ------
         InputError : as `panel`
         """
         given = self.grading is not None or self.elements_per_crossover is not None
-        if given or self.crossovers is not None:
+        if given:
             return self
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.roaming:
@@ -403,9 +357,7 @@ class ImpactSetup:
         reach, fabric = 1.0 if self.failure else UNFAILING, self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
             reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
-        return CellModel(
-            fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach
-        )
+        return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, reach=reach)
 
     def table(self, kept: bool = False) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -438,9 +390,7 @@ class ImpactSetup:
         if self.meshed is not self:
             return self.meshed.panel(table)
         shared = {entry.name for entry in fields(Panel)} & {entry.name for entry in fields(self)}
-        own: dict[str, Any] = {name: getattr(self, name) for name in shared} | {
-            "impact_point": self.struck_at
-        }
+        own: dict[str, Any] = {name: getattr(self, name) for name in shared}
         own |= {
             name: tuple(np.broadcast_to(getattr(self, name), 2).tolist())
             for name in ("opening", "bending")
@@ -449,11 +399,7 @@ class ImpactSetup:
             "table": table or self.table(),
             "elements_per_crossover": self.resolved_elements_per_crossover,
         }
-        return (
-            Panel(**own)
-            if self.crossovers is None
-            else SlidingPanel(**own, friction=self.crossovers)
-        )
+        return Panel(**own)
 
     def target(self, table: CellTable | None = None) -> Pack:
         """What the projectile strikes, of one ply or several; `table` as of `panel`.
@@ -527,7 +473,6 @@ class ImpactResult:
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
-    slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
     failures : (plies, 2) State.failure_sums of each ply
     step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
     """
@@ -559,7 +504,6 @@ class ImpactResult:
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
-    slips: tuple[SlipSummary, ...] = ()
     failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
     step_factor: float = 1.0
 
@@ -577,30 +521,6 @@ class ImpactResult:
     def mirrored(self) -> tuple[bool, bool]:
         """(x, y), True if the modelled part continues mirrored beyond x = 0 or y = 0."""
         return SYMMETRIES[self.setup.symmetry]
-
-    @property
-    def rigidity(self) -> Rigidity | None:
-        """What says whether a rigid projectile is enough.
-
-        Its contact is compared with the period of the bar that it is, or would be if it were of steel. None for other
-        shapes than a flat cylinder, and if the fabric was never touched.
-        """
-        shot = self.setup.projectile
-        try:
-            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-            if bar is None:
-                return None
-            t, force = self.step_history[:, 0], self.step_history[:, 3]
-            held = held_force(t, force, 0.5 * bar.period)
-            return rigid_is_enough(
-                contact_time(t, force, bar.period),
-                bar.period,
-                held,
-                bar.yield_force,
-                elastic=shot.bar is not None,
-            )
-        except InputError:
-            return None
 
     @property
     def panels(self) -> tuple[Panel, ...]:
@@ -760,7 +680,6 @@ def collect_result(
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
         max_deflection=float(deflection.max()),
         checks=quality.of_solver(solver),
-        slips=solver.slip_summaries(),
         failures=np.array([state.failure_sums for state in solver.states]),
         step_factor=step_factor,
     )

@@ -177,7 +177,8 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
     """
     found = []
     for family, mirrored, lines in zip(FAMILIES, panel.mirrors[::-1], panel.lines()[::-1]):
-        count, slack = lines.size - 1, 1e-9 * (lines[-1] - lines[0])
+        count = lines.size - 1
+        slack = 1e-9 * (lines[-1] - lines[0])
         for distance in getattr(measure, family):
             place = abs(distance) if mirrored else distance
             if not lines[0] - slack <= place <= lines[-1] + slack:
@@ -229,7 +230,8 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     if stepped(panel):
         on, normals = _stepped_sides(panel)
     else:
-        on, normals = np.zeros((4, *shape), bool), np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
+        on = np.zeros((4, *shape), bool)
+        normals = np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
         for side, line, missing in zip(
             on, (np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]), mirrored
         ):
@@ -272,11 +274,14 @@ def _unpacked(
     t: FloatArray, take: Callable[[int], FloatArray], panel: Panel, measure: HistoryRequest
 ) -> Histories:
     """Histories of one ply; take(count) gives the next columns of the recording."""
-    weave, lines, yarns = panel.weave, panel.lines(), []
+    weave = panel.weave
+    lines = panel.lines()
+    yarns = []
     for family, element, _ in rows(panel, measure):
         yarn = weave.yarns[FAMILIES.index(family)]
         own, other = lines if family == "warp" else lines[::-1]
-        offset, X = 0.5 * (other[element] + other[element + 1]), 0.5 * (own[:-1] + own[1:])
+        offset = 0.5 * (other[element] + other[element + 1])
+        X = 0.5 * (own[:-1] + own[1:])
         known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X
         yarns.append(YarnHistory(*known, take(own.size - 1), take(own.size), take(own.size)))
     edges = {name: take(2) for name in EDGES}

@@ -1,4 +1,4 @@
-"""Hooks of a run: snapshots, progress, and the clock that decides when they act. See also `checkpoint`."""
+"""Hooks of a run: snapshots, and the clock that decides when they act. See also `checkpoint`."""
 
 from __future__ import annotations
 
@@ -51,21 +51,3 @@ class Snapshots(Every):
     def __call__(self, solver: ExplicitSolver) -> None:
         if self.due(solver):
             solver.snapshots.append(self.take(solver))
-
-
-class Progress:
-    """Report progress.
-
-    Parameters
-    ----------
-    report : called as report(share of the end time, projectile velocity [m/s])
-    """
-
-    def __init__(self, report: Callable[..., object]) -> None:
-        self.report = report
-
-    def __call__(self, solver: ExplicitSolver) -> None:
-        self.report(
-            1.0 if solver.ended else solver.time / solver.end_time,
-            float(solver.state.projectile_velocity[2]),
-        )

@@ -34,8 +34,6 @@ class Snapshot:
         positive where pressed
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
     failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn segments
-    slip : (ni+1, nj+1, 2) [m] length of warp and weft that has passed through the node; (ni+1, nj+1, 0) of pinned
-        crossovers
     """
 
     t: float
@@ -47,7 +45,6 @@ class Snapshot:
     pressure: np.ndarray
     area: np.ndarray
     failed_segments: np.ndarray
-    slip: np.ndarray
 
 
 def snapshot(
@@ -55,14 +52,12 @@ def snapshot(
     state: State,
     t: float,
     pressing: Sequence[FloatArray] = (),
-    passed: Sequence[FloatArray] = (),
 ) -> Snapshot:
     """Take a snapshot of a panel's state at the time `t` [s].
 
     Parameters
     ----------
     pressing : of `solver.pack_solver.PackSolver.normal_contact_forces`
-    passed : of `solver.pack_solver.PackSolver.passed_lengths`
     """
     X, Y = boundary.shown(panel)
     nodes = _stacked(panel, state.u)
@@ -84,7 +79,6 @@ def snapshot(
         pressure.astype(np.float32),
         panel.areas,
         lost.astype(np.float32),
-        _stacked(panel, passed),
     )
 
 
@@ -100,8 +94,7 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at rest."""
     found: list[Snapshot] = []
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
-        touched = solver.normal_contact_forces(ply), solver.passed_lengths(ply)
-        one = snapshot(panel, state, solver.time, *touched)
+        one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
         nose = found[0].projectile_position if found else one.projectile_position
         found.append(

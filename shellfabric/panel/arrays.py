@@ -52,7 +52,7 @@ def _constants(panel):
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
     (x0, y0), shot = panel.origin, panel.shot
-    rim_node, rim_axis, rim = panel.rim()
+    rim_node, rim_axis, rim = boundary.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)

@@ -105,12 +105,6 @@ class Panel:
             )
         boundary.check(self)
         coupling.check(self)
-        if self.failure and any(
-            self.table.model.toes
-        ):  # a yarn whose crossings have failed is linear in an impact
-            raise InputError(
-                key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail"
-            )
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
@@ -223,15 +217,11 @@ class Panel:
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        if self._fills:
+        if self.sides is None and not boundary.stepped(self):
+            # all elements are alike, and made longer so that the edge of the opening is a line of the grid
             lengths = boundary.extent(self)
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
-
-    @property
-    def _fills(self):
-        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
-        return self.sides is None and not boundary.stepped(self)
 
     @property
     def _half(self):
@@ -434,10 +424,6 @@ class Panel:
     def loose(self) -> BoolArray:
         """See `boundary.loose`."""
         return boundary.loose(self)
-
-    def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """See `boundary.rim`."""
-        return boundary.rim(self)
 
     @cached_property
     def potential(self) -> tuple[FloatArray, FloatArray]:

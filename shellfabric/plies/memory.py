@@ -11,10 +11,8 @@ from math import prod
 
 from shellfabric.driver import memory
 from shellfabric.panel.model import Panel
-from shellfabric.sliding.model import SlidingPanel
 
-ELEMENT = 310.0  # [bytes] of an element of one ply with pinned crossovers: 303 to 318
-SLIDING = 540.0  # [bytes] of an element of one ply of sliding crossovers: 495 to 522
+ELEMENT = 310.0  # [bytes] of an element of one ply: 303 to 318
 PACK = 640.0  # [bytes] of an element of a pack: 390 to 539, and 96 of the closures of its points where plies touch
 SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
 WRITTEN = 1100.0  # [bytes] of an element of the largest ply while pictures and files are made, after the run: 1090
@@ -31,7 +29,7 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     written : whether pictures and files are made of the results
     """
     counts, backing = [ply.elements for ply in plies], plies[0].backing
-    element = SLIDING if isinstance(plies[0], SlidingPanel) else ELEMENT
+    element = ELEMENT
     if len(plies) > 1:
         element = PACK
     run = sum(counts) * element + (BRICK * prod(backing.count) if backing else 0.0)

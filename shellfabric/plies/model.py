@@ -39,8 +39,7 @@ from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import dynamics, frames
 from shellfabric.projectile.contact import PREDICTED
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.state import Constants, PackContact, Slip, Stack, State, Work
+from shellfabric.state import Constants, PackContact, Stack, State, Work
 
 STACKINGS = ("aligned", "alternating")
 
@@ -100,12 +99,6 @@ class Pack:
             or len({ply.trellis for ply in self.plies}) > 1
         ):
             raise InputError("the plies of a pack must have cells of one form")
-        if len({isinstance(ply, SlidingPanel) for ply in self.plies}) > 1:
-            raise InputError(
-                key="crossovers",
-                value="sliding",
-                allowed="sliding in all plies of a pack, or in none",
-            )
         friction.check(self.friction, first.numerics.cfl)
 
     def at_shorter_step(self, factor: float) -> Pack:
@@ -195,11 +188,6 @@ class Pack:
     def of(cls, target: Panel | Pack) -> Pack:
         """The pack itself, or that of a single ply."""
         return target if isinstance(target, Pack) else cls((target,))
-
-    @property
-    def crossovers(self) -> tuple[CrossoverFriction, ...]:
-        """(plies,) of sliding crossovers; empty of pinned ones."""
-        return tuple(ply.friction for ply in self.plies if isinstance(ply, SlidingPanel))
 
     @property
     def angles(self) -> tuple[float, ...]:
@@ -312,14 +300,6 @@ class Pack:
         made = {key: function(ply) for key, ply in {id(ply): ply for ply in self.plies}.items()}
         return tuple(made[id(ply)] for ply in self.plies)
 
-    def slips(self, states: Sequence[State]) -> tuple[Slip, ...]:
-        """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""
-        return tuple(
-            ply.slip(state)
-            for ply, state in zip(self.plies, states)
-            if isinstance(ply, SlidingPanel)
-        )
-
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
         rest, points, knobs = [], self.contact.points, self.contact
@@ -367,10 +347,7 @@ class Pack:
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
     def _stick_damping(self, mass):
-        """[N s/m] of a contact point. Stick between plies is bounded by the mass of one family alone, where the other
-        slides through the nodes."""
-        sliding = [ply for ply in self.plies if isinstance(ply, SlidingPanel)]
-        mass *= min((min(ply.own_masses) for ply in sliding if not ply.friction.pins), default=1.0)
+        """[N s/m] of a contact point."""
         return friction.stick_damping(
             self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step
         )
@@ -451,7 +428,6 @@ def turned(panel: Panel) -> Panel:
         model,
         fabric=rotated_90(model.fabric),
         laws=model.laws and model.laws[::-1],
-        toe=model.toes[::-1],
     )
     factors = panel.strength_factors
     return replace(

@@ -25,12 +25,10 @@ import math
 import numpy as np
 
 from shellfabric.cloth import spline_kernels
-from shellfabric.cloth.membrane_kernels import WINDOW
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
-    cover_at_point,
     erode,
     intact_at_point,
     move_window,
@@ -228,8 +226,6 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         per = const.points_per_side
         s, t = (number // per + 0.5) / per, (number % per + 0.5) / per
         part = intact_at_point(state, const, k, s, t)
-        if state.element_flag[k] & WINDOW:
-            part *= cover_at_point(state, const, k, s, t)
     if part == 0.0:
         last[number] = 0.0
         if const.friction > 0.0:

@@ -56,11 +56,13 @@ class BarHistory:
         """[s] period in which tip and tail swing against each other: of the strongest frequency of the difference of
         their velocities, between a third of the bar's first and three times it. NaN of a history of under three
         periods."""
-        t, apart = self.t, self.tip_velocity - self.tail_velocity
+        t = self.t
+        apart = self.tip_velocity - self.tail_velocity
         if t.size < 2 or t[-1] < 3 * self.period:
             return float("nan")
         late = t > self.period  # past the first blow
-        t, apart = t[late], apart[late]
+        t = t[late]
+        apart = apart[late]
         window = np.hanning(t.size)
         wave = (apart - np.average(apart, weights=window)) * window
         tries = np.geomspace(self.period / 3, 3 * self.period, 601)
@@ -130,8 +132,10 @@ def audit(state: Any, const: Any, force: FloatArray) -> tuple[float, float, floa
             0.0,
             float(speed[2] + 0.5 * kick[2]),
         )
-    axis, out = const.frame[2], np.empty(2)
-    across, pushed = speed - axis * (axis @ speed), kick - axis * (axis @ kick)
+    axis = const.frame[2]
+    out = np.empty(2)
+    across = speed - axis * (axis @ speed)
+    pushed = kick - axis * (axis @ kick)
     bar_kernels.energies(
         state.bar_v,
         const.bar_mass,

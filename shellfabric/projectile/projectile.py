@@ -36,7 +36,9 @@ def _no_form(shot):
 
 def _cone(shot):
     """The shoulder's centre lies where the flank is tangent to tip and shoulder."""
-    tip, rho, angle = shot.tip_radius, shot.edge_radius, shot.half_angle
+    tip = shot.tip_radius
+    rho = shot.edge_radius
+    angle = shot.half_angle
     shoulder = (tip - rho - (shot.radius - rho) * cos(angle)) / sin(angle) - tip
     return tip, sin(angle), cos(angle), shoulder
 
@@ -298,7 +300,8 @@ class Projectile:
     def frame(self) -> FloatArray:
         """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it, and rolled."""
         lean, (c, s) = self.obliquity + self.yaw, (cos(self.azimuth), sin(self.azimuth))
-        away, beside = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)]), np.array([-s, c, 0.0])
+        away = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)])
+        beside = np.array([-s, c, 0.0])
         turn = self.roll - self.azimuth
         x = cos(turn) * away + sin(turn) * beside
         y = cos(turn) * beside - sin(turn) * away
@@ -336,7 +339,8 @@ class Projectile:
         """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the origin."""
         if self.obliquity == 0 and not self.tilted:
             return np.zeros(3)
-        flight, nose = self.flight, self.radius * self.frame[2]
+        flight = self.flight
+        nose = self.radius * self.frame[2]
         return nose - flight * (nose[2] + self.top) / flight[2]
 
     def surface(self, set_back: float = 0.0, rise: int = 61, around: int = 73) -> FloatArray:
@@ -352,7 +356,8 @@ class Projectile:
         )
         length = inf if self.shape == "sphere" else end
         deep = self.radius if self.solid is None else min(self.radius, 0.5 * end)
-        slopes, depths = np.linspace(0, 0.5 * pi, rise), np.linspace(deep, end - deep, rise // 5)
+        slopes = np.linspace(0, 0.5 * pi, rise)
+        depths = np.linspace(deep, end - deep, rise // 5)
         # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back
         origin = np.concatenate([np.full(rise, -deep), -depths, np.full(rise, deep - end)])
         slope = np.concatenate([slopes[::-1], np.zeros(rise // 5), -slopes])
@@ -370,7 +375,8 @@ class Projectile:
 
     def mirrored(self, axis: int) -> bool:
         """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""
-        frame, flight = self.frame, self.flight
+        frame = self.frame
+        flight = self.flight
         if abs(flight[axis]) > 1e-12 or abs(frame[2][axis]) > 1e-12:
             return False
         if self.solid is not None:

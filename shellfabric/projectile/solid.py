@@ -79,13 +79,15 @@ class Solid:
     def shoulder(self) -> float:
         """[m] depth behind the nose from which it has its full width, but for a thousandth, on all of its sides."""
         x, y, z = self.points.T
-        r, side = np.hypot(x, y), np.floor(_SIDES * np.arctan2(y, x) / (2 * np.pi))
+        r = np.hypot(x, y)
+        side = np.floor(_SIDES * np.arctan2(y, x) / (2 * np.pi))
         sides = [side == one for one in np.unique(side)]
         return max(float(-z[one & (r >= 0.999 * r[one].max())].max()) for one in sides)
 
     @cached_property
     def even(self) -> tuple[bool, bool]:
         """Whether it is its own mirror image in the plane x = 0, and in y = 0."""
-        d, near = self.distances, np.abs(self.distances) < _NEAR * self.spacing
+        d = self.distances
+        near = np.abs(self.distances) < _NEAR * self.spacing
         off = [np.abs(d - np.flip(d, axis))[near].max() for axis in (0, 1)]
         return off[0] < _EVEN * self.spacing, off[1] < _EVEN * self.spacing

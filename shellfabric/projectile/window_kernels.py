@@ -7,11 +7,6 @@ from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-# distance of two neighbouring yarns, over that at rest, up to which they cover the fabric between them, and from which
-# the middle between them is bare: yarns as wide as the spacing at rest, with a margin for stretched fabric below, and
-# twice as wide where the penalty of a point sets in
-COVERED, BARE = 1.1, 2.0
-
 
 @kernel()
 def window_bounds(state):
@@ -107,17 +102,6 @@ def intact_at_point(state, const, k, s, t):
     if s == 0.5:
         other = 0.5 * (weft[k] + weft[k + row])
     return 0.5 * (near + other)
-
-
-@kernel()
-def cover_at_point(state, const, k, s, t):
-    """Share of the contact at the point (s, t) of element k whose yarns have been drawn apart: 1 near a yarn, 0 in the
-    bare middle of a window, and continuous in the distances between."""
-    L1, L2, row, one = state.stretch[0], state.stretch[1], np.uint64(const.row_stride), np.uint64(1)
-    wide1, wide2 = (1.0 - t) * L1[k] + t * L1[k + one], (1.0 - s) * L2[k] + s * L2[k + row]
-    weft = min(max((BARE - 2.0 * min(s, 1.0 - s) * wide1) / (BARE - COVERED), 0.0), 1.0)
-    warp = min(max((BARE - 2.0 * min(t, 1.0 - t) * wide2) / (BARE - COVERED), 0.0), 1.0)
-    return 1.0 - (1.0 - weft) * (1.0 - warp)
 
 
 @unit("flag", later=True)

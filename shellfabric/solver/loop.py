@@ -13,16 +13,15 @@ its idle slots must stay at rest.
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.table import row_of
-from shellfabric.panel.motion_kernels import thread_range
+from shellfabric.panel.element_kernels import refresh_tensions
+from shellfabric.panel.motion_kernels import grow_active_rows, thread_range
 from shellfabric.plies.frame_kernels import place
 from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.solver.ply_kernels import begin as begin_ply
 from shellfabric.solver.ply_kernels import (
     break_yarns,
-    grow_rows,
     move_edges,
     other_forces,
-    refresh_tensions,
     touch,
     update_blocks,
 )
@@ -34,22 +33,17 @@ from shellfabric.solver.stack_kernels import (
     internal_work,
     note,
     press_plies,
-    slide_of,
-    slip_plies,
     step_behind,
     wakes,
 )
 
 
 @entry(nogil=True, _nrt=False)
-def advance(states, consts, contact, slips, stack, works, history, shared, me, count, allowed):
+def advance(states, consts, contact, stack, works, history, shared, me, count, allowed):
     """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows.
 
     states, consts, works : of the plies, each a list
     contact : PackContact; of a single ply one without points
-    slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in
-        the place of the stretches, of those with the sum of all contact forces in the place of the
-        nose's, and of the scratch with room for the effective stretches
     stack : what the plies share
     history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it after
         each; of a bar (steps, 9), see `stack_kernels.record_step`
@@ -65,7 +59,7 @@ def advance(states, consts, contact, slips, stack, works, history, shared, me, c
     part = 0 if several else me
     parts = 1 if several else count
     if me == 0:
-        begin(states, consts, slips, works)
+        begin(states, consts, works)
     made = 0
     reason = RUNNING
     exchanged = 0.0
@@ -80,7 +74,7 @@ def advance(states, consts, contact, slips, stack, works, history, shared, me, c
                     )  # the guard: all forces of the step are known
                 fly(states, consts, stack)
                 if not several:
-                    grow_rows(row_of(states, 0), row_of(consts, 0), slide_of(slips, 0))
+                    grow_active_rows(row_of(states, 0), row_of(consts, 0))
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
@@ -88,18 +82,15 @@ def advance(states, consts, contact, slips, stack, works, history, shared, me, c
             state = row_of(states, p)
             const = row_of(consts, p)
             work = row_of(works, p)
-            slide = slide_of(slips, p)
             gate = work.barrier if several else shared
             if several:
                 if not wakes(state, const, contact, stack, p):
                     continue
-                grow_rows(state, const, slide)
-            update_blocks(
-                state, const, slide, work, gate, part, parts
-            )  # motion, forces of elements
+                grow_active_rows(state, const)
+            update_blocks(state, const, work, gate, part, parts)  # motion, forces of elements
             barrier_wait(gate, parts)
             if part == 0:
-                break_yarns(state, const, slide, work)
+                break_yarns(state, const, work)
                 other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
                 stack.waits_for_plies[p] = touch(
                     state, const, work
@@ -112,10 +103,6 @@ def advance(states, consts, contact, slips, stack, works, history, shared, me, c
             press_plies(states, consts, contact, shared, me, count)
             barrier_wait(shared, count)
             implicit_nose_contact(states, consts, contact, stack, works, me, count)
-            barrier_wait(shared, count)
-        if slips is not None:
-            barrier_wait(shared, count)
-            slip_plies(states, consts, contact, slips, stack, me, count)
             barrier_wait(shared, count)
         if me == 0:
             if several:
@@ -130,21 +117,20 @@ def advance(states, consts, contact, slips, stack, works, history, shared, me, c
                 reason = CHECK
     for p in range(first, len(states), count):
         if stack.awake[p]:
-            refresh(states, consts, slips, works, p, part, parts)
+            refresh(states, consts, works, p, part, parts)
     barrier_wait(shared, count)
     return made, reason
 
 
 @kernel(_nrt=False)
-def refresh(states, consts, slips, works, p, part, parts):
+def refresh(states, consts, works, p, part, parts):
     """Look up the tensions of ply p that nothing has needed so far."""
     first, last = thread_range(row_of(states, p), row_of(consts, p), part, parts)
-    slide = slide_of(slips, p)
-    refresh_tensions(row_of(states, p), row_of(consts, p), slide, first, last, row_of(works, p))
+    refresh_tensions(row_of(states, p), row_of(consts, p), first, last, row_of(works, p))
 
 
 @kernel(_nrt=False)
-def begin(states, consts, slips, works):
+def begin(states, consts, works):
     """Forces and slipping edges of all plies at rest, before the first step."""
     for p in range(len(states)):
-        begin_ply(row_of(states, p), row_of(consts, p), slide_of(slips, p), row_of(works, p))
+        begin_ply(row_of(states, p), row_of(consts, p), row_of(works, p))

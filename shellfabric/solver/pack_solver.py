@@ -1,9 +1,9 @@
 """The explicit solver of a panel: of one ply, or of a pack of several.
 
 The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one behind the last ply,
-have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there;
-sliding crossovers that of friction, stops and residual at the crossovers. The results are the same to the last bit with
-any number of threads: each has the nodes and elements of some blocks, in each step the same for all.
+have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there.
+The results are the same to the last bit with any number of threads: each has the nodes and elements of some blocks, in
+each step the same for all.
 """
 
 from __future__ import annotations
@@ -29,9 +29,8 @@ from shellfabric.plies import memory, near_kernels, pressure_kernels
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
-from shellfabric.sliding.model import SlipSummary
 from shellfabric.solver import compile_ahead, loop, ply_audit
-from shellfabric.state import Constants, PackContact, Slip, State
+from shellfabric.state import Constants, PackContact
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (
@@ -46,11 +45,6 @@ BETWEEN_PLIES = (
     "ply_friction",
     "ply_collisions",
 )  # of several plies
-SLIP_WORK = (
-    "crossover_friction",
-    "crossover_stops",
-    "slip_residual",
-)  # of sliding crossovers: Slip.work
 _ALONE = PackContact.empty()  # of a single ply
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
@@ -68,7 +62,6 @@ PLY_SAMPLES = (
     "peak_warp",
     "peak_weft",
     "pull_in",
-    "slip",
 )
 
 
@@ -85,13 +78,12 @@ class PackSolver(ExplicitSolver):
     pack : Pack, of one ply too
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
-    states, consts, stack, contact, slips : what the kernels work on; contact is a PackContact, or None of a single ply;
-        no slips of pinned crossovers
+    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` the largest way of a
-        yarn's end out of its clamp and `slip` the longest piece of yarn that has passed through a crossover [m]
+        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest
+        way of a yarn's end out of its clamp
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
         of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     samples : of the whole panel, forces summed over plies
@@ -107,7 +99,6 @@ class PackSolver(ExplicitSolver):
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
-    struck = True  # whether a projectile can perforate; not of a coupon
     module = "shellfabric.impact.simulation"  # whose code determines a run
 
     def __init__(
@@ -130,16 +121,8 @@ class PackSolver(ExplicitSolver):
         )
         self.pack = pack
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
-        if not self.struck:
-            self.consts = tuple(
-                const._replace(perforation_delay_steps=2**62) for const in self.consts
-            )
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
-        self.slips = self.set_up()
-        self.effective = tuple(
-            state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips)
-        )
         self.modules = tuple(forces.given(state.modules) for state in self.states)
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
@@ -147,13 +130,8 @@ class PackSolver(ExplicitSolver):
         self._begin_run()
 
     def _name_energies(self, several):
-        more = (
-            *self._further_energies,
-            *BETWEEN_PLIES[: len(BETWEEN_PLIES) * several],
-            *(SLIP_WORK if self.slips else ()),
-            "error",
-        )
-        self.energy_names = (*ENERGIES, *more)
+        between = BETWEEN_PLIES if several else ()
+        self.energy_names = (*ENERGIES, *self._further_energies, *between, "error")
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
@@ -169,27 +147,14 @@ class PackSolver(ExplicitSolver):
         """Names of the energies of the modules that the plies have besides the usual ones."""
         return [module.energy for module in self.modules[0][len(forces.USUAL) :]]
 
-    def set_up(self) -> tuple[Slip, ...]:
-        """(plies,) slip of sliding crossovers; a coupon changes here what is at rest before the first sample."""
-        return self.pack.slips(self.states)
-
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
         self._plies = Rows(self.states), Rows(self.consts)
-        if self.slips:
-            room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
-            loaded = (
-                [state._replace(f_contact=room(state)) for state in self.states]
-                if self.contact
-                else self.states
-            )
-            self._slips = Rows(self.slips), Rows(self.effective), Rows(loaded)
-        self._works = [self._scratch()]
-        if not self.slips:
-            compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
+        self._works = [Rows(pack.works())]
+        compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
         self.share = self.panel.share
-        most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
+        most = plies if plies > 1 else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
@@ -207,32 +172,11 @@ class PackSolver(ExplicitSolver):
             self._behind = PythonCell(partial(self.backing.step, state), state, const)
             state.modules.behind[0] = self._behind.place
             self.contacts += (("backing_damped", "the contact with the block"),)
-        self._works += [self._scratch() for _ in range(1, self.threads)]
+        self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
         self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
-        self._rest = [ply_audit.stored_energy(*self._of_ply(ply)) for ply in range(plies)]
+        self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
-
-    def _scratch(self):
-        """(slips, works) of a thread, as `loop.advance` has them."""
-        works = self.pack.works()
-        if not self.slips:
-            return None, Rows(works)
-        own = {id(work): work for work in works}
-        for key, work in own.items():
-            own[key] = work._replace(
-                stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2)
-            )
-        return (*self._slips, Rows([own[id(work)] for work in works])), Rows(works)
-
-    def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
-        """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
-        const, state = self.parts[ply][1], self._loaded_state(ply)
-        return (
-            const,
-            state,
-            (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None,
-        )
 
     @property
     def after_stop(self) -> float:
@@ -267,13 +211,6 @@ class PackSolver(ExplicitSolver):
         """[-] impulses that kept plies from passing through each other."""
         return int(self.contact.guard[near_kernels.IMPULSES]) if self.contact else 0
 
-    def slip_summaries(self) -> tuple[SlipSummary, ...]:
-        """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
-        return tuple(
-            SlipSummary.of(panel, state, slip, self.share)
-            for (panel, _, state), slip in zip(self.parts, self.slips)
-        )
-
     @property
     def steps(self) -> int:
         """Steps made."""
@@ -290,8 +227,7 @@ class PackSolver(ExplicitSolver):
         self._run_thread(self._rows(0), shared, me, self.threads, np.inf)
 
     def _run_thread(self, history, shared, me, count, allowed):
-        slips, works = self._works[me]
-        ply_arrays = (*self._plies, self.contact or _ALONE, slips, self.stack, works)
+        ply_arrays = (*self._plies, self.contact or _ALONE, self.stack, self._works[me])
         try:
             with compiling_units():
                 return loop.advance(*ply_arrays, history, shared, me, count, allowed)
@@ -321,10 +257,6 @@ class PackSolver(ExplicitSolver):
         if not forces:
             return [nose] if self.backing is None else [nose, nothing, rear]
         return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
-
-    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
-        """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
-        return tuple(self.slips[ply].passed) if self.slips else ()
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
@@ -358,7 +290,10 @@ class PackSolver(ExplicitSolver):
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
         plies = np.array(
-            [ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)]
+            [
+                ply_audit.energies(self.consts[ply], self._loaded_state(ply), rest)
+                for ply, rest in enumerate(self._rest)
+            ]
         )
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
@@ -369,10 +304,9 @@ class PackSolver(ExplicitSolver):
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
-        slipped = np.sum([slip.work for slip in self.slips], axis=0) if self.slips else ()
         usual, further = np.split(total, [len(ply_audit.ENERGIES)])
         energies = [usual[0], *projectile, *usual[1:], *block, *further]
-        energies += [*self.contact_energies(), *slipped]
+        energies += self.contact_energies()
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def _of_first(self, ply, vector):
@@ -381,23 +315,20 @@ class PackSolver(ExplicitSolver):
         return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
         self._held = [
             held(state, const) if state.counter[FAILURES] else None
             for _, const, state in self.parts
         ]
-        for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
-            zip(self.parts, self._ends, energies, pushes, self._held)
+        for (panel, const, state), ends, energy, push, cloth in zip(
+            self.parts, self._ends, energies, pushes, self._held
         ):
             cut = ply_audit.cut_yarns(panel, const, state)
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
             own = cut, *reactions, -push / self.share, deflection, energy / self.share
-            slip = max(
-                (float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0
-            )
-            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
+            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state)])
         return np.array(rows)
 
     def _drop_sample(self):
@@ -458,7 +389,7 @@ class PackSolver(ExplicitSolver):
         ):
             self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
+        if self.reason != RUNNING or not failed or self.backing is not None:
             return
         through = all(
             passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
@@ -494,7 +425,6 @@ class PackSolver(ExplicitSolver):
             pack.contact,
             pack.friction,
             pack.laws,
-            pack.crossovers,
             pack.angles,
         )
         for modules, (_, const, state) in zip(self.modules, self.parts):
@@ -505,7 +435,6 @@ class PackSolver(ExplicitSolver):
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        found |= {f"slip/{p:02d}": slip for p, slip in enumerate(self.slips)}
         for p, modules in enumerate(self.modules):
             rows = {module.energy: module.own for module in modules if module.own}
             found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}

@@ -8,7 +8,7 @@ error is what is then left; quality checks hold both.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -41,22 +41,19 @@ ENERGIES = (
 )
 
 
-def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatArray:
+def energies(const: Constants, state: State, rest: float) -> FloatArray:
     """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of n modules besides the usual ones.
 
     Parameters
     ----------
     state : State whose contact forces are those of all that touches the ply
-    slide : None of pinned crossovers; else (Slip, the state with the effective stretches in the place of the stretches)
     rest : [J] stored at rest
     """
-    out = audited(const, state, slide)
+    out = audited(const, state)
     sums = state.energy_sums.sum(axis=0)
     # work of the forces that is neither stored nor lost, of either form
     unstored = np.zeros(2)
     unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
-    if const.variational and slide is not None and slide[0].active:
-        unstored[:] = 0.0  # yarn that passes through crossovers takes what it stores along
     contact, slip = state.contact_energy, state.slip_energy
     return np.array(
         [
@@ -77,15 +74,15 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
     )
 
 
-def stored_energy(const: Constants, state: State, slide: Any) -> float:
-    """[J] that the yarns of the modelled part store; `slide` as of `energies`."""
-    return float(audited(const, state, slide)[kernels.STORED])
+def stored_energy(const: Constants, state: State) -> float:
+    """[J] that the yarns of the modelled part store."""
+    return float(audited(const, state)[kernels.STORED])
 
 
-def audited(const: Constants, state: State, slide: Any) -> FloatArray:
+def audited(const: Constants, state: State) -> FloatArray:
     """(n,) [J] what `ply_kernels.energies` finds."""
     out = np.empty(kernels.BENDING + state.modules.cell.size)
-    kernels.energies(state, const, slide, out)
+    kernels.energies(state, const, out)
     return out
 
 
@@ -93,7 +90,7 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     """Cut yarns of the whole ply, however often each is cut; of a yarn of several grid lines the part that is cut.
 
     A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn makes no second one
-    of it, a plane along it does. The end of a sliding yarn that has left its crossover is no cut.
+    of it, a plane along it does.
     """
     shape, total = (const.ni + 1, const.row_stride), 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):

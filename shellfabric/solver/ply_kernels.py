@@ -7,10 +7,6 @@ Velocities stand at half steps, everything else at whole ones:
 The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of `panel.element_kernels`.
 The order of a step is that of `loop.advance`.
 
-Sliding crossovers are an argument, `slide`: None of pinned ones, else (Slip, the State with the effective stretches in
-the place of the stretches, the scratch likewise). numba removes the branches on None before it compiles. With an
-infinite threshold of slip no flux is computed, and each step is, digit by digit, the pinned one.
-
 The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
 pair of them for each array of the state would cost as much as a hundred elements in every block.
 
@@ -34,59 +30,13 @@ from shellfabric.panel.motion_kernels import (
     AT_REST,
     FAILURES,
     STEP,
-    grow_active_rows,
     move_rows,
     thread_range,
 )
 from shellfabric.projectile import contact_kernels
-from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels
-from shellfabric.sliding.flow_kernels import EMPTIED
 from shellfabric.state import unit
 
 KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other modules
-
-
-@kernel(_nrt=False, inline="always")
-def element_forces(state, const, slide, block, first, last, work):
-    """Internal forces of the element rows first .. last - 1 of a block, and those on the slip."""
-    if slide is None:
-        element_kernels.element_forces(state, const, block, first, last, work)
-    else:
-        slip, _, work_x = slide
-        forces_kernels.element_forces(state, const, slip, block, first, last, (work, work_x))
-
-
-@kernel(_nrt=False, inline="always")
-def refresh_tensions(state, const, slide, first, last, work):
-    """Update the stale tensions of the blocks first .. last - 1."""
-    if slide is None:
-        element_kernels.refresh_tensions(state, const, first, last, work)
-    else:
-        slip, _, work_x = slide
-        forces_kernels.refresh_tensions(state, const, slip, first, last, (work, work_x))
-
-
-@kernel(_nrt=False, inline="always")
-def grow_rows(state, const, slide):
-    """Grow the window of active element rows ahead of the motion and of the slip; move the yarn by its fluxes."""
-    grow_active_rows(state, const)
-    if slide is not None:
-        slip, _, _ = slide
-        if slip.active:
-            grow_with_slip(state, const, slip)
-            flow_kernels.move_yarn(state, const, slip)
-
-
-@kernel(_nrt=False)
-def grow_with_slip(state, const, slip):
-    """Grow the window of active element rows ahead of the slip, as `motion_kernels.grow_active_rows` does of motion."""
-    first, last = state.active_rows[0], state.active_rows[1]
-    for i in range(first, min(first + 4, const.ni + 1)):
-        if slip.row_slips[i] and first > 0:
-            state.active_rows[0] = max(first - 2, 0)
-    for i in range(max(last - 3, 0), last + 1):
-        if slip.row_slips[i] and last < const.ni:
-            state.active_rows[1] = min(last + 2, const.ni)
 
 
 @kernel(_nrt=False)
@@ -108,42 +58,14 @@ def other_forces(state, const, first, last, acting):
 
 
 @kernel(_nrt=False)
-def stored_energy(state, const, slide, low, high):
+def stored_energy(state, const, low, high):
     """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
-    if slide is None:
-        yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
-        return yarns, sheared + other_forces(state, const, low, high, False)
-    slip, state_x, _ = slide
-    yarns = failure_kernels.stored_energy(const, state_x, low, high)[0]
-    yarns += forces_kernels.gained_energy(state, const, slip, low, high)
-    sheared = failure_kernels.stored_energy(const, state, low, high)[1]
-    sheared += other_forces(state, const, low, high, False)
-    return yarns, sheared + forces_kernels.lateral_energy(state, const, slip)
-
-
-@kernel(_nrt=False)
-def is_emptied(slide):
-    """Whether the end of a sliding yarn has left a segment in this step."""
-    if slide is None:
-        return False
-    slip, _, _ = slide
-    return slip.counter[EMPTIED] != 0
-
-
-@kernel(_nrt=False)
-def leave_segments(state, const, slide):
-    """Take the slip out of removed segments; [J] that its kinetic energy loses."""
-    if slide is None:
-        return 0.0
-    slip, _, _ = slide
-    flow_kernels.new_tails(state, const, slip)
-    if slip.counter[EMPTIED] != 0:
-        flow_kernels.release_tails(state, const, slip)
-    return slip_energy_kernels.leave_removed(state, const, slip) if slip.active else 0.0
+    yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
+    return yarns, sheared + other_forces(state, const, low, high, False)
 
 
 @kernel(_nrt=False, inline="always")
-def find_failures(state, const, slide, work):
+def find_failures(state, const, work):
     """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
     first, last, per = state.active_rows[0], state.active_rows[1], const.rows_per_block
     count, low, high = 0, const.ni, 0
@@ -152,7 +74,7 @@ def find_failures(state, const, slide, work):
             continue
         begin, end = max(first, block * per), min(last, (block + 1) * per)
         near, far = max(first, begin - const.mean_reach), min(last, end + const.mean_reach)
-        refresh_tensions(state, const, slide, near // per, (far + per - 1) // per, work)
+        element_kernels.refresh_tensions(state, const, near // per, (far + per - 1) // per, work)
         rows = end + 1 if end == const.ni else end  # of weft edges
         failing = failure_kernels.find_failures(const, state, 0, begin, end)
         failing += failure_kernels.find_failures(const, state, 1, begin, rows)
@@ -165,39 +87,35 @@ def find_failures(state, const, slide, work):
 
 
 @kernel(_nrt=False, inline="always")
-def apply_failure(state, const, slide, work):
-    """Failure criterion, and segments that a yarn's end has left: remove them, and compute the forces of their blocks
-    again."""
-    count, low, high = find_failures(state, const, slide, work)
-    emptied, per = is_emptied(slide), const.rows_per_block
-    if count == 0 and not emptied:
+def apply_failure(state, const, work):
+    """Failure criterion: remove edges that fail, and compute the forces of their blocks again."""
+    count, low, high = find_failures(state, const, work)
+    if count == 0:
         return
+    per = const.rows_per_block
     # a failure changes what its neighbours store, two rows away at most
     low, high = max(low - 3, 0), min(high + 3, const.ni)
-    if emptied:
-        low, high = 0, const.ni
-    stored, sheared = stored_energy(state, const, slide, low, high)
+    stored, sheared = stored_energy(state, const, low, high)
     worked, damped = failure_kernels.half_step_work(const, state, low, high)
     failure_kernels.break_edges(const, state, 0, low, high)
     failure_kernels.break_edges(const, state, 1, low, high)
     state.counter[FAILURES] += count
-    dropped = leave_segments(state, const, slide)
     first, last = state.active_rows[0], state.active_rows[1]
     for block in range(first // per, (last + per - 1) // per):
         if state.block_damage[block] == REDO:
             start, end = max(first, block * per), min(last, (block + 1) * per)
-            element_forces(state, const, slide, block, start, end, work)
+            element_kernels.element_forces(state, const, block, start, end, work)
             state.block_damage[block] = DAMAGED
-    now_stored, now_sheared = stored_energy(state, const, slide, low, high)
+    now_stored, now_sheared = stored_energy(state, const, low, high)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.energy_sums[0, WORK] += now_worked - worked
     state.energy_sums[0, VISCOUS] += now_damped - damped
-    state.energy_sums[0, LOST_YARN] += stored - now_stored + now_worked - worked + dropped
+    state.energy_sums[0, LOST_YARN] += stored - now_stored + now_worked - worked
     state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
 
 
 @kernel(_nrt=False, inline="always")
-def update_blocks(state, const, slide, work, shared, me, count):
+def update_blocks(state, const, work, shared, me, count):
     """Update the active nodes and compute the active element forces, block by block while they are in cache.
 
     The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
@@ -224,7 +142,7 @@ def update_blocks(state, const, slide, work, shared, me, count):
         ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead
-        element_forces(state, const, slide, block, begin, stop, work)
+        element_kernels.element_forces(state, const, block, begin, stop, work)
 
 
 @unit(later=True)
@@ -247,14 +165,9 @@ def nose_contact(state, const, work):
 
 
 @kernel(_nrt=False, inline="always")
-def break_yarns(state, const, slide, work):
-    """The failure criterion. Segments that a yarn's end has left, elements in which a window between yarns has opened,
-    and torn ones that are drawn out, count as failures."""
-    apply_failure(state, const, slide, work)
-    if slide is not None:
-        slip, _, _ = slide
-        if slip.active:
-            flow_kernels.open_windows(state, const, slip)
+def break_yarns(state, const, work):
+    """The failure criterion. Torn elements that are drawn out count as failures."""
+    apply_failure(state, const, work)
     if state.counter[FAILURES] > 0:
         state.energy_sums[0, LOST_TRELLIS] += packing_kernels.let_go(state, const)
 
@@ -287,30 +200,29 @@ def internal_work(state):
 
 
 @kernel(_nrt=False)
-def begin(state, const, slide, work):
+def begin(state, const, work):
     """Forces and slipping edges of the state at rest, before its first step."""
     if state.counter[STEP] == AT_REST:
-        initial_forces(state, const, slide, work)
+        initial_forces(state, const, work)
         if const.slip_node.size > 0:
             boundary_kernels.update_slip_nodes(state, const, 0.0)
         state.counter[STEP] = 0
 
 
 @kernel(_nrt=False)
-def initial_forces(state, const, slide, work):
+def initial_forces(state, const, work):
     """Internal forces of a state, without a step."""
     per = const.rows_per_block
     for block in range((const.ni + per - 1) // per):
-        element_forces(
-            state, const, slide, block, block * per, min(const.ni, (block + 1) * per), work
-        )
+        last = min(const.ni, (block + 1) * per)
+        element_kernels.element_forces(state, const, block, block * per, last, work)
     other_forces(state, const, 0, const.ni, True)
 
 
 @entry(nogil=True)
-def energies(state, const, slide, out):
+def energies(state, const, out):
     """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis, of the modules
-    (bending, packing, ...); of sliding crossovers packing has that of lateral contact too, kinetic that of the slip.
+    (bending, packing, ...).
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
@@ -319,13 +231,4 @@ def energies(state, const, slide, out):
         out[BENDING + m] = module_force(state, const, m, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
-    if slide is None:
-        out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
-    else:
-        slip, state_x = slide
-        out[STORED] = failure_kernels.stored_energy(const, state_x, 0, const.ni)[0]
-        out[STORED] += forces_kernels.gained_energy(state, const, slip, 0, const.ni)
-        out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)[1]
-        if slip.active:
-            out[KINETIC] += slip_energy_kernels.kinetic_energy(state, const, slip)
-            out[PACKING] += forces_kernels.lateral_energy(state, const, slip)
+    out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)

@@ -12,7 +12,6 @@ import numpy as np
 
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
-from shellfabric.jit.simd import WIDTH, load, masked_store
 from shellfabric.jit.table import row_of
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
 from shellfabric.plies import near_kernels
@@ -20,24 +19,12 @@ from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, t
 from shellfabric.plies.near_kernels import list_pressed
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
-from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.state import unit
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
     5
 )  # CHECK: energy is to be audited before the next step
-
-
-@kernel(_nrt=False, inline="always")
-def slide_of(slips, p):
-    """What `ply_kernels` need of the slip of ply p: None of pinned crossovers."""
-    if slips is None:
-        found = None
-    else:
-        slip, effective, _, works_x = slips
-        found = row_of(slip, p), row_of(effective, p), row_of(works_x, p)
-    return found
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -172,43 +159,6 @@ def clear_increments(state, const):
         state.dv_other[c][:] = 0.0
         state.dv_contact[c][:] = 0.0
     state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
-
-
-@kernel(_nrt=False)
-def add_rows(total, state, const, forces):
-    """Add forces on the nodes of the active rows to `total`."""
-    s = const.row_stride
-    for c in range(3):
-        for i in range(state.active_rows[0], state.active_rows[1] + 1):
-            for j in range(0, s, WIDTH):
-                k = i * s + j
-                masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
-
-
-@unit(later=True, total="3 x n")
-def gather_contact(states, consts, contact, p, total):
-    """Sum of the contact forces on the active rows of ply p, into total."""
-    state, const = row_of(states, p), row_of(consts, p)
-    s = const.row_stride
-    for c in range(3):
-        for i in range(state.active_rows[0], state.active_rows[1] + 1):
-            for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
-                total[c][k] = state.f_contact[c][k]
-    for side in range(2):
-        add_rows(total, state, const, contact.force[p, side])
-
-
-@kernel(_nrt=False)
-def slip_plies(states, consts, contact, slips, stack, me, count):
-    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other, but for the
-    guard's."""
-    own, _, loads, _ = slips
-    for p in range(me, len(states), count):
-        slip, loaded = row_of(own, p), row_of(loads, p)
-        if stack.awake[p] and slip.active:
-            if len(states) > 1:
-                gather_contact(states, consts, contact, p, loaded.f_contact)
-            slip_kernels.slip_nodes(loaded, row_of(consts, p), slip)
 
 
 @kernel(inline="always")

@@ -253,8 +253,6 @@ def sample_cell(draw, fabric, thickness) -> dict:
             ("compressible", "compressible", "compressible", "incompressible", "decoupled")
         )
     }
-    if draw.chance(0.2):
-        found["cell_profile"] = "straight"
     if draw.chance(0.1):
         found["cell_formulation"] = "equilibrium"
     heights = _heights(fabric)

@@ -26,9 +26,7 @@ def setup_of(scene):
 
 
 def model_of(setup):
-    return CellModel(
-        setup.fabric, setup.laws, setup.gap, setup.cell_model, setup.form, setup.profile
-    )
+    return CellModel(setup.fabric, setup.laws, setup.gap, setup.cell_model, setup.form)
 
 
 def stretches(model, place):
@@ -89,7 +87,6 @@ def test_table_and_panel(scene):
     table = model_of(setup).table(41)
     for values in (
         *table.values.values(),
-        table.potential,
         table.spline,
         table.tension1,
         table.tension2,

@@ -43,6 +43,12 @@ def rest(panel):
     return np.stack([X, Y, np.zeros_like(X)], axis=-1)
 
 
+def grid(array, panel):
+    """(ni+1, nj+1) view of an array of slots."""
+    shape = panel.counts[0] + 1, panel.counts[1] + 1
+    return array[: shape[0] * shape[1]].reshape(shape)
+
+
 def set_nodal(components, vectors):
     """Write vectors (ni+1, nj+1, 3) of nodes into the flat arrays of a state."""
     for part, component in zip(components, np.moveaxis(vectors, -1, 0)):

@@ -114,7 +114,7 @@ def state_at(panel, *places, damage=INTACT, torn=()):
 def audited(state, panel):
     """[J] energies of yarns, trellis, bending and packing that the audit finds."""
     energies = np.empty(5)
-    ply_kernels.energies(state, panel.constants(), None, energies)
+    ply_kernels.energies(state, panel.constants(), energies)
     return energies[1:]
 
 

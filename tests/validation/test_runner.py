@@ -160,8 +160,8 @@ def test_what_none_beats_in_time_and_error():
 def test_there_is_no_other_study(capsys):
     with pytest.raises(InputError, match=r"moon.*all, or of "):
         study.load("moon")
-    assert runner.main(["sliding-scaling"], quick=True) == 0
-    assert "sliding-scaling: 2 rows" in capsys.readouterr().out
+    assert runner.main(["pull-out-load"], quick=True) == 0
+    assert "pull-out-load: 2 rows" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("name", study.all_names())

@@ -1,4 +1,4 @@
-"""The crossover's cell and its yarn: where iterations and laws fail, the scaling of sliding yarns, a struck yarn."""
+"""The crossover's cell and its yarn: where iterations and laws fail, a struck yarn."""
 
 from __future__ import annotations
 
@@ -10,16 +10,13 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.base.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
-from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
 from validation.claims.checks.cell import printed
-from validation.models import cell_scaling
 from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
-from validation.published.biaxial_glass import free_edge
-from validation.values import Values, flags, rms
+from validation.values import Values, flags
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -103,17 +100,6 @@ def printed_law(*, d1: float, d2: float) -> Values:
     }
 
 
-def scaling(*, fabric: str, share: float) -> dict[str, float]:
-    """Error of the effective stretch of sliding yarns over the strength: {quantity: [-]} of `cell_scaling`.
-
-    share : yarn in a cell over that at rest
-    """
-    [row] = cell_scaling.errors(
-        CellModel(catalogue.load(fabric)), [share], np.linspace(-0.02, 0.03, 26)
-    )
-    return dict(zip(cell_scaling.QUANTITIES, map(float, row)))
-
-
 def struck_yarn(
     *,
     fabric: str,
@@ -131,38 +117,3 @@ def struck_yarn(
         else smith.strike(yarn, velocity, length=length, **numerics).computed
     )
     return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
-
-
-def biaxial_options(*, fabric: str, test: str, yarn: str, options: Values) -> dict[str, float]:
-    """What options of the cell change of the curves of the glass weaves (thesis section 5.3), with its constants.
-
-    Parameters
-    ----------
-    test : "k = 1" or another ratio of strains, or "free", with the cross yarns free
-    yarn : "warp" or "weft"
-    options : of CellModel, beside the equilibrium form: fibre slack `toe`, `profile`
-
-    Returns
-    -------
-    dict with rms [N], the largest difference [N] and rms over the strength of the yarn [-], at equal strains
-    """
-    family = ("warp", "weft").index(yarn)
-    weave = catalogue.load(fabric)
-    curves = []
-    for changes in ({}, options):
-        cell = CellModel(weave, form="equilibrium", **changes)
-        ratio: tuple[float, ...] = ()
-        if test != "free":
-            ratio = (float(test.removeprefix("k = ")), 1.0)
-        curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))
-    strains = [curve.strain[:, family] for curve in curves]
-    e = np.linspace(0, min(strain[-1] for strain in strains), 241)
-    one, two = (
-        np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves)
-    )
-    off = two - one
-    return {
-        "rms": rms(off),
-        "largest": float(off[np.argmax(np.abs(off))]),
-        "share": rms(off) / weave.weave.yarns[family].strength,
-    }

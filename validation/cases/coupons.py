@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.coupon import contact_force, quasistatic
 from shellfabric.coupon import pull_out as pulled
-from shellfabric.coupon import quasistatic
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import contact_force
-from shellfabric.sliding.model import CrossoverFriction
 from validation.models import variants as comparison
 from validation.published.bias_extension import coupon_fabric, measured
 from validation.values import Values
@@ -120,11 +119,9 @@ def pull_out(
     cohesion: float = 0.0,
     stiffness: float | None = None,
     load: float = 0.0,
-    speed: float = 2.0,
-    pulled_by: float = 4e-4,
-    late: float = 0.5,
+    pulled_by: float = 2e-3,
 ) -> dict[str, float]:
-    """A yarn of S-726 pulled out of a strip whose yarns slide.
+    """A yarn of S-726 pulled out of a strip.
 
     Parameters
     ----------
@@ -133,24 +130,26 @@ def pull_out(
     stiffness : share between the bending stiffness of the fibres alone, 0, and that of a solid section, 1, in ratio;
         None for flexible yarns
     load : [N] of all crossing yarns together
-    speed, pulled_by : [m/s], [m] of the crosshead
-    late : share of its way after which the load is averaged
+    pulled_by : [m] of the crosshead
 
     Returns
     -------
-    dict with load [N], bending [N m2] of the warp, error [-] of the energy over the work
+    dict with peak [N], bending [N m2] of the warp, slip [m] of the yarn that slides at the peak
     """
     fabric = catalogue.load("S-726").with_effective_density()
-    bounds = [contact_force.bending_bounds(yarn) for yarn in catalogue.load("S-726").weave.yarns]
-    warp, weft = (
-        0.0 if stiffness is None else low ** (1 - stiffness) * high**stiffness
-        for low, high in bounds
-    )
-    table = ImpactSetup(fabric, 1.0).table(kept=True)
-    friction = CrossoverFriction(mu, cohesion, (warp, weft))
+    bending = (0.0, 0.0)
+    if stiffness is not None:
+        low, high = np.transpose(
+            [contact_force.bending_bounds(yarn) for yarn in fabric.weave.yarns]
+        )
+        bending = tuple(low ** (1 - stiffness) * high**stiffness)
     coupon = pulled.PullOut(
-        table, crossings, speed, load / crossings, friction, Numerics(threads=1)
+        table=ImpactSetup(fabric, 1.0).table(kept=True),
+        crossings=crossings,
+        pre_tension=load / crossings,
+        mu=mu,
+        cohesion=cohesion,
+        bending=bending,
     )
-    found = pulled.run(coupon, pulled_by / speed)
-    after = found.displacement > late * pulled_by
-    return {"load": float(found.load[after].mean()), "bending": warp, "error": found.energy_error}
+    found = pulled.follow(coupon, pulled_by)
+    return {"peak": found.peak, "bending": float(bending[0]), "slip": found.slip_length}

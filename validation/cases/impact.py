@@ -17,15 +17,15 @@ from fabrics import ply_laws
 from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
-from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
-from shellfabric.output.wave_fronts import fronts
+from shellfabric.impact import simulation
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
-from weavecell.studies import mesh_uncertainty, sweep
+from weavecell.results.wave_fronts import fronts
+from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def setup(
         own |= {"contact": UncheckedContact(**contact)}
         keywords["ply_contact"] = ply_laws.solid_fibre(wc.fabric(str(fabric)))
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
-    with warnings.catch_warnings(action="ignore"):  # notes of sliding crossovers
+    with warnings.catch_warnings(action="ignore"):  # notes of openings that follow yarns
         made = replace(wc.setup(cloth, velocity, **keywords), **own)
     if unchecked is not None:
         given = {entry.name: getattr(made.numerics, entry.name) for entry in fields(Numerics)}
@@ -302,8 +302,8 @@ def limit(
     Returns
     -------
     dict with low, high, critical, half_width [m/s]; shots; error [-], the largest of the energy balance over the strike
-    energy; cut_yarns of the slowest perforation; window [m], the widest distance of yarns that slide at the fastest
-    stop; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of the fit; flags of the bracket's shots
+    energy; cut_yarns of the slowest perforation; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of
+    the fit; flags of the bracket's shots
     """
     this = setup(**keywords)
     target = this.target(this.table(kept=True))
@@ -321,11 +321,7 @@ def limit(
         "error": max(one.balance for one in bracket.shots),
         "flags": ", ".join(sorted(beyond)),
         "cut_yarns": slowest.cut_yarns,
-        "window": nan,
     }
-    if this.crossovers is not None:
-        stopped = simulation.run(replace(this, strike_velocity=bracket.low, end_time=1e-3))
-        summary["window"] = max(float(slip.largest_window) for slip in stopped.slips)
     if not multiples:
         return summary
     shots = ballistic_limit.shoot(target, [one * bracket.velocity for one in multiples])

@@ -19,10 +19,10 @@ from fabrics.base.checks import BoolArray, FloatArray
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
-from shellfabric.output import wave_fronts
 from shellfabric.output.snapshots import pyramid
 from shellfabric.panel.model import Panel
 from validation.values import Values, largest, rms
+from weavecell.results import wave_fronts
 
 FAMILIES = ("warp", "weft")
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")

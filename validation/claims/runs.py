@@ -21,7 +21,7 @@ from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.impact import ballistic_limit, simulation
+from shellfabric.impact import simulation
 from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.gap import ply_gap
@@ -33,6 +33,7 @@ from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
 from validation.values import Values
+from weavecell.studies import ballistic_limit
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}

@@ -2,5 +2,4 @@
 
 rows.csv        a row a measured number: where it stands, its sigma, what is assumed, and how it is computed
 inputs/         the set-ups of these rows as input files, written before a row was computed
-clamps.toml     the shots with yarns that slide at the crossovers and in the clamps
 """

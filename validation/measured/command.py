@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from validation import study
-from validation.measured import clamps, statistics
+from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
@@ -23,10 +23,10 @@ from weavecell.results import provenance
 
 NOTES = {
     "quick": "the cheap run of each row alone, at most 10 minutes on two cores; its files go to results/measured",
-    "parts": "of crossover, ply, pack, backing, clamps, or stored: what is computed; all by default",
+    "parts": "of crossover, ply, pack, backing, or stored: what is computed; all by default",
     "out": "folder of the CSVs; docs/reports/data by default",
 }
-PARTS = ("crossover", "ply", "pack", "backing", "clamps")
+PARTS = ("crossover", "ply", "pack", "backing")
 KEPT = Path("results/measured")
 RUN = ("computed", "coarse", "error", "energy_error", "commit")  # columns that a run fills
 VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
@@ -38,8 +38,7 @@ def main(
     folder = out or study.DATA
     if quick:
         folder = out or KEPT
-    # the shots with clamps have no cheap run
-    parts = parts or PARTS[: len(PARTS) - quick]
+    parts = parts or PARTS
     options: Values = {"folder": KEPT / "runs", "jobs": jobs}
     stamp = provenance.stamp()
     made = f"python -m validation measured {' '.join(parts)}, commit {stamp['commit']}, {stamp['date']}"
@@ -59,11 +58,6 @@ def main(
     study.write(folder / "measured-quantities.csv", quantities, made)
     if folder == study.DATA:
         study.write(AGAINST_TESTS, quantities, made)
-    if "clamps" in parts:
-        shots = clamps.shots()
-        fired = compute_each(clamps.fire, [case for _, case in shots], **options)
-        table = clamps.settings([(row, fired[case]) for row, case in shots])
-        study.write(folder / "measured-clamps.csv", table, made)
 
 
 def _ran(found, case, coarse, commit):

@@ -23,13 +23,13 @@ import weavecell as wc
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
-from shellfabric.impact import ballistic_limit
 from unitcell3d.cases.biaxial_and_platens import plate_compression
 from unitcell3d.identify.platen_misfit import closures
 from unitcell3d.solver.load_stepping import Steps
 from validation.models.bare_impact import Strike, strike
 from validation.values import Values, largest
 from weavecell.scenes import honoured, target
+from weavecell.studies import ballistic_limit
 
 HERE = Path(__file__).parent
 PACKING = 1e6  # [Pa] between the parts of a compression

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
+from weavecell.studies.biaxial_path import CellPath
 
 
 def free_edge(model: CellModel, direction: str) -> CellPath:
@@ -21,7 +21,8 @@ def free_edge(model: CellModel, direction: str) -> CellPath:
     stretched yarn takes out its crimp alone, then pulls straight.
     """
     index = ("warp", "weft").index(direction)
-    end = (1 + model.fabric.weave.yarns[index].crimp) * (1 + model.ultimate_strains[index]) - 1
+    yarn = model.fabric.weave.yarns[index]
+    end = (1 + yarn.crimp) * (1 + yarn.failure_strain) - 1
     strain = np.full((241, 2), np.nan)
     tension = np.zeros((241, 2))
     strain[:, index] = np.linspace(0, end, 241)

@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass, replace
 from math import isfinite, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,15 +24,15 @@ from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
-from weavecell.api import meshes, quantities, targets
+from weavecell.api import meshes, targets
 from weavecell.api.result import Result, saved
 from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from fabrics.base.record import Record
-    from shellfabric.cell.biaxial_path import CellPath
     from shellfabric.cell.model import CellModel
+    from weavecell.studies.biaxial_path import CellPath
 
 __all__ = ["BiaxialResult", "biaxial"]
 
@@ -53,8 +53,6 @@ def biaxial(
     *,
     ratio: list[str] | None = None,
     compare_3d: str | float | tuple[int, int, int] | None = None,
-    profile: Literal["cosine", "straight"] = "cosine",
-    fibre_slack: float | str | tuple[float, float] = "0",
     law: FilePath | CompressionLaw | None = None,
     out: FilePath | None = None,
 ) -> BiaxialResult:
@@ -67,8 +65,6 @@ def biaxial(
     fabric : as of `mesh`; a named one has the linear densities of `weavecell.fabric`
     ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a yarn
     compare_3d : solve the 3D crossover too, with this mesh, as of `mesh`, and compare; needs dolfinx
-    profile : centre line of the yarns: the thesis's cosine, or Kawabata's straight segments
-    fibre_slack : mean slack of the fibres of a yarn (toe of its tensile curve): of both, or of warp and weft
     law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python also a CompressionLaw
     out : folder of the results; in Python None writes nothing
 
@@ -87,11 +83,9 @@ def biaxial(
     >>> end["failed"], [round(float(strain), 4) for strain in end["strain"]]  # [-]
     ('weft', [0.0375, 0.0375])
     """
-    from shellfabric.cell.biaxial_path import to_strength
     from shellfabric.cell.model import CellModel
+    from weavecell.studies.biaxial_path import to_strength
 
-    if profile not in ("cosine", "straight"):
-        raise InputError(key="profile", value=profile, allowed="cosine or straight")
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
     fabric = targets.as_fabric(fabric) if compare_3d is None else meshes.of_3d(fabric)
@@ -104,16 +98,12 @@ def biaxial(
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
-    toe: Any = quantities.pair(fibre_slack, "", "fibre_slack")
-    options: dict[str, Any] = {"profile": profile, "toe": toe[0] if toe[0] == toe[1] else toe}
-    model, began = CellModel(fabric, **options), time.perf_counter()
+    model, began = CellModel(fabric), time.perf_counter()
     with out_folder.held(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
         solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
-        return saved(
-            BiaxialResult(model, paths, solved, options, source, compare_3d, seconds), folder
-        )
+        return saved(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
 
 
 def _ratio(text):
@@ -154,9 +144,8 @@ class BiaxialResult(Result):
     Parameters
     ----------
     model : CellModel, with its fabric
-    paths : {ratio: `shellfabric.cell.biaxial_path.CellPath`}
+    paths : {ratio: `weavecell.studies.biaxial_path.CellPath`}
     solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
-    options : profile and toe of the cell
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None
     seconds : [s] it took
@@ -171,7 +160,6 @@ class BiaxialResult(Result):
     model: CellModel
     paths: dict[str, CellPath]
     solved: dict[str, Record]
-    options: dict[str, Any]
     source: str
     size: Any = None
     seconds: float = 0.0
@@ -188,7 +176,6 @@ class BiaxialResult(Result):
             "fabric": self.fabric.name,
             "form": self.model.form,
             "law": self.source,
-            **self.options,
         }
         return settings | {
             "mesh": self.size,
@@ -266,7 +253,7 @@ class BiaxialResult(Result):
                     history["T2"],
                 )
         label = "published law" if self.source == "published" else "law given"
-        drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains, **self.options)
+        drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains)
         ends = {text: self._end(text) for text in self.paths}
         table = {
             "strains, warp : weft": list(ends),

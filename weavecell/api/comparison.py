@@ -92,8 +92,8 @@ def compare(
     >>> comparison.comparison.agree
     2
     """
-    from shellfabric.impact import ballistic_limit
     from shellfabric.panel import quality
+    from weavecell.studies import ballistic_limit
     from weavecell.studies import compare as studies
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")

@@ -31,12 +31,11 @@ __all__ = ["DEFAULTS", "Keywords", "scene"]
 
 FLAT = ("fabric", "panel", "run")
 GROUPS = ("projectile", "history", "numerics", "backing")
-# keys of the file that Python has not: the fabric is an argument, a call writes all outputs, shots have no slack
+# keys of the file that Python has not: the fabric is an argument, a call writes all outputs
 NOT_HERE = (
     "fabric.name",
     "fabric.file",
     "fabric.linear_density",
-    "fabric.fibre_slack",
     "run.checkpoint_interval",
     "run.outputs",
 )
@@ -70,7 +69,6 @@ class Keywords(TypedDict, total=False):
     cell_formulation : how forces follow from the state of the cell: gradient of the stored energy
         (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
-    cell_profile : centre line of a crimped yarn in the cell; one of "cosine", "straight"
     crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
         least 0, such as "0 mm"
     surface : response surface of the 3D crossover, which replaces the analytical cell and
@@ -83,15 +81,13 @@ class Keywords(TypedDict, total=False):
     opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
     opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
-    impact_point : where the projectile hits, from the middle of the opening along its two sides.
-        Where not given the middle; of one ply with sliding crossovers, computed whole, a quarter of
-        the spacing off a crossover in both directions. Off the middle it needs the symmetry `half`,
-        on the second axis, else `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+    impact_point : where the projectile hits, from the middle of the opening along its two sides;
+        the middle if not given. Off the middle it needs the symmetry `half`, on the second axis,
+        else `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
-        (azimuth 90 deg). Where not given, one ply with sliding crossovers is whole: symmetry can
-        decide its outcome; one of "quarter", "half", "whole"
+        (azimuth 90 deg); one of "quarter", "half", "whole"
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
@@ -112,12 +108,6 @@ class Keywords(TypedDict, total=False):
     grading : coarser mesh with the distance from the impact point: zones of distance and element
         side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
         "1/2"], [20, 1], [inf, 2]]
-    crossovers : whether warp and weft are pinned to each other where they cross, or slide against
-        friction; one of "pinned", "sliding"
-    crossover_friction : sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed)
-        where not given; a number from 0 to 2
-    crossover_cohesion : sliding crossovers: friction of a crossover without contact force; 0 where
-        not given [N]; a force of at least 0, such as "0.1 N"
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
@@ -134,7 +124,6 @@ class Keywords(TypedDict, total=False):
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]
     cell_formulation: Literal["variational", "equilibrium", "direct"]
-    cell_profile: Literal["cosine", "straight"]
     crossover_gap: Quantity
     surface: ResponseSurface | FilePath | None
     bending: Quantity
@@ -156,9 +145,6 @@ class Keywords(TypedDict, total=False):
     strength: Mapping[str, Quantity] | None
     rate_dependence: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
-    crossovers: Literal["pinned", "sliding"]
-    crossover_friction: Number | None
-    crossover_cohesion: Quantity | None
     end_time: Quantity
     elements_per_crossover: int | None
     snapshot_interval: Quantity | None
@@ -327,12 +313,16 @@ def _text(value, entry):
 def _unknown(key, value, known):
     """The error of a keyword that is none."""
     from weavecell.scenes.impact import Scene
+    from weavecell.scenes.panel import PanelTable
 
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(
                 f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
             )
+    message, allowed = PanelTable.unknown(key, None)
+    if message is None:
+        return InputError(key=key, value=value, allowed=allowed)
     near = nearest(key, known, 0.6)
     hint = f", did you mean {near}?" if near else ";"
     return InputError(

@@ -35,13 +35,13 @@ from weavecell.scenes import honoured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.ballistic_limit import Limit, Shot
-    from shellfabric.impact.lambert_jonas import LambertJonas
-    from shellfabric.impact.limit_scan import ScanRange
     from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.ballistic_limit import Limit, Shot
+    from weavecell.studies.lambert_jonas import LambertJonas
+    from weavecell.studies.limit_scan import ScanRange
 
 __all__ = ["CriticalVelocityResult", "critical_velocity"]
 
@@ -124,9 +124,9 @@ def critical_velocity(
     >>> round(limit.critical_velocity, -1), limit.bracket_checks  # [m/s]
     (70.0, 'ok')
     """
-    from shellfabric.impact.limit_scan import ScanRange
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import limit as limits
+    from weavecell.studies.limit_scan import ScanRange
 
     width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
@@ -201,7 +201,7 @@ class CriticalVelocityResult(StudyResult):
     Parameters
     ----------
     target : `weavecell.scenes.target.Target` that was shot at
-    limit : `shellfabric.impact.ballistic_limit.Limit`
+    limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     assumed_range : AssumedRange of the critical velocity, or None
     scan : ScanRange about the bracket, or None
@@ -255,8 +255,8 @@ class CriticalVelocityResult(StudyResult):
     @property
     def checks(self) -> tuple[Indicator, ...]:
         """Each quality check of the shot in which it is worst, and the width of the zone of mixed outcomes."""
-        from shellfabric.impact import limit_scan
         from shellfabric.panel import quality
+        from weavecell.studies import limit_scan
 
         return *quality.worst(shot.checks for shot in self.limit.shots), limit_scan.indicator(
             self.limit

@@ -1,7 +1,7 @@
 """What an impact or a study would take: elements, steps, memory and time, and what is assumed. Nothing is run.
 
 The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of S-726 and S-728,
-S-726 with sliding crossovers, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up to
+clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up to
 the higher. A run ends earlier where the projectile stops or has passed.
 
 A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess of the limit takes
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
 # lowest and highest CPU time [s] of an element and step
-COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9), "sliding crossovers": (60e-9, 160e-9)}
+COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
@@ -73,13 +73,7 @@ class RunSize(Result):
         pack = setup.target()
         backing = pack.plies[0].backing
         bricks, steps = prod(backing.count) if backing else 0, ceil(setup.end_time / pack.time_step)
-        kind = (
-            "pack"
-            if setup.plies > 1
-            else "one ply"
-            if setup.crossovers is None
-            else "sliding crossovers"
-        )
+        kind = "pack" if setup.plies > 1 else "one ply"
         cpu_time = [
             steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)
         ]
@@ -151,7 +145,7 @@ class StudySize(Result):
         ------
         InputError : values that do not go together
         """
-        from shellfabric.impact.ballistic_limit import first_guess
+        from weavecell.studies.ballistic_limit import first_guess
 
         shots += SHOTS_OF_A_SEARCH * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())

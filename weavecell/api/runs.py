@@ -68,7 +68,7 @@ def setup(
 
     Returns
     -------
-    ImpactSetup; each of its `notes`, which sliding crossovers have, is a warning
+    ImpactSetup; each of its `notes` is a warning
 
     Raises
     ------

@@ -447,9 +447,8 @@ class ShotResult(ImpactRecord, Result):
                 sections.append(chapters_shot.measures(self.measured[ply], places, number))
         sections += chapters_shot.body(self)
         if case.surface is None:
-            options = chapters.options(scene.fabric)
             laws = {case.law_name: case.laws}
-            sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model, **options))
+            sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model))
         lines = list(self.assumed)
         if self.pack:
             lines += [self.gap_words, self.contact_words]

@@ -82,7 +82,8 @@ class Cloth:
     @property
     def failure_stretch(self) -> FloatArray:
         """(2,) [-] of warp and weft in uniaxial tension."""
-        return (1 + self.crimp) * (1 + np.array(self.model.ultimate_strains))
+        strains = [yarn.failure_strain for yarn in self.model.fabric.weave.yarns]
+        return (1 + self.crimp) * (1 + np.array(strains))
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """(2, ...) [Pa] nominal along warp and weft."""

@@ -65,16 +65,12 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
     "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
-    "panel.impact_point": ("0", lambda ply: any(ply.impact_point or ())),
+    "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.strength": (
         "left out: cards have one strength",
         lambda ply: ply.strength is not None,
     ),
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
-    "panel.crossovers": (
-        '"pinned": no law here lets yarns slide',
-        lambda ply: ply.crossovers is not None,
-    ),
     "panel.boundary": (
         "clamped or free: no side that slips is exported",
         lambda ply: boundary.slips(ply.edge),

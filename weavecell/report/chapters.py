@@ -97,7 +97,6 @@ def cell(
     laws: Mapping[str, Any],
     model: str = "compressible",
     paths: Mapping[str, tuple] | None = None,
-    **options: Any,
 ) -> Section:
     """The cell's biaxial response with each law, and the 3D crossover's where it is known.
 
@@ -106,7 +105,6 @@ def cell(
     laws : {label: (warp, weft) laws}
     paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
         has not been solved; two plain paths without
-    options : of CellModel
     """
     from shellfabric.cell.model import CellModel
 
@@ -121,7 +119,7 @@ def cell(
         main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
         for label, pair in laws.items():
-            state = CellModel(fabric, pair, model=model, **options).solve(
+            state = CellModel(fabric, pair, model=model).solve(
                 1 + share * ends[0], 1 + share * ends[1]
             )
             curves[label] = (state["N1"], state["N2"])
@@ -138,11 +136,6 @@ def cell(
     ]
     figure = Figure(content, "svg", caption, "cell")
     return Section("cell", "Biaxial response of the cell", lead, (figure,), points=tuple(points))
-
-
-def options(table: Any) -> dict[str, Any]:
-    """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
-    return {"profile": table.cell_profile, "toe": table.fibre_slack}
 
 
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:

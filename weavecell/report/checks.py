@@ -10,8 +10,8 @@ from shellfabric.panel.quality import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from shellfabric.impact.ballistic_limit import Limit, Shot
     from shellfabric.panel.quality import Indicator
+    from weavecell.studies.ballistic_limit import Limit, Shot
 
 _SHOWN = 3  # indicators of the printed line
 

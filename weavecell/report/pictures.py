@@ -225,9 +225,9 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
 
     Parameters
     ----------
-    limit : shellfabric.impact.ballistic_limit.Limit
-    fit : shellfabric.impact.lambert_jonas.LambertJonas
-    shots : sequence of shellfabric.impact.ballistic_limit.Shot
+    limit : weavecell.studies.ballistic_limit.Limit
+    fit : weavecell.studies.lambert_jonas.LambertJonas
+    shots : sequence of weavecell.studies.ballistic_limit.Shot
     """
     strike = np.array([shot.strike_velocity for shot in shots])
     residual = np.array([shot.residual_velocity for shot in shots])

@@ -12,7 +12,7 @@ from weavecell.report.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, ten
 from weavecell.results.display import shown
 
 if TYPE_CHECKING:
-    from shellfabric.coupon.pull_out_curve import PullOutCurve
+    from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
 
 TESTS = {

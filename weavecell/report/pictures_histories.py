@@ -64,7 +64,7 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
     Parameters
     ----------
     t, yarns : as in `tensions`
-    waves : sequence of shellfabric.output.wave_fronts.Front
+    waves : sequence of weavecell.results.wave_fronts.Front
     """
     figure, grid = _panels(pyplot, len(yarns), 4.6)
     top = max(float(np.max(yarn.tension)) for yarn in yarns)

@@ -23,14 +23,14 @@ from weavecell.results.hdf5_file import put
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
     from shellfabric.coupon.dynamic_relaxation import State
-    from shellfabric.coupon.pull_out_curve import PullOutCurve
+    from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
 FORMAT, CHECKPOINT, PULL_OUT_FORMAT = (
     "weavecell coupon 2",
     "weavecell coupon checkpoint 3",
-    "weavecell pull-out 1",
+    "weavecell pull-out 2",
 )
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 PRESCRIBED = {  # by each test: name, unit
@@ -40,14 +40,12 @@ PRESCRIBED = {  # by each test: name, unit
     "biaxial": ("strain of the cross", "1"),
 }
 PULL_OUT = {  # columns of its record
-    "time": "[s] time",
     "displacement of the crosshead": "[m] displacement of the crosshead",
     "load": "[N] load on the pulled yarn",
     "crossovers in slip": "[1] crossovers that the yarn slides through",
     "crossovers left": "[1] crossovers that the end of the yarn has left",
     "work of friction": "[J] work of friction at the crossovers",
 }
-ENERGY_MEANING = "largest error of the energy balance over the work of the crosshead"
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
@@ -181,67 +179,53 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     )
 
 
-def run_pull_out(
-    table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float = 0.0
-) -> PullOutCurve:
+def run_pull_out(table: CellTable, inputs: Any, bending: float = 0.0) -> PullOutCurve:
     """Run the pull-out of a cell's table.
 
     Parameters
     ----------
     table : CellTable, variational
     inputs : object with the entries of `scenes.coupon.PullOutTable`
-    hooks : called with the solver after each sample
     bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold is computed
 
     Raises
     ------
     InputError : values that do not fit the fabric
-    UnstableError : its `result` is the curve so far
     """
-    from shellfabric.coupon import pull_out_curve
-    from shellfabric.coupon.pull_out import PullOut
-    from shellfabric.panel.numerics import Numerics
-    from shellfabric.sliding.model import CrossoverFriction
+    from shellfabric.coupon import pull_out
 
-    friction = CrossoverFriction(
-        inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending)
+    coupon = pull_out.PullOut(
+        table=table,
+        crossings=inputs.crossings,
+        pre_tension=inputs.pre_tension,
+        mu=inputs.crossover_friction,
+        cohesion=inputs.crossover_cohesion,
+        bending=(bending, bending),
     )
-    coupon = PullOut(
-        table,
-        inputs.crossings,
-        inputs.velocity,
-        inputs.pre_tension,
-        friction,
-        Numerics(threads=1),
-        inputs.all_yarns,
-    )
-    return pull_out_curve.follow(coupon, inputs.displacement, samples=inputs.samples, hooks=hooks)
+    return pull_out.follow(coupon, inputs.displacement, samples=inputs.samples)
 
 
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """The record of a curve, a row a sample; `facts` come first."""
-    coupon, columns = (
-        curve.coupon,
-        ("time", "displacement", "load", "sliding", "left", "friction_work"),
-    )
+    coupon = curve.coupon
+    columns: list[Any] = [curve.displacement, curve.load, curve.sliding, curve.left]
+    columns.append(curve.friction_work)
     return Record(
-        columns={name: getattr(curve, column) for name, column in zip(PULL_OUT, columns)},
+        columns=dict(zip(PULL_OUT, columns)),
         meanings=PULL_OUT,
         facts={
             **facts,
             "crossings": coupon.crossings,
-            "velocity_m_s": coupon.velocity,
             "pre_tension_N": coupon.pre_tension,
-            "crossover_friction": coupon.friction.mu,
-            "crossover_cohesion_N": coupon.friction.cohesion,
-            "yarn_bending_N_m2": coupon.friction.bending[0],
+            "crossover_friction": coupon.mu,
+            "crossover_cohesion_N": coupon.cohesion,
+            "yarn_bending_N_m2": coupon.bending[0],
             "displacement_m": float(curve.displacement[-1]),
             "peak_load_N": curve.peak,
             "plateau_load_N": curve.plateau,
             "slip_length_m": curve.slip_length,
             "crossovers_left": int(curve.left[-1]),
             "crossover_friction_work_J": float(curve.friction_work[-1]),
-            "energy_error_max": curve.energy_error,
         },
     )
 
@@ -250,9 +234,7 @@ def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
     """Quality indicators of a pull-out."""
     from shellfabric.panel import quality
 
-    limit, unit, _ = quality.LIMITS["energy error"]
-    error = quality.Indicator("energy error", curve.energy_error, limit, unit, ENERGY_MEANING)
-    return (error, *quality.of_cell(curve.coupon.table, (curve.peak, curve.coupon.pre_tension)))
+    return quality.of_cell(curve.coupon.table, (curve.peak, curve.coupon.pre_tension))
 
 
 def write(path: FilePath, record: Record, solved: Result | None = None) -> None:

@@ -6,8 +6,8 @@ each ply's shape and state when the projectile had lost half of the energy that 
 at the end, /quads/00, ... with the node numbers of its elements; /cuts with the section through the impact point at the
 instants of the snapshots. Where there are any: /measured/00, ... with histories along the yarns of a ply (samples by
 elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories of tip, tail and centre
-of mass of an elastic projectile; /backing with the block at the end, as far as it is modelled; /slip/00, ... of
-sliding crossovers. Nodes count from the middle surface of the first ply at rest. Every dataset has an attribute "unit".
+of mass of an elastic projectile; /backing with the block at the end, as far as it is modelled. Nodes
+count from the middle surface of the first ply at rest. Every dataset has an attribute "unit".
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
 from weavecell.results.keys import TABLES
+from weavecell.studies import rigidity
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -36,9 +37,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactResult
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
-    from shellfabric.sliding.model import SlipSummary
 
-FORMAT = "weavecell impact 8"  # and version of the files
+FORMAT = "weavecell impact 9"  # and version of the files
 AT_REST = 0.01  # of the energy that a block has taken up: its motion can no longer change the dent by more
 
 
@@ -68,7 +68,6 @@ class ImpactRecord:
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
     backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
-    slips : (plies,) shellfabric.sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     title: str
@@ -116,7 +115,6 @@ class ImpactRecord:
     measured: tuple[Histories, ...] = ()
     bar: BarHistory | None = None
     backing: BackingResult | None = None
-    slips: tuple[SlipSummary, ...] = ()
 
     @classmethod
     def of(
@@ -140,7 +138,7 @@ class ImpactRecord:
             strike_velocity=setup.strike_velocity,
             mass=setup.projectile.mass,
             failure_message=message,
-            rigid_check=str(result.rigidity or ""),
+            rigid_check=str(rigidity.of_shot(result) or ""),
             mirror_x=result.mirrored[0],
             mirror_y=result.mirrored[1],
             elements=sum(panel.elements for panel in panels),
@@ -297,16 +295,6 @@ class ImpactRecord:
             )
         return peaks
 
-    @property
-    def slip(self) -> SlipSummary:
-        """Sliding crossovers of all plies: the largest lengths, the sums of segments and work."""
-        longest = {name: max(getattr(slip, name) for slip in self.slips) for name in _LENGTHS}
-        sums = {
-            name: sum(getattr(slip, name) for slip in self.slips)
-            for name in ("pulled_out_segments", "friction_work")
-        }
-        return type(self.slips[0])(**longest, **sums)
-
     def facts(self) -> dict[str, Any]:
         """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
         tables = [
@@ -353,7 +341,6 @@ class ImpactRecord:
         }
         groups |= {f"final/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.final)}
         groups |= {f"cuts/{number:04d}": (cut, "cut") for number, cut in enumerate(self.cuts)}
-        groups |= {f"slip/{ply:02d}": (slip, "slip") for ply, slip in enumerate(self.slips)}
         groups |= {
             name: (getattr(self, name), name)
             for name in ("bar", "backing")
@@ -393,7 +380,6 @@ class ImpactRecord:
         from shellfabric.backing.coupling import BackingResult
         from shellfabric.panel.quality import Indicator
         from shellfabric.projectile.dynamics import BarHistory
-        from shellfabric.sliding.model import SlipSummary
 
         with read_hdf5(path, FORMAT) as file:
             parts = {
@@ -423,13 +409,11 @@ class ImpactRecord:
                     for group, own in zip(parts["cuts"], lines)
                 ),
                 measured=tuple(map(_read_measured, parts["measured"])),
-                slips=tuple(read_group(group, SlipSummary, "slip") for group in parts["slip"]),
             )
 
 
 _TEXTS = ("pack", "failure")
-_PARTS = ("half_energy", "final", "quads", "cuts", "measured", "slip")
-_LENGTHS = ("pulled_out_length", "largest_window")
+_PARTS = ("half_energy", "final", "quads", "cuts", "measured")
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     key.field: key.name
@@ -440,7 +424,7 @@ SCALARS = {
 
 def _write_measured(group, measured):
     """Histories, and the fronts read off them, which are for the reader alone."""
-    from shellfabric.output.wave_fronts import fronts
+    from weavecell.results.wave_fronts import fronts
 
     put(group, "time", measured.t, "s")
     for number, yarn in enumerate(measured.yarns):

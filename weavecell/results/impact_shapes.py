@@ -19,7 +19,6 @@ _GRIDS = (
     "pressure",
     "area",
     "failed_segments",
-    "slip",
 )  # of nodes or elements
 
 
@@ -34,7 +33,7 @@ class Shape:
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
     failed : (m, 3) bool: warp failed, weft failed, element eroded
-    pressure, area, failed_segments, slip : of the nodes, (k, ...), as of a Snapshot
+    pressure, area, failed_segments : of the nodes, (k, ...), as of a Snapshot
     """
 
     time: float
@@ -46,7 +45,6 @@ class Shape:
     pressure: np.ndarray
     area: np.ndarray
     failed_segments: np.ndarray
-    slip: np.ndarray
 
     @classmethod
     def of(cls, shot: Snapshot) -> Shape:

@@ -63,7 +63,7 @@ TABLES = {
     for name, table in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
 # tables of summary.json that an impact has where this attribute of its record is not empty
-OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing", "slips": "slips"}
+OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing"}
 OF_IMPACTS = (
     *_under("histories", TABLES["histories"]),
     *_under("energies", TABLES["energies"]),
@@ -78,7 +78,6 @@ OF_IMPACTS = (
     *_under("measured/*/fronts/*", TABLES["front"]),
     *_under("bar", TABLES["bar"]),
     *_under("backing", TABLES["backing"]),
-    *_under("slip/*", TABLES["slip"]),
     Key("quads/*", "1", "node numbers of a ply's elements"),
     *_under("cuts/*", TABLES["cut"]),
     Key("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),

@@ -86,12 +86,14 @@ def watched(
     run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
 ) -> tuple[Any, UnstableError | None]:
     """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
-    from shellfabric.output.hooks import Progress
-
     with bar(title) as advance:
-        watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
+
+        def show(solver):
+            share = 1.0 if solver.ended else solver.time / solver.end_time
+            advance(share, f"{solver.state.projectile_velocity[2]:.1f} m/s")
+
         try:
-            return run((watching, *hooks)), None
+            return run((show, *hooks)), None
         except UnstableError as problem:
             return problem.result, problem
 

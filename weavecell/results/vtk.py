@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
 PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa")
-_FAILED, _SLIP = ("failed_segments_warp", "failed_segments_weft"), ("slip_warp_m", "slip_weft_m")
+_FAILED = "failed_segments_warp", "failed_segments_weft"
 
 
 def grid(nodes: FloatArray, quads: IntArray) -> Any:
@@ -60,7 +60,7 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
         }
     )
     together.point_data["area_m2"] = np.concatenate([shape.area for shape in plies])
-    for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED), ("slip", _SLIP)):
+    for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED)):
         columns = np.concatenate([getattr(shape, field) for shape in plies]).T
         together.point_data.update({name: column.copy() for name, column in zip(names, columns)})
     together.field_data["projectile_z_m"] = [float(plies[0].nose_position)]

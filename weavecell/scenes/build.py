@@ -34,7 +34,6 @@ CHANGED = "was fitted to other data of {} than it has now"
 FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
-    "fabric.cell_profile": "profile",
     "panel.boundary": "edge",
     "panel.yarn_failure": "failure",
     "picture_frame.crossovers": "cells",
@@ -302,14 +301,8 @@ def _warn_of_change(fitted_data, fabric, name):
 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:
-    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
-    return (
-        table.crossover_gap,
-        table.cell_model,
-        table.cell_formulation,
-        table.cell_profile,
-        table.fibre_slack,
-    )
+    """Gap, model and form of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
@@ -348,7 +341,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "round": panel.opening_shape == "round",
             "history": history,
         }
-        given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
+        given["backing"] = _backing(scene.backing)
         given |= {"strength": panel.strength and YarnStrength(**panel.strength.model_dump())}
         made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
@@ -365,16 +358,6 @@ def _given(table, name, but=()):
         for key, value in table
         if value is not None and key not in but
     }
-
-
-def _crossovers(table):
-    """The friction of sliding crossovers; None of pinned ones."""
-    if table.crossovers == "pinned":
-        return None
-    from shellfabric.sliding.model import CrossoverFriction
-
-    given = {"mu": table.crossover_friction, "cohesion": table.crossover_cohesion}
-    return CrossoverFriction(**{key: value for key, value in given.items() if value is not None})
 
 
 def _projectile(table):

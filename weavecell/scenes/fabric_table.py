@@ -13,10 +13,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
-    TEXT_OR_TWO,
     Table,
     described,
-    from_text,
     in_python,
     number,
     one_of,
@@ -81,14 +79,6 @@ Law = Annotated[
     | Annotated[InlineLaw, Tag("inline")],
     Discriminator(_law_kind),
 ]
-
-
-def _toe(value, read):
-    pair = isinstance(value, (list, tuple))
-    toes = [read(part, "") for part in (value if pair else (value,))]
-    if len(toes) != 1 + pair or not all(0 <= toe <= 0.1 for toe in toes):
-        raise ValueError("out of range")
-    return tuple(toes) if pair else toes[0]
 
 
 class WeavingDamageTable(Table):
@@ -168,18 +158,6 @@ class FabricTable(Table):
         "equilibrium",
         "direct",
     ) = "variational"
-    cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = (
-        "cosine"
-    )
-    fibre_slack: from_text(
-        float | tuple[float, float],
-        _toe,
-        "mean slack of the fibres of a yarn, which become taut one after another (toe of the tensile curve)",
-        'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft',
-        "",
-        "0.1 %",
-        TEXT_OR_TWO,
-    ) = 0.0
     surface: Annotated[
         Any,
         BeforeValidator(_object),
@@ -197,7 +175,7 @@ class FabricTable(Table):
     @model_validator(mode="after")
     def _of_one_cell(self):
         if self.surface is not None:
-            keys = "law cell_model crossover_gap cell_profile fibre_slack weaving_damage"
+            keys = "law cell_model crossover_gap weaving_damage"
             self.refuse(keys, "left out with fabric.surface")
         if self.cell_model != "compressible":
             models = '"incompressible" or "decoupled", whose yarns are not compressed'

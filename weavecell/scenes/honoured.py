@@ -27,9 +27,7 @@ def silent(table: str, names: str) -> Keys:
 
 
 NO_HISTORY = "left out: the shots record nothing along yarns; `weavecell impact` does"
-IMPACT: Keys = {
-    "fabric.fibre_slack": "left out in an impact"
-}  # a yarn whose crossings have failed is linear
+IMPACT: Keys = {}
 UNWRITTEN = silent(
     "run", "snapshot_interval checkpoint_interval outputs"
 )  # by functions that shoot many times

@@ -253,6 +253,9 @@ class PlyTable(Table):
         return self
 
 
+OF_SLIDING_YARNS = ("crossovers", "crossover_friction", "crossover_cohesion")
+
+
 class PanelTable(Table):
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
 
@@ -276,9 +279,8 @@ class PanelTable(Table):
     ) = "rectangular"
     impact_point: Annotated[
         quantities(
-            "where the projectile hits, from the middle of the opening along its two sides. Where not given the "
-            "middle; of one ply with sliding crossovers, computed whole, a quarter of the spacing off a crossover in "
-            "both directions. Off the middle it needs the symmetry `half`, on the second axis, else `whole`",
+            "where the projectile hits, from the middle of the opening along its two sides; the middle if not given. "
+            "Off the middle it needs the symmetry `half`, on the second axis, else `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
@@ -289,8 +291,7 @@ class PanelTable(Table):
         "clamped"
     )
     symmetry: one_of(
-        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg). Where "
-        "not given, one ply with sliding crossovers is whole: symmetry can decide its outcome",
+        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
         "quarter",
         "half",
         "whole",
@@ -338,29 +339,18 @@ class PanelTable(Table):
             'zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]',
         ),
     ] = None
-    crossovers: one_of(
-        "whether warp and weft are pinned to each other where they cross, or slide against friction "
-        "([sliding](../reports/slip.md))",
-        "pinned",
-        "sliding",
-    ) = "pinned"
-    crossover_friction: number(
-        "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
-        0.3,
-        ge=0.0,
-        le=2.0,
-    ) = None
-    crossover_cohesion: quantity(
-        "sliding crossovers: friction of a crossover without contact force; 0 where not given",
-        "N",
-        "0.1 N",
-        zero=True,
-    ) = None
 
     @property
     def angled(self) -> bool:
         """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
         return any(ply.angle not in (0.0, math.pi / 2) for ply in self.ply)
+
+    @classmethod
+    def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
+        """As of Table; what is allowed of the keys of yarns that slide, which the panel had."""
+        if key in OF_SLIDING_YARNS:
+            return None, "left out: the membrane does not model yarns that slip at their crossovers"
+        return super().unknown(key, near)
 
     @model_validator(mode="after")
     def _of_a_lay_up(self):
@@ -380,13 +370,8 @@ class PanelTable(Table):
     def _of_one_or_more_plies(self):
         if not self.yarn_failure:
             self.refuse("rate_dependence strength", "left out where yarns do not fail")
-        if self.crossovers == "pinned":
-            self.refuse(
-                "crossover_friction crossover_cohesion", "left out where crossovers are pinned"
-            )
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
-            self.refuse("crossovers", f"pinned {BESIDE_ANGLES}")
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
@@ -395,8 +380,7 @@ class PanelTable(Table):
 
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
-        """The whole panel if a ply is at an angle or yarns differ in strength, and of one ply of sliding yarns unless
-        its symmetry is given."""
+        """The whole panel if a ply is at an angle or yarns differ in strength."""
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
@@ -404,6 +388,5 @@ class PanelTable(Table):
         if drawn and given and self.symmetry != "whole":
             allowed = "whole, or left out, where yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
-        slides = self.crossovers == "sliding" and self.plies == 1 and not given
-        whole = self.angled or drawn or slides
+        whole = self.angled or drawn
         return self.model_copy(update={"symmetry": "whole"}) if whole else self

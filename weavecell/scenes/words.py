@@ -42,13 +42,12 @@ def panel_in_words(panel: PanelTable) -> str:
         )
     if panel.weave_angle:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
-    crossovers = ", with sliding crossovers" if panel.crossovers == "sliding" else ""
     if isinstance(panel.boundary, str):
-        return f"{words} and {panel.boundary}{crossovers}"
+        return f"{words} and {panel.boundary}"
     ends = " and ".join(
         f"{name} ends {_side_in_words(side)}" for name, side in panel.boundary.sides.items()
     )
-    return f"{words}, {ends}{crossovers}"
+    return f"{words}, {ends}"
 
 
 def _side_in_words(side):

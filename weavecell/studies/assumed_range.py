@@ -7,9 +7,9 @@ and the nominal one, and no bound, since the outcome need not be monotonic. The 
 its own runs over the sum of these widths.
 
 What is assumed besides the fabric follows from the set-up: strength after weaving, unless `weaving_damage` gives it,
-since yarns are tested before; friction of the projectile, of plies where there are several, of crossovers where yarns
-slide through them, the force of clamps in which yarns slip, and in packs the area that packed fabric keeps. Pinned
-crossovers and rigid clamps stay: sliding and slip are other models, not ends of a range.
+since yarns are tested before; friction of the projectile, of plies where there are several, the force of clamps in
+which yarns slip, and in packs the area that packed fabric keeps. Rigid clamps stay: slip is another model, not the end
+of a range.
 """
 
 from __future__ import annotations
@@ -178,8 +178,6 @@ def _of_setup(setup, name, value):
             return replace(setup, projectile=replace(setup.projectile, friction=value))
         case "friction between plies" if setup.plies > 1:
             return replace(setup, ply_friction=value)
-        case "friction of crossovers" if setup.crossovers is not None:
-            return replace(setup, crossovers=replace(setup.crossovers, mu=value))
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
         case "clamp force":
@@ -245,9 +243,9 @@ def critical_velocity(
     tolerance, beside : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
-    from shellfabric.impact import (
-        ballistic_limit,
-    )  # with the kernels of packs, which a shot on one ply does not use
+    from weavecell.studies import (
+        ballistic_limit,  # with the kernels of packs, which a shot on one ply does not use
+    )
 
     def search(changed):
         try:

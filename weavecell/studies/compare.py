@@ -14,11 +14,10 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_csv, read_number
 from fabrics.base.units import refused, si
-from shellfabric.impact import lambert_jonas
-from shellfabric.impact.ballistic_limit import Limit, Shot
-from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.panel import quality
-from weavecell.studies import probit, protocol
+from weavecell.studies import lambert_jonas, probit, protocol
+from weavecell.studies.ballistic_limit import Limit, Shot
+from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.probit import Curve
 from weavecell.studies.protocol import SixShots
 

@@ -78,11 +78,9 @@ def table(section: str) -> dict[str, Entry]:
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed], of the friction of sliding crossovers and of the area of packed fabric, by name."""
-    from shellfabric.sliding.model import DATA
-
+    """Entries of [assumed] and of the area of packed fabric, by name."""
     text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
-    rows = tomllib.loads(text)["assumed"] | {"friction of crossovers": DATA["crossover_friction"]}
+    rows = tomllib.loads(text)["assumed"]
     found = {name: families.entry(row, "") for name, row in rows.items()}
     return found | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 

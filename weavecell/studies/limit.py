@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
-from shellfabric.impact.ballistic_limit import Limit
-from shellfabric.impact.lambert_jonas import LambertJonas
-from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactSetup
+from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan
+from weavecell.studies.ballistic_limit import Limit
+from weavecell.studies.lambert_jonas import LambertJonas
+from weavecell.studies.limit_scan import ScanRange
 
 # strike velocities of the first and last residual shot, over the velocity above which all shots perforate
 RESIDUAL_SHOTS = 1.03, 2.0

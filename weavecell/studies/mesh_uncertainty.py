@@ -36,6 +36,7 @@ from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES
+from weavecell.studies import rigidity
 
 if TYPE_CHECKING:
     from weavecell.studies.window import Window
@@ -215,12 +216,10 @@ def climb(
     while True:
         shot = shoot(setup, table, f"{projectile.body} {len(meshes) + 1}")
         result = shot.result
-        if (
-            "projectile" not in fixed
-            and projectile.bar is None
-            and result.rigidity
-            and not result.rigidity.enough
-        ):
+        rigid = None
+        if "projectile" not in fixed and projectile.bar is None:
+            rigid = rigidity.of_shot(result)
+        if rigid and not rigid.enough:
             bar = replace(setup, projectile=replace(projectile, body="elastic_bar"))
             return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
         meshes, outcomes = (*meshes, in_words(setup)), (*outcomes, result.outcome)

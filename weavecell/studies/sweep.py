@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
-from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
 from shellfabric.panel import quality
 from weavecell.studies import inputs, v50
 from weavecell.studies import limit as limits
+from weavecell.studies.limit_scan import ScanRange
 
 MIXED = "mixed outcomes"
 

@@ -27,13 +27,19 @@ from numpy.typing import ArrayLike
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
-from shellfabric.impact import ballistic_limit, lambert_jonas
-from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
-from weavecell.studies import assumed_range, probit, protocol, strengths
+from weavecell.studies import (
+    assumed_range,
+    ballistic_limit,
+    lambert_jonas,
+    probit,
+    protocol,
+    strengths,
+)
 from weavecell.studies.assumed_range import AssumedRange
 from weavecell.studies.inputs import Scatter, changed_setup, published
+from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
 FIRST = 0.25  # of the deterministic limit, either way
@@ -171,16 +177,11 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot. Edges that are not clamped or no lines of the grid (oblique weaves, round openings,
-    impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
-    `elements_per_crossover = 1`.
+    impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
-    named = (
-        setup.grading is not None
-        or setup.elements_per_crossover is not None
-        or setup.crossovers is not None
-    )
+    named = setup.grading is not None or setup.elements_per_crossover is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
-    stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
+    stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
         return setup
     if not clamped or setup.projectile.roaming or stepped:

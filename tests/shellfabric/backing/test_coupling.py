@@ -11,13 +11,13 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
-from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
+from weavecell.studies import ballistic_limit
 
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)

@@ -10,8 +10,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import free_height
-from shellfabric.cell.model import PROFILES, CellModel
-from shellfabric.cell.yarn_kernels import COSINE
+from shellfabric.cell.model import CellModel
 
 LAWS = catalogue.load("S-728").laws
 # crimps of warp and weft [-], counts of warp and weft [1/m] of 100 tex: even and uneven cells; the warp
@@ -31,25 +30,23 @@ def fabric(name):
     return Fabric("crimped", Weave(warp, weft, count1, count2), laws=LAWS)
 
 
-@pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("name", WEAVES)
-def test_contact_is_lost_where_the_free_height_fills_the_cell(name, profile):
+def test_contact_is_lost_where_the_free_height_fills_the_cell(name):
     """With closed forms: the height of a free yarn against that of the cell; half its length where the cell is shut."""
     weave = fabric(name).weave
-    cell = CellModel(fabric(name), model="incompressible", profile=profile)
-    number = PROFILES[profile]
+    cell = CellModel(fabric(name), model="incompressible")
     for family, (w, S0) in enumerate(zip(weave.w, weave.S0)):
         full = sum(cell.h0)
         lowest = cell.range()[family][0]
-        assert free_height(1e-9 * w, S0, number) == pytest.approx(S0 / 2, rel=1e-6)
+        assert free_height(1e-9 * w, S0) == pytest.approx(S0 / 2, rel=1e-6)
         dense = np.sqrt(4 * weave.yarns[1 - family].A_s / np.pi) / (2 * w)
         if name in FOLDED and family == 0:
             assert S0 / 2 < full
-        if free_height(dense * w, S0, number) < full:
+        if free_height(dense * w, S0) < full:
             assert lowest == pytest.approx(dense)
         else:
             assert lowest > dense
-            assert free_height(lowest * w, S0, number) == pytest.approx(full, rel=1e-9)
+            assert free_height(lowest * w, S0) == pytest.approx(full, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", WEAVES)
@@ -74,12 +71,11 @@ def test_decoupled_yarns_follow_the_length_of_their_arc(name):
         )
 
 
-@pytest.mark.parametrize("profile, number", PROFILES.items())
 @pytest.mark.parametrize("name", FOLDED)
-def test_a_folded_yarn_stays_in_contact(name, profile, number):
+def test_a_folded_yarn_stays_in_contact(name):
     """Of a crossing yarn pulled straight the folded one has the height of the cell, and the tension of that arc."""
     weave = fabric(name).weave
-    cell = CellModel(fabric(name), model="incompressible", profile=profile)
+    cell = CellModel(fabric(name), model="incompressible")
     full = sum(cell.h0)
     w = weave.w1
     S0 = weave.S01
@@ -89,8 +85,9 @@ def test_a_folded_yarn_stays_in_contact(name, profile, number):
         assert found["F"] > 0
         h = found["h1"]
         assert h + found["h2"] == pytest.approx(full, rel=1e-9)
-        length = arc_length(stretch * w, h) if number == COSINE else 2 * np.hypot(stretch * w, h)
-        assert found["T1"] == pytest.approx(weave.warp.EA * (length / S0 - 1), rel=1e-9)
+        assert found["T1"] == pytest.approx(
+            weave.warp.EA * (arc_length(stretch * w, h) / S0 - 1), rel=1e-9
+        )
 
 
 def test_range_where_heights_vanish_in_rounding():

@@ -29,7 +29,7 @@ def assert_equal(one, two):
     assert one.values.keys() == two.values.keys()
     for name, array in one.values.items():
         assert np.array_equal(array, two.values[name])
-    for name in ("stretch1", "stretch2", "tension1", "tension2", "spline", "potential"):
+    for name in ("stretch1", "stretch2", "tension1", "tension2", "spline"):
         assert np.array_equal(getattr(one, name), getattr(two, name))
 
 

@@ -13,12 +13,10 @@ from shellfabric.projectile.projectile import Projectile
 def shaken(panel, firm):
     """(state, constants) of a panel with its nodes out of place, a projectile that has gone a little into it, and all
     that moving; with firm springs also what they foresee, and by what they sped up the nodes a step ago."""
-    rng, state, const, size = (
-        np.random.default_rng(0),
-        panel.state(100.0),
-        panel.constants(),
-        rest(panel).shape,
-    )
+    rng = np.random.default_rng(0)
+    state = panel.state(100.0)
+    const = panel.constants()
+    size = rest(panel).shape
     set_nodal(state.u, 0.05 * const.dx * rng.normal(size=size))
     set_nodal(state.v, rng.normal(size=size))
     state.projectile_position[2] += 0.4e-3
@@ -48,8 +46,10 @@ def whole_edge(state, const, family, i, j):
 
 def plain_weights(state, const, i, j, s, t):
     """{node: weight} of the point (s, t) of element (i, j), by ghost nodes that go straight on beyond a yarn's end."""
-    q, r = int(s > 0.5), int(t > 0.5)
-    m, n = i + q, j + r
+    q = int(s > 0.5)
+    r = int(t > 0.5)
+    m = i + q
+    n = j + r
     knots = np.arange(-1.5, 2.0)
     basis = [
         [
@@ -88,8 +88,11 @@ def plain_weights(state, const, i, j, s, t):
 def plain_contact(panel, state, const):
     """What the kernel does without friction, point by point, on a panel without mirrors. A state that foresees other
     forces has firm springs; the sizes of those of a step ago count in them alone."""
-    force, work, spring = np.zeros((const.ni + 1, const.nj + 1, 3)), 0.0, 0.0
-    X, n = panel.coordinates()[0], (const.ni + 1) * const.row_stride
+    force = np.zeros((const.ni + 1, const.nj + 1, 3))
+    work = 0.0
+    spring = 0.0
+    X = panel.coordinates()[0]
+    n = (const.ni + 1) * const.row_stride
     x = (
         rest(panel)
         + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1)
@@ -101,11 +104,9 @@ def plain_contact(panel, state, const):
         np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
         for name in (state.dv_other, state.dv_contact)
     )
-    hard, i_near, columns = (
-        firm or 1.0,
-        const.window_limits[0],
-        const.window_limits[3] - const.window_limits[2],
-    )
+    hard = firm or 1.0
+    i_near = const.window_limits[0]
+    columns = const.window_limits[3] - const.window_limits[2]
     nose = (
         const.projectile_radius,
         const.edge_radius,
@@ -117,7 +118,8 @@ def plain_contact(panel, state, const):
         for j in range(j0, j1):
             for a in range(const.points_per_side):
                 for b in range(const.points_per_side):
-                    s, t = (a + 0.5) / const.points_per_side, (b + 0.5) / const.points_per_side
+                    s = (a + 0.5) / const.points_per_side
+                    t = (b + 0.5) / const.points_per_side
                     shares = plain_weights(state, const, i, j, s, t)
                     assert min(shares.values()) > 0
                     assert sum(shares.values()) == pytest.approx(1.0)
@@ -132,11 +134,10 @@ def plain_contact(panel, state, const):
                         state.intact_fraction[0][i * const.row_stride + j + (t > 0.5)],
                         state.intact_fraction[1][(i + (s > 0.5)) * const.row_stride + j],
                     ]
-                    part, normal = np.mean(near), np.array(normal) @ const.frame
-                    k, c = (
-                        part * hard * const.point_law.stiffness,
-                        part * hard**0.5 * const.point_law.damping,
-                    )
+                    part = np.mean(near)
+                    normal = np.array(normal) @ const.frame
+                    k = part * hard * const.point_law.stiffness
+                    c = part * hard**0.5 * const.point_law.damping
                     if firm:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
@@ -190,7 +191,9 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
 
 def test_an_element_that_is_apart_touches_nothing():
     rng = np.random.default_rng(2)
-    found, low, high = 0, np.empty((3, 6)), np.empty((3, 6))
+    found = 0
+    low = np.empty((3, 6))
+    high = np.empty((3, 6))
     for _ in range(600):
         x = rng.normal(size=(4, 6, 3)) + rng.uniform(-3, 3, 3)
         spline_kernels.column_boxes(np.ascontiguousarray(x.transpose(0, 2, 1)), 6, low, high)
@@ -199,12 +202,11 @@ def test_an_element_that_is_apart_touches_nothing():
                 continue
             found += 1
             for s, t in rng.uniform(0, 1, (50, 2)):
-                q, r = int(s > 0.5), int(t > 0.5)
+                q = int(s > 0.5)
+                r = int(t > 0.5)
                 for bent in (True, False):
-                    A, B = (
-                        spline_kernels.node_weights(s - q, bent),
-                        spline_kernels.node_weights(t - r, True),
-                    )
+                    A = spline_kernels.node_weights(s - q, bent)
+                    B = spline_kernels.node_weights(t - r, True)
                     p = np.einsum("a,b,abc", A, B, x[q : q + 3, m + r : m + r + 3])
                     assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
     assert found > 50
@@ -213,7 +215,8 @@ def test_an_element_that_is_apart_touches_nothing():
 @pytest.mark.parametrize("p", [2, 3, 4, 8, 16])
 def test_shares_are_the_weights_of_the_points(p):
     """Of points in eights, those beyond the last having none."""
-    found, along = spline_kernels.shape_functions(p, -(-(p * p) // 8) * 8), np.zeros((2, 4, p))
+    found = spline_kernels.shape_functions(p, -(-(p * p) // 8) * 8)
+    along = np.zeros((2, 4, p))
     for bent in range(2):
         for a, z in enumerate((np.arange(p) + 0.5) / p):
             along[bent, int(z > 0.5) :, a][:3] = spline_kernels.node_weights(
@@ -229,11 +232,13 @@ def test_the_surface_of_torn_fabric_is_symmetric(family):
     """With an odd number of points too, of which some are midway between two corners: a yarn that ends before one
     corner of an element gives the mirror image of one that ends before the next, and all weights sum to one."""
     panel = make_panel(symmetry="whole", elements_per_crossover=3)
-    const, found = panel.constants(), []
+    const = panel.constants()
+    found = []
     p = const.points_per_side
     assert p % 2 == 1
     for side in (0, 1):
-        state, place = panel.state(100.0), [12, 12]
+        state = panel.state(100.0)
+        place = [12, 12]
         place[family] -= 1
         place[1 - family] += side
         state.intact_fraction[family][place[0] * const.row_stride + place[1]] = 0.0

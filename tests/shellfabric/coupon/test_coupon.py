@@ -48,7 +48,10 @@ def crumpled(coupon, seed=1):
 
 def twin(coupon, x):
     """Energy from the definitions: the potential by its coefficients, every mean by a search of the edges."""
-    table, weave, shear, energy = coupon.table, coupon.weave, coupon.table.model.fabric.shear, 0.0
+    table = coupon.table
+    weave = coupon.weave
+    shear = coupon.table.model.fabric.shear
+    energy = 0.0
     lengths = [
         np.linalg.norm(x[e[:, 1]] - x[e[:, 0]], axis=1) / d
         for e, d in zip(coupon.edges, coupon.spacing)
@@ -62,18 +65,19 @@ def twin(coupon, x):
         p, q = (
             (l - g[0]) / (g[1] - g[0]) for l, g in zip((l1, l2), (table.stretch1, table.stretch2))
         )
-        p, q = max(p, 0), max(q, 0)
+        p = max(p, 0)
+        q = max(q, 0)
         i, j = (min(int(v), g.size - 2) for v, g in zip((p, q), (table.stretch1, table.stretch2)))
-        basis = []
-        for v in (p - i, q - j):
-            e = v - 1
-            basis.append([1, v, v * v, v**3 if e < 0 else 1 + 3 * e + 3 * e * e])
-        return basis[0] @ table.potential[i, j].reshape(4, 4) @ basis[1]
+        basis = [[1, v, v * v] for v in (p - i, q - j)]
+        return basis[0] @ table.spline[i, j].reshape(3, 3) @ basis[1]
 
     for m in (0, 1):
-        yarn, w, S0 = weave.yarns[m], weave.w[m], weave.S0[m]
+        yarn = weave.yarns[m]
+        w = weave.w[m]
+        S0 = weave.S0[m]
         for e, ends in enumerate(coupon.edges[m]):
-            own, n = lengths[m][e], coupon.cells[m][e]
+            own = lengths[m][e]
+            n = coupon.cells[m][e]
             if not woven[m][e]:
                 energy += n * 0.5 * yarn.EA * max(2 * w * own - S0, 0) ** 2 / S0
                 continue
@@ -86,7 +90,8 @@ def twin(coupon, x):
             energy += 0.5 * n * (potential(own, mean) if m == 0 else potential(mean, own))
     dX, dY = coupon.spacing
     for p, q, r, s in coupon.quads:
-        a, b = x[q] - x[p] + x[r] - x[s], x[s] - x[p] + x[r] - x[q]
+        a = x[q] - x[p] + x[r] - x[s]
+        b = x[s] - x[p] + x[r] - x[q]
         gamma = np.arcsin(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
         points, weights = np.polynomial.legendre.leggauss(30)
         energy += (
@@ -121,7 +126,8 @@ def test_forces_are_the_gradient(coupon):
 
 def test_forces_turn_with_the_cloth(coupon):
     x = crumpled(coupon)
-    c, s = np.cos(2.0), np.sin(2.0)
+    c = np.cos(2.0)
+    s = np.sin(2.0)
     turn = np.array([[c, -s], [s, c]])
     f = coupon.forces(x)[0]
     assert np.allclose(coupon.forces(x @ turn.T + 3.0)[0], f @ turn.T, atol=1e-7 * np.abs(f).max())
@@ -131,7 +137,8 @@ def test_forces_turn_with_the_cloth(coupon):
 def test_the_bound_covers_the_stiffness(coupon):
     """No eigenvalue of the stiffness over the bound exceeds one, and it is not wasteful."""
     x = crumpled(coupon)
-    bound, n = coupon.forces(x)[1], len(x)
+    bound = coupon.forces(x)[1]
+    n = len(x)
     K = np.empty((2 * n, 2 * n))
     for k in range(2 * n):
         f = []
@@ -143,7 +150,8 @@ def test_the_bound_covers_the_stiffness(coupon):
     held = bound > 0  # a node between slack yarns has no stiffness
     assert not K[~np.repeat(held, 2)].any()
     part = np.repeat(held, 2)
-    K, root = K[np.ix_(part, part)], np.repeat(bound[held], 2) ** -0.5
+    K = K[np.ix_(part, part)]
+    root = np.repeat(bound[held], 2) ** -0.5
     highest = np.linalg.eigvalsh(root[:, None] * 0.5 * (K + K.T) * root)[-1]
     assert 0.2 < highest < 1.0
 
@@ -169,7 +177,7 @@ def test_angles_beyond_a_right_angle(table):
 def test_slack_yarns_carry_nothing(table):
     """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
     args = (
-        table.potential.reshape(-1, 16),
+        table.spline.reshape(-1, 9),
         table.stretch1[0],
         1 / table.steps[0],
         59,
@@ -189,7 +197,8 @@ def test_mean_tensions_against_the_plain_twin(coupon):
     )
     x = crumpled(wide)
     for family, (T, means) in enumerate(zip(wide.tensions(x), wide.mean_tensions(x))):
-        middles, side = wide.points[wide.edges[family]].mean(axis=1), wide.spacing[1 - family]
+        middles = wide.points[wide.edges[family]].mean(axis=1)
+        side = wide.spacing[1 - family]
         along = np.subtract(*wide.points[wide.edges[family][0, ::-1]])
         along /= np.linalg.norm(along)
         y = ((np.arange(4000) + 0.5) / 4000 - 0.5) * side  # of the fabric that a line stands for

@@ -37,7 +37,8 @@ class Chain:
 
 
 def test_a_chain_finds_its_equilibrium():
-    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    x = np.arange(20.0)[:, None]
+    held = np.arange(20) % 19 == 0
     states, ended = dynamic_relaxation.relax_path(
         Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], tolerance=1e-9
     )
@@ -49,7 +50,8 @@ def test_a_chain_finds_its_equilibrium():
 
 
 def test_what_does_not_settle_is_reported_and_kept():
-    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    x = np.arange(20.0)[:, None]
+    held = np.arange(20) % 19 == 0
     with pytest.raises(
         UnstableError,
         match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load",
@@ -65,7 +67,8 @@ def test_what_does_not_settle_is_reported_and_kept():
 
 
 def test_a_pull_goes_on_from_its_states_bit_for_bit():
-    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    x = np.arange(20.0)[:, None]
+    held = np.arange(20) % 19 == 0
     loads = [0.25, 0.5, 0.75, 1.0]
     seen = []
     whole, _ = dynamic_relaxation.relax_path(
@@ -104,14 +107,17 @@ def test_free_sides_give_up_their_crimp(table, direction):
 
     Once straight, the yarns that cross carry all the height, h01 + h02, at their own length: a closed form.
     """
-    k, weave = ("warp", "weft").index(direction), table.model.fabric.weave
+    k = ("warp", "weft").index(direction)
+    weave = table.model.fabric.weave
     run = quasistatic.uniaxial(
         table, direction=direction, length=0.05, width=0.015, strain=0.03, steps=6
     )
     assert run.outcome == "complete"
     strain = quasistatic.middle_strain(run, (0.005, 0.005) if k == 0 else (0.003, 0.005))
-    yarn, yarns = weave.yarns[k], 10
-    own, crossing = strain[-1, k], strain[-1, 1 - k]
+    yarn = weave.yarns[k]
+    yarns = 10
+    own = strain[-1, k]
+    crossing = strain[-1, 1 - k]
     assert run.force(1, 0)[-1] / yarns == pytest.approx(
         yarn.EA * ((1 + own) / (1 + yarn.crimp) - 1), rel=0.02
     )
@@ -170,10 +176,8 @@ def test_bias_extension_has_three_zones():
     size = quasistatic.bias_size(run)
     assert size == pytest.approx((SMALL["length"], SMALL["width"]), rel=0.02)
     expected = quasistatic.inextensible_shear(*size, run.prescribed[-1])
-    centre, zone = (
-        run.coupon.points[run.coupon.quads].mean(axis=1),
-        quasistatic.zones(run.coupon, *size),
-    )
+    centre = run.coupon.points[run.coupon.quads].mean(axis=1)
+    zone = quasistatic.zones(run.coupon, *size)
     gamma = np.degrees(run.shear())
     A, B, C = (gamma[zone == k].mean() for k in range(3))
     assert C == pytest.approx(np.degrees(expected), abs=1.0)
@@ -208,7 +212,8 @@ def test_yarns_that_pass_one_another_are_named():
     """A grip that is turned over folds the elements beside it."""
     table = straight()
     run = quasistatic.picture_frame(table, cells=3, shear_angle=0.3, steps=1)
-    coupon, hook = run.coupon, no_fold(run.coupon)
+    coupon = run.coupon
+    hook = no_fold(run.coupon)
     state = run.states[-1]
     assert hook(state) is None
     turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])
@@ -239,7 +244,8 @@ def glass_strip(law, length, width, elongation, **choices):
         middle = law.stress(0.5 * (angles[1:] + angles[:-1]))
         return np.concatenate([[0.0], np.cumsum(middle * np.diff(angles))])
 
-    inner, outer = width * (length - 1.5 * width), width**2
+    inner = width * (length - 1.5 * width)
+    outer = width**2
     work = fabric.weave.thickness * (inner * energy(gamma) + outer * energy(0.5 * gamma))
     zones = np.interp(run.prescribed, moved, np.gradient(work, moved))
     return run, np.abs(run.force(1, 1)) / zones

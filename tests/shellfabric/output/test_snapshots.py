@@ -8,11 +8,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.output import snapshots, wave_fronts
+from shellfabric.output import snapshots
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable.smith import smith
+from weavecell.results import wave_fronts
 
 HEAVY = Projectile(1.0, 4e-3, 0.3e-3)  # too heavy to be slowed
 STRIP = {"projectile": HEAVY, "edge": "free", "cell_model": "decoupled", "table_size": 61}

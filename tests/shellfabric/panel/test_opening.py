@@ -15,7 +15,6 @@ from fabrics.fabric import Fabric
 from shellfabric.impact.simulation import OPENING_ERROR, ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction
 from weavecell.decks import ls_dyna, model
 
 NAMES = catalogue.list_names()
@@ -112,11 +111,3 @@ def test_a_deck_has_the_opening(opening):
     titles = [after for line, after in pairwise(lines) if line.endswith("TITLE")]
     assert titles
     assert not any("," in title for title in titles)
-
-
-def test_sliding_yarns_are_as_many_as_fit_and_it_is_told():
-    fabric = table().model.fabric
-    setup = setup_of(fabric, opening=0.16, crossovers=CrossoverFriction(mu=0.3))
-    spacing = 2e3 * np.array(fabric.weave.w)
-    held = 2 * np.floor(80 / spacing) * spacing
-    assert f"the opening is {held[0]:.1f} by {held[1]:.1f} mm in place of 160.0" in setup.notes[0]

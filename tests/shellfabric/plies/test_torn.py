@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from panels import grid
 
 from fabrics import catalogue
 from shellfabric.cloth import packing_kernels
@@ -15,7 +16,6 @@ from shellfabric.jit.table import Rows
 from shellfabric.panel import quality
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies import law_kernels, near_kernels, pressure_kernels
-from shellfabric.sliding.model import grid
 from shellfabric.solver.pack_solver import PackSolver
 
 S726 = catalogue.load("S-726").with_effective_density()

@@ -9,8 +9,9 @@ import pytest
 from fabrics.materials import Isotropic, load
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.projectile import bar_kernels as kernels
-from shellfabric.projectile.bar import ENOUGH, Bar, contact_time, held_force, rigid_is_enough
+from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
+from weavecell.studies.rigidity import ENOUGH, contact_time, held_force, rigid_is_enough
 
 STEEL = load("steel")
 ELASTIC = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson)

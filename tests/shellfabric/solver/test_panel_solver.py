@@ -158,8 +158,8 @@ def pull(panel, state, stretch1, stretch2):
         ((stretch2 - 1) * Y).ravel(),
     )
     state.active_rows[:] = 0, const.ni
-    ply_kernels.initial_forces(state, const, None, work)
-    ply_kernels.apply_failure(state, const, None, work)
+    ply_kernels.initial_forces(state, const, work)
+    ply_kernels.apply_failure(state, const, work)
     return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
@@ -176,7 +176,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
         state.element_flag[:] = flags
-        ply_kernels.initial_forces(state, const, None, work)
+        ply_kernels.initial_forces(state, const, work)
         found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
     for one, other in zip(*found):
         assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())

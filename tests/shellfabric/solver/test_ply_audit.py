@@ -45,15 +45,6 @@ def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symm
         )  # a line at an edge is half a yarn
 
 
-def test_the_end_of_a_sliding_yarn_that_has_left_a_crossover_is_no_cut(small):
-    panel = small()
-    const = panel.constants()
-    state = panel.state(100.0)
-    grid(const, state.intact_fraction[0])[3, 4:6] = 0.0
-    grid(const, state.failed[0])[3, 4] = 1
-    assert ply_audit.cut_yarns(panel, const, state) == pytest.approx(2.0)
-
-
 def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):
     """A force f on the node at the end of the middle warp is that of the yarns of the line: f over their number."""
     for symmetry in ("quarter", "whole"):

@@ -1,47 +1,17 @@
-"""Biaxial curves of two glass weaves, and what the options of the cell change in them."""
+"""Biaxial curves of two glass weaves."""
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
-from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
-from validation.cases import cell
 from validation.published.biaxial_glass import free_edge
+from weavecell.studies.biaxial_path import to_strength
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (
     CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED)
 )
-
-
-def changed(test, yarn, **options):
-    return cell.biaxial_options(fabric="glass-unbalanced", test=test, yarn=yarn, options=options)
-
-
-def test_profile_does_nothing_to_a_free_edge():
-    """A yarn that crosses nothing is straight, whatever its profile was; its slack it keeps."""
-    for name, yarn in zip(("warp", "weft"), UNBALANCED.weave.yarns):
-        slack = changed("free", name, toe=1e-3)
-        assert changed("free", name, profile="straight")["rms"] == 0
-        assert changed("free", name, toe=1e-3, profile="straight") == slack
-        assert slack["largest"] == pytest.approx(-yarn.EA * 1e-3, rel=0.01), "its asymptote"
-
-
-def test_slack_softens_and_straight_segments_stiffen():
-    for test in ("k = 0.5", "k = 1", "k = 2"):
-        assert (
-            changed(test, "warp", toe=1e-3)["largest"]
-            < 0
-            < changed(test, "warp", profile="straight")["largest"]
-        )
-
-
-def test_free_edge_of_a_yarn_with_a_toe_ends_at_its_strength():
-    curve = free_edge(CellModel(UNBALANCED, form="equilibrium", toe=(1e-3, 2e-3)), "weft")
-    assert curve.tension[-1, 1] == pytest.approx(UNBALANCED.weave.weft.strength, rel=1e-9)
-    linear = free_edge(CellModel(UNBALANCED, form="equilibrium"), "weft")
-    assert curve.strain[-1, 1] - linear.strain[-1, 1] == pytest.approx(2e-3, rel=0.02)
 
 
 def test_balanced_weave_is_symmetric():

@@ -21,14 +21,13 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.base.schema import tables_in
 from fabrics.compression import CompressionLaw
-from shellfabric.impact import lambert_jonas
-from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.target import Target
-from weavecell.studies import sweep
+from weavecell.studies import lambert_jonas, sweep
+from weavecell.studies.ballistic_limit import Limit, Shot
 
 MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
 SMALL = {"opening": "30 mm", "end_time": "15 us", "elements_per_crossover": 1}
@@ -400,21 +399,22 @@ def test_a_sweep_counts_its_doubtful_shots():
 
 
 @pytest.mark.parametrize("call", [wc.impact, wc.setup, wc.v50])
-def test_sliding_yarns_warn_at_the_line_of_the_user(call):
-    # 30 spacings of the yarns, which sliding plies hold whole
-    opening = ["28.2223 mm", "29.3077 mm"]
-    given = {"opening": opening, "crossovers": "sliding", "crossover_friction": 0.1}
-    target = ("S-726",) if call is wc.v50 else ("S-726", 96.0)
-    more = (
-        {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}
-    )  # no shots are refused, after the set-up is made
+def test_notes_of_a_set_up_warn_at_the_line_of_the_user(call):
+    target, more = ("S-726", 96.0), {"end_time": "5 us"}
+    if call is wc.v50:
+        target, more = ("S-726",), {"shots": 0}  # refused, after the set-up is made
     with (
-        pytest.warns(UserWarning, match="window possible, limit not conservative") as told,
+        pytest.warns(UserWarning, match="energy up to 15 % too high") as told,
         suppress(InputError),
     ):
-        call(*target, **given, **more)
-    assert "off a crossover" in str(told[0].message)
-    assert [one.filename for one in told] == 2 * [__file__]
+        call(*target, opening="28 mm", boundary="free", **more)
+    assert [one.filename for one in told] == [__file__]
+
+
+def test_yarns_that_slip_at_crossovers_are_refused():
+    said = "crossovers = 'sliding': must be left out: the membrane does not model yarns that slip"
+    with pytest.raises(InputError, match=said):
+        wc.setup("S-726", 96.0, crossovers="sliding")
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():

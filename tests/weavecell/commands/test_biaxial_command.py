@@ -8,9 +8,9 @@ import pytest
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
 from tests.weavecell.written import rows_of, table_of
+from weavecell.studies.biaxial_path import to_strength
 
 
 @pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])
@@ -42,20 +42,6 @@ def test_a_path_ends_at_the_strength_of_the_runs(results):
     assert told["1:0"]["tension"][0] == pytest.approx(strength, rel=1e-6)
     assert told["1:0"]["strain"][0] > 3 * told["1:1"]["strain"][0], "8 % of crimp goes first"
     assert f"tensions {told['1:1']['tension'][0]:.1f}" in run.out
-
-
-def test_options_of_the_cell(command, tmp_path):
-    options = "--ratio 1:1 --profile straight --fibre-slack '0.1 %,0.05 %'"
-    code, _, err = command(f"biaxial glass-unbalanced {options} --out b")
-    assert code == 0, err
-    told = table_of(tmp_path / "b", "biaxial.json")
-    assert told["profile"] == "straight"
-    assert told["toe"] == [1e-3, 5e-4]
-    model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
-    expected = to_strength(model, (1, 1))
-    assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
-    linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))
-    assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
 
 
 def test_the_law_of_a_calibration(command, tmp_path):

@@ -13,11 +13,11 @@ from numpy.testing import assert_array_equal, assert_equal
 import weavecell as wc
 from fabrics.base.errors import InputError
 from shellfabric.output.histories import EDGES
-from shellfabric.output.wave_fronts import fronts
 from tests.weavecell.session_runs import SCENES, fired, set_up
 from weavecell.results import json_file, keys, vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
+from weavecell.results.wave_fronts import fronts
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
 SCALES = {
@@ -26,7 +26,6 @@ SCALES = {
     "NAME",
     "REFERENCE_LIST",
 }  # attributes of HDF5 itself, of dimension scales
-SLIP = ("slip_warp_m", "slip_weft_m")
 
 
 def find(path, table):
@@ -49,7 +48,7 @@ def leaves(value, table, path=""):
             yield key
 
 
-@pytest.mark.parametrize("name", ["impact", "pack", "sliding", "coupon", "pull-out"])
+@pytest.mark.parametrize("name", ["impact", "pack", "coupon", "pull-out"])
 def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(results, name):
     folder = results(name).folder
     impact = name not in ("coupon", "pull-out")
@@ -78,10 +77,10 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
 
 
 def test_energies_of_the_solvers_are_documented_and_drawn():
-    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES, SLIP_WORK
+    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES
     from weavecell.report import pictures
 
-    for name in (*ENERGIES, *BETWEEN_PLIES, *SLIP_WORK, "error"):
+    for name in (*ENERGIES, *BETWEEN_PLIES, "error"):
         assert find(name, keys.TABLES["energies"]) is not None, name
     assert set(ENERGIES) - {"formulation_residual"} | {"recoil_of_cut_yarns"} == {
         name for name, _, _ in pictures.ENERGIES
@@ -99,7 +98,7 @@ def test_another_format_is_refused(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.attrs["format"] = "weavecell impact 1"
     with pytest.raises(
-        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 8'"
+        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 9'"
     ):
         ImpactRecord.read(tmp_path / "a.h5")
     (tmp_path / "s.json").write_text('{"format": "weavecell summary 9"}')
@@ -145,9 +144,9 @@ def assert_same(one, other, at):
         assert_array_equal(one, other, at)
 
 
-@pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
+@pytest.mark.parametrize("name", ["impact", "pack"])
 def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
-    """Plies, cuts, histories, bar, block and slip, to the last bit."""
+    """Plies, cuts, histories, bar and block, to the last bit."""
     assert_same(ImpactRecord.read(results(name).folder / "histories.h5"), fired(name), "")
 
 
@@ -164,7 +163,7 @@ def test_measuring_changes_nothing_else():
         assert_array_equal(ours, theirs)
 
 
-@pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
+@pytest.mark.parametrize("name", ["impact", "pack"])
 def test_fields_of_paraview_add_up_to_the_histories(results, name):
     folder = results(name).folder
     record = ImpactRecord.read(folder / "histories.h5")
@@ -186,9 +185,6 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
             assert any(failed) == (record.plies["cut_yarns"][sample, ply] > 0)
     pressures = vtk.PRESSURES[: 3 if name == "pack" else 1]
     assert tuple(key for key in vtk.PRESSURES if key in grid.point_data) == pressures
-    assert [key in grid.point_data for key in SLIP] == 2 * [name == "sliding"]
-    if name == "sliding":
-        assert max(np.abs(grid[key]).max() for key in SLIP) == summary["pulled_out_length_m"] > 0
 
 
 def test_vtk_reads_what_was_written(tmp_path):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import UnstableError
-from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
 from tests.weavecell.written import names, rows_of, table_of
 from weavecell.scenes import honoured, target
+from weavecell.studies import ballistic_limit
 
 FILES = "critical-velocity.json report.html residual-velocity.svg scene.toml shots.csv"
 

@@ -6,7 +6,6 @@ import shutil
 import pytest
 
 import weavecell as wc
-from shellfabric.impact.ballistic_limit import Limit, Shot
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, rows_of, table_of
@@ -14,6 +13,7 @@ from weavecell.api import sweeps
 from weavecell.results import progress
 from weavecell.studies import limit as limits
 from weavecell.studies import sweep as analysis
+from weavecell.studies.ballistic_limit import Limit, Shot
 
 
 def test_a_row_of_mixed_outcomes_has_the_zone_and_no_velocity(monkeypatch):

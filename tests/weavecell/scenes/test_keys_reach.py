@@ -46,7 +46,7 @@ DENSE = {
     "projectile": CUBE | {"mass": None, "density": "8 g/cm^3", "edge_radius": "2 mm"},
     "panel": {"opening": "1 m"},
 }
-PACK, SLIDING = {"panel": {"plies": 2}}, {"panel": {"crossovers": "sliding", "symmetry": "quarter"}}
+PACK = {"panel": {"plies": 2}}
 LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 OWN_LAW, PLIES = {"fabric": {"law": LAW}}, {"panel": {"ply": [{"law": LAW}, {}]}}
 DRAWN = {"panel": {"strength": {"weibull_shape": 14.3}}}
@@ -118,7 +118,6 @@ ROWS = {
         {"cell_model": "decoupled"},
     ),
     "fabric.cell_formulation": ({}, "equilibrium", {"form": "equilibrium"}),
-    "fabric.cell_profile": ({}, "straight", {"profile": "straight"}),
     "fabric.crossover_gap": ({}, "0.01 mm", {"gap": 1e-5}),
     "fabric.surface": ({}, SURFACE, {"surface.fabric": "S-720", "surface.": ...}),
     "projectile.name": (
@@ -173,13 +172,6 @@ ROWS = {
     "panel.rate_dependence": ({}, True, {"rate_dependence": True, "fabric.": ...}),
     "panel.nose_bending": ({}, True, {"nose_bending": True, "fabric.": ...}),
     "panel.grading": ({}, [[9, "1/2"], [inf, 2]], {"grading": ((9.0, 0.5), (inf, 2.0))}),
-    "panel.crossovers": (
-        {"panel": {"symmetry": "whole"}},
-        "sliding",
-        {"crossovers.mu": 0.2, "crossovers.cohesion": 0.0, "crossovers.bending": (0.0, 0.0)},
-    ),
-    "panel.crossover_friction": (SLIDING, 0.3, {"crossovers.mu": 0.3}),
-    "panel.crossover_cohesion": (SLIDING, "0.1 N", {"crossovers.cohesion": 0.1}),
     **dict(of_sides("clamp_force", "20 N", "force", 20.0)),
     **dict(of_sides("pull_in", "2 mm", "length", 2e-3)),
     **dict(of_sides("start", "10 us", "start", 1e-5)),
@@ -247,7 +239,6 @@ OF_BACKING |= {"reference_rate"}  # which its material holds
 # what the set-up of the solver does not hold: the checked scene does
 OF_THE_RUN = {
     "title",
-    "fabric.fibre_slack",
     "history.report_positions",
     "run.checkpoint_interval",
     "run.outputs",
@@ -368,39 +359,37 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     table = FabricTable.model_validate(
         {
             "cell_model": "incompressible",
-            "cell_profile": "straight",
-            "fibre_slack": "0.1 %",
             "crossover_gap": "0.01 mm",
         }
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.form, cell.profile) == ("incompressible", "variational", "straight")
-    assert (cell.gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
+    assert (cell.model, cell.form) == ("incompressible", "variational")
+    assert cell.gap == pytest.approx(1e-5)
 
 
 def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
-    given = {}
-    monkeypatch.setattr("shellfabric.coupon.pull_out.PullOut", lambda *values: values)
+    monkeypatch.setattr("shellfabric.coupon.pull_out.PullOut", lambda **values: values)
     monkeypatch.setattr(
-        "shellfabric.coupon.pull_out_curve.follow",
-        lambda *values, **more: given.update(more) or values,
+        "shellfabric.coupon.pull_out.follow", lambda *values, samples: (*values, samples)
     )
-    inputs = PullOutTable.model_validate(
-        {
-            "crossings": 10,
-            "displacement": "5 mm",
-            "velocity": "3 m/s",
-            "pre_tension": "7 N",
-            "crossover_friction": 0.3,
-            "crossover_cohesion": "0.1 N",
-            "all_yarns": True,
-            "samples": 100,
-        }
-    )
+    given = {
+        "crossings": 10,
+        "displacement": "5 mm",
+        "pre_tension": "7 N",
+        "crossover_friction": 0.3,
+        "crossover_cohesion": "0.1 N",
+        "samples": 100,
+    }
+    inputs = PullOutTable.model_validate(given)
     assert set(inputs.model_fields_set) == set(PullOutTable.model_fields)
-    model, displacement = results.run_pull_out("cell", inputs, bending=1e-6)
-    table, crossings, velocity, tension, friction, _, all_yarns = model
-    assert (table, crossings, velocity, tension, all_yarns) == ("cell", 10, 3.0, 7.0, True)
-    assert (friction.mu, friction.cohesion, friction.bending) == (0.3, 0.1, (1e-6, 1e-6))
-    assert (displacement, given["samples"]) == (pytest.approx(5e-3), 100)
+    model, displacement, samples = results.run_pull_out("cell", inputs, bending=1e-6)
+    assert model == {
+        "table": "cell",
+        "crossings": 10,
+        "pre_tension": 7.0,
+        "mu": 0.3,
+        "cohesion": 0.1,
+        "bending": (1e-6, 1e-6),
+    }
+    assert (displacement, samples) == (pytest.approx(5e-3), 100)

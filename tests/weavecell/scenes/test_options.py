@@ -85,16 +85,6 @@ OPTIONS = {
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
         lambda shot, _: shot.elements < 23**2 * shot.count,
     ),
-    "sliding": (
-        {
-            "panel": {
-                "crossovers": "sliding",
-                "crossover_friction": 0.1,
-                "crossover_cohesion": "0.01 N",
-            }
-        },
-        energy("crossover_friction"),
-    ),
     "elements": ({"run": {"elements_per_crossover": 2}}, elements(4, 4)),
     "measure": (
         {"history": {"warp": ["0 mm", "2.6 mm"]}},
@@ -121,19 +111,19 @@ TOGETHER = [
     "pack, oblique, nose friction, free",
     "pack, weave angle, named, ply friction",
     "pack, graded, turned, pull-in",
-    "pack, sliding, turned, nose friction",
+    "pack, turned, nose friction",
     "pack, round, bending, turned",
     "pack, backing, off the middle, ply friction, yarns hold",
     "pack, elements, law, free",
     "oblique, bar, grip, bending",
-    "oblique, sliding, measure, free",
+    "oblique, measure, free",
     "oblique, weave angle, nose friction, yarns hold",
     "oblique, round, law, measure",
     "backing, nose friction, free",
     "backing, graded, measure",
     "backing, weave angle, bending",
     "bar, round, elements, law",
-    "bar, sliding, free",
+    "bar, free",
     "weave angle, off the middle, measure",
 ]
 
@@ -147,7 +137,7 @@ def record(together):
     return wc.sweep([set_up(table)])[0]
 
 
-@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply")
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 @pytest.mark.parametrize("together", TOGETHER)
 def test_options_show_together(together):
     shot = record(together)

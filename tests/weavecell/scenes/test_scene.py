@@ -1,6 +1,5 @@
-"""Scenes: laws and surfaces, what need not be said, sliding plies, and a shot in words."""
+"""Scenes: laws and surfaces, what need not be said, and a shot in words."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,9 +8,7 @@ import weavecell as wc
 from fabrics.compression import CompressionLaw
 from shellfabric.projectile.projectile import SHAPES
 from tests.scene_text import merged
-from weavecell.report.shot import chapters_shot
-from weavecell.results import provenance
-from weavecell.scenes import build, honoured, words
+from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
 
 TABLE = {
@@ -71,55 +68,6 @@ def test_what_a_lay_up_and_a_limit_need_not_say():
     given = wc.setup(None, "92.5 m/s", ply=plies)
     assert written.title == given.title == "1 x S-728 + 1 x S-726 at 90 deg"
     assert written.end_time == given.end_time == 800e-6
-
-
-ASIDE, ON, PART, WINDOW = (
-    "weft off a crossover",
-    "on a crossover",
-    "symmetry can decide",
-    "window possible",
-)
-
-
-@pytest.mark.parametrize(
-    ("panel", "symmetry", "spacings", "notes"),
-    [
-        ({}, "whole", 0.25, [ASIDE]),
-        ({"symmetry": "quarter"}, "quarter", 0.0, [PART, ON]),
-        ({"symmetry": "half"}, "half", 0.0, [PART, ON]),
-        ({"impact_point": ["0 mm", "0 mm"]}, "whole", 0.0, [ON]),
-        (
-            {"impact_point": ["1.27 mm", "-6.35 mm"]},
-            "whole",
-            None,
-            [ON],
-        ),  # crossovers of S-720 are 1.27 mm apart
-        ({"crossover_friction": 0.14}, "whole", 0.25, [ASIDE, WINDOW]),
-        ({"crossover_friction": 0.15}, "whole", 0.25, [ASIDE]),
-        ({"plies": 2, "crossover_friction": 0.1}, "quarter", 0.0, [PART]),
-        ({"crossovers": "pinned"}, "quarter", 0.0, []),
-    ],
-)
-@pytest.mark.parametrize("support", [honoured.IMPACT, honoured.LIMITS], ids=["impact", "limits"])
-def test_part_and_impact_point_of_sliding_plies(caplog, panel, symmetry, spacings, notes, support):
-    """By default one sliding ply is computed whole and struck off a crossover; what is doubtful is said everywhere."""
-    table = TABLE | {"panel": {"opening": "50.8 mm", "crossovers": "sliding"} | panel}
-    with caplog.at_level("INFO", "weavecell"):
-        setup = build.setup(build.build(scenes_impact.check(table, "s", support), "s", "s"), "s")
-    assert setup.symmetry == symmetry
-    struck = replace(setup, table_size=11).target().plies[0].impact_point
-    if spacings is not None:
-        assert struck == pytest.approx([spacings * 2 * w for w in setup.fabric.weave.w])
-    assert len(setup.notes) == len(notes)
-    assert all(words in note for words, note in zip(notes, setup.notes))
-    assert [line for line in caplog.messages if "note" in line] == [
-        f"note: {note}" for note in setup.notes
-    ]
-    assert provenance.stamp(setup=setup).get("notes", "") == "; ".join(setup.notes)
-    assert all(
-        note[1:] in chapters_shot.assumptions(setup, ()).tables[0].rows[0][1]
-        for note in setup.notes
-    )
 
 
 CHISEL = {

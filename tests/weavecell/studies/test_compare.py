@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 import weavecell as wc
-from shellfabric.impact.ballistic_limit import Limit, Shot
 from weavecell.studies import compare, protocol
+from weavecell.studies.ballistic_limit import Limit, Shot
 
 TABLE = """# a pack, made up
 outcome, velocity [km/h], residual velocity [m/s]

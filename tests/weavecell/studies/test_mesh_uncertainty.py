@@ -13,7 +13,7 @@ from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.projectile.projectile import Projectile
 from weavecell.report import chapters_discretisation as chapters
-from weavecell.studies import mesh_uncertainty
+from weavecell.studies import mesh_uncertainty, rigidity
 from weavecell.studies.mesh_uncertainty import Shot
 from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
@@ -100,7 +100,6 @@ def result_of(setup, outcome, residual):
         peak_tension=(10.0, 20.0),
         strike_energy=2.4,
         absorbed_energy=1.6,
-        rigidity=None,
     )
 
 
@@ -253,7 +252,7 @@ def test_finer_meshes_are_run_until_two_agree_within_the_targets(
 )
 def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough, fixed, bodies):
     result = result_of(setup, "perforated", 20.0)
-    result.rigidity = SimpleNamespace(enough=enough)
+    monkeypatch.setattr(rigidity, "of_shot", lambda _: SimpleNamespace(enough=enough))
     assert (
         climbed(setup, [result], monkeypatch, {"residual_velocity": 0.1}, fixed=fixed)[2] == bodies
     )

@@ -12,11 +12,18 @@ import pytest
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
-from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.studies import assumed_range, inputs, probit, protocol, strengths, v50
+from weavecell.studies import (
+    assumed_range,
+    ballistic_limit,
+    inputs,
+    probit,
+    protocol,
+    strengths,
+    v50,
+)
 
 OPENING = 0.03048
 

@@ -10,7 +10,6 @@ from fabrics.compression import CompressionLaw  # noqa: F401
 from fabrics.plate_curve import PlateCurve  # noqa: F401
 from fabrics.variants import scale_yarns  # noqa: F401
 from fabrics.weave import height_from_length  # noqa: F401
-from shellfabric.cell.biaxial_path import to_strength  # noqa: F401
 from shellfabric.cell.model import CellModel  # noqa: F401
 from shellfabric.coupon.quasistatic import inextensible_shear  # noqa: F401
 from shellfabric.plies.gap import compression_gap  # noqa: F401
@@ -21,6 +20,7 @@ from validation.claims.checks import cell, compression, weave
 from validation.models import cell_equations, newton
 from validation.published.biaxial_glass import free_edge  # noqa: F401
 from validation.values import Values
+from weavecell.studies.biaxial_path import to_strength  # noqa: F401
 
 MODULES = (cell, compression, weave, cell_equations, newton, readers)
 

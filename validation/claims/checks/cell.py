@@ -20,12 +20,12 @@ from fabrics.base.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
-from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
 from validation.claims.readers import crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
+from weavecell.studies.biaxial_path import CellPath
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -302,11 +302,11 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
     }
 
 
-def cell_error(path: Any, fabric: str, profile: str) -> float:
-    """RMS of both tensions of the cell with cosine or straight yarns less those of the 3D crossover, over the
+def cell_error(path: Any, fabric: str) -> float:
+    """RMS of both tensions of the cell less those of the 3D crossover, over the
     strengths, along a path of the crossover up to the cell's first failure."""
     given = catalogue.load(fabric)
-    cell = CellModel(given, form="equilibrium", profile=profile)
+    cell = CellModel(given, form="equilibrium")
     stretches = [1 + path[key] / w for key, w in zip(("d1", "d2"), given.weave.w)]
     found = cell.solve(*stretches)
     errors = []

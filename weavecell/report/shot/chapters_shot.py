@@ -270,16 +270,10 @@ def assumptions(
     strength = ", ".join(
         f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths
     )
-    if setup.crossovers is None:
-        pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
-        pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
-        pinned += (
-            " A nose may push slippery yarns aside and pass far below this limit."
-            if setup.plies == 1
-            else ""
-        )
-    else:
-        pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
+    pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
+    pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
+    if setup.plies == 1:
+        pinned += " A nose may push slippery yarns aside and pass far below this limit."
     pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, at any strain rate; "
     fails += (
@@ -374,7 +368,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
     """
-    from shellfabric.output.wave_fronts import fronts
+    from weavecell.results.wave_fronts import fronts
 
     t, waves = recorded.t, fronts(recorded)
     through = [
@@ -427,7 +421,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Sections of an elastic projectile, of a block behind the panel and of sliding crossovers, where there are any."""
+    """Sections of an elastic projectile and of a block behind the panel, where there are any."""
     sections = []
     if record.bar is not None:
         bar = record.bar
@@ -463,7 +457,7 @@ def body(record: ImpactRecord) -> list[Section]:
             Figure(deep, "png", seen, "depth-map"),
         )
         sections.append(Section("backing", "The block behind", lead, figures))
-    return [*sections, _slips(record)] if record.slips else sections
+    return sections
 
 
 def dent(record: ImpactRecord) -> str:
@@ -472,28 +466,6 @@ def dent(record: ImpactRecord) -> str:
         moves = text(record.block_motion, "1", "share", ".2g")
         return f"no back-face signature yet: the block moves with {moves} of the strike energy"
     return f"back-face signature {record.back_face_signature_mm:.3g} mm (dent in the block)"
-
-
-def _slips(record):
-    """Section of sliding crossovers: a row a ply."""
-    rows = {
-        "ply": ("", np.arange(1, record.count + 1)),
-        "segments that a yarn has left": ("", [slip.pulled_out_segments for slip in record.slips]),
-        "longest yarn through a crossover": (
-            "m",
-            [slip.pulled_out_length for slip in record.slips],
-        ),
-        "widest distance of neighbouring yarns": (
-            "m",
-            [slip.largest_window for slip in record.slips],
-        ),
-        "work of friction": ("J", [slip.friction_work for slip in record.slips]),
-    }
-    share = text(record.slip.friction_work / record.strike_energy, "1", "share", ".3g")
-    table = Table.of(
-        display.frame(rows), f"Friction at the crossovers: {share} of the strike energy."
-    )
-    return Section("slip", "Sliding crossovers", "", (), (table,))
 
 
 def _front_row(wave, recorded):

@@ -27,7 +27,7 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
-from shellfabric.cell.crossover_kernels import COSINE, VARIATIONAL, work_share
+from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
@@ -47,7 +47,8 @@ def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, fl
 def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as `yarn_kernels.arc`."""
     k = 0.5 * pi * h / w
-    E, K = ellipe(-(k**2)), ellipk(-(k**2))
+    E = ellipe(-(k**2))
+    K = ellipk(-(k**2))
     slope = np.where(k > 0, 2 * (E - K) / np.where(k > 0, k, 1.0), 0.0)
     return 4 * w / pi * E, slope
 
@@ -65,15 +66,17 @@ def heights(
     w0, S0, EA, h0 = yarn[:4]
     w = w0 * stretch[:, None] * np.ones_like(force)
     stiffness = bending * pi**4 / (16 * w0**3)
-    low, high = np.zeros_like(w), np.full_like(w, h0 + S0)
+    low = np.zeros_like(w)
+    high = np.full_like(w, h0 + S0)
     for _ in range(BISECTIONS):  # the force that a yarn carries rises with its height
         h = 0.5 * (low + high)
         S, slope = cosine(w, h)
         above = (
             EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0)
-            > work_share(VARIATIONAL, COSINE) * force
+            > work_share(VARIATIONAL) * force
         )
-        low, high = np.where(above, low, h), np.where(above, h, high)
+        low = np.where(above, low, h)
+        high = np.where(above, h, high)
     return 0.5 * (low + high)
 
 
@@ -116,7 +119,8 @@ def contact_forces(
         n = np.clip(np.argmax(r > 0, axis=1), 1, None)
         n[r[:, -1] <= 0] = force.size - 1
         at = np.arange(stretch2.size)
-        before, after = r[at, n - 1], r[at, n]
+        before = r[at, n - 1]
+        after = r[at, n]
         part = np.clip(-before / np.where(after > before, after - before, 1.0), 0.0, 1.0)
         out[:] = np.where(r[:, 0] >= 0, 0.0, force[n - 1] + part * (force[n] - force[n - 1]))
     return found
@@ -124,7 +128,8 @@ def contact_forces(
 
 def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArray:
     """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses has none."""
-    model, slack = table.model, table.stretch1[:1]
+    model = table.model
+    slack = table.stretch1[:1]
     weft = model.yarn_tuples[1]
     force = contact_forces(model, bending, slack, table.stretch2, _largest(table))[0]
     h = np.array(

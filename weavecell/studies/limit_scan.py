@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from fabrics.base.errors import InputError
-from shellfabric.impact.ballistic_limit import Limit, Shot, shoot
 from shellfabric.panel.model import Panel
 from shellfabric.panel.quality import Indicator
 from shellfabric.plies.model import Pack
+from weavecell.studies.ballistic_limit import Limit, Shot, shoot
 
 HIGHEST = 1000.0  # [m/s] beyond which no shot is fired
 MOST_STEPS = 1000  # of a range: more is taken for an error of input

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError
-from shellfabric.impact.lambert_jonas import curve, fit
+from weavecell.studies.lambert_jonas import curve, fit
 
 STRIKE = np.linspace(101.0, 300.0, 15)
 

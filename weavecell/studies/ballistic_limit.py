@@ -25,11 +25,11 @@ from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
 from shellfabric.driver.solver import STOPPED
-from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
+from weavecell.studies.bracket import STEP, Bracket
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them

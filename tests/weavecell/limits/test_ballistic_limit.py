@@ -11,13 +11,14 @@ import pytest
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
-from shellfabric.impact import ballistic_limit, limit_scan
-from shellfabric.impact.ballistic_limit import Limit, Shot
-from shellfabric.impact.limit_scan import ScanRange, scan
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
+from tests.shellfabric.panels import make_panel
 from validation.models.cable.smith import smith
+from weavecell.studies import ballistic_limit, limit_scan
+from weavecell.studies.ballistic_limit import Limit, Shot
+from weavecell.studies.limit_scan import ScanRange, scan
 
 # stops below 208.5 m/s, then perforates and stops by turns; like S-745 on a coarse mesh
 MIXED = (208.5, 222.0, 226.0, 258.0, 262.0)
@@ -26,6 +27,12 @@ MIXED = (208.5, 222.0, 226.0, 258.0, 262.0)
 def made_up(velocity, outcome):
     perforated = outcome == "perforated"
     return Shot(velocity, 50.0 if perforated else 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+
+
+@pytest.fixture
+def small():
+    """Make a small panel, 24 x 24 crossovers as a whole."""
+    return make_panel
 
 
 @pytest.fixture

@@ -68,8 +68,8 @@ def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellP
 
     # a yarn that is straight and past its strength
     far = min(
-        ((1 + yarn.crimp) * (1 + 1.01 * ultimate) - 1) / part
-        for yarn, ultimate, part in zip(yarns, model.ultimate_strains, parts)
+        ((1 + yarn.crimp) * (1 + 1.01 * yarn.failure_strain) - 1) / part
+        for yarn, part in zip(yarns, parts)
         if part > 0
     )
     s = np.linspace(0, brentq(short_of_strength, 0.0, far, xtol=1e-12), n)

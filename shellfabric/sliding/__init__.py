@@ -1,1 +1,0 @@
-"""Sliding crossovers of one ply: yarns slip through the nodes of a panel against friction."""
