@@ -270,6 +270,11 @@ class ModuleTable(Row):
     behind = array(
         "1 int64", "-", "cell of what is behind the ply, called after each step; 0 if none"
     )
+    nose = array(
+        "2 int64",
+        "-",
+        "cell and row of what the nose touches in place of the membrane; 0 if it is the membrane",
+    )
 
 
 class State(Row, kept=True):
@@ -282,6 +287,8 @@ class State(Row, kept=True):
         "3 x slots", "N", "part of it from the block above, on the first row of nodes of a block"
     )
     modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
+    yarns_ahead = array("1 int64", "-", "points of whole resolved yarns ahead of the nose")
+    yarn_work = array("1", "J", "work done so far on resolved yarns and on the contacts of theirs")
     mass = array("slots", "kg", "lumped mass of the nodes")
     inverse_mass = array("slots", "1/kg", "inverse mass; 0 where a node is held or prescribed")
     dt_over_mass = array("slots", "s/kg", "dt times inverse_mass")

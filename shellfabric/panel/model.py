@@ -220,11 +220,15 @@ class Panel:
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        if self.sides is None and not boundary.stepped(self):
-            # all elements are alike, and made longer so that the edge of the opening is a line of the grid
+        if self._fills:
             lengths = boundary.extent(self)
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
+
+    @property
+    def _fills(self):
+        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
+        return self.sides is None and not boundary.stepped(self)
 
     @property
     def _half(self):
@@ -445,6 +449,10 @@ class Panel:
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
         return arrays.state(self, strike_velocity)
+
+    def force_modules(self) -> tuple[forces.Module, ...]:
+        """What acts on it besides membrane and nose, each with a row of its own."""
+        return forces.of(self)
 
     def work(self) -> arrays.Work:
         """Scratch of one thread, for one block of elements."""

@@ -80,9 +80,15 @@ def table(section: str) -> dict[str, Entry]:
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed] and of the area of packed fabric, by name."""
+    """Entries of [assumed], of resolved yarns and of the area of packed fabric, by name."""
+    from shellfabric.yarns.model import DATA
+
     text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
     rows = tomllib.loads(text)["assumed"]
+    rows |= {
+        "friction of crossovers": DATA["crossover_friction"],
+        "lateral stiffness of yarns": DATA["lateral_stiffness"],
+    }
     found = {name: families.entry(row, "") for name, row in rows.items()}
     return found | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 
