@@ -165,7 +165,7 @@ class YarnPanel(Panel):
             friction=self.resolved.friction,
             rim_rows=0 if whole else RIM_ROWS,
             viscosity=self.numerics.stretch_viscosity,
-            failure=self.failure,
+            failure=self.yarn_failure,
             strength_factors=factors,
             rate_law=self.rate_law,
             lateral=self.resolved.lateral,

@@ -161,7 +161,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
         ({"elements_per_crossover": 2}, "elements_per_crossover"),
         ({"grading": ((20, 1), (inf, 2))}, "grading"),
         ({"bending": 1e-9}, "bending"),
-        ({"form": "equilibrium"}, "cell_formulation"),
+        ({"cell_formulation": "equilibrium"}, "cell_formulation"),
         ({"crossovers": YarnZone(3e-3)}, "zone"),
         ({"round": True, "crossovers": YarnZone(25e-3)}, "zone"),
         ({"plies": 2}, "crossovers"),
@@ -170,7 +170,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
 def test_what_a_zone_does_not_have_is_refused(table, values, key):
     setup = replace(SETUP, **values)
     with pytest.raises(InputError) as caught:
-        setup.target(table if "form" not in values else None)
+        setup.target(table if "cell_formulation" not in values else None)
     assert caught.value.key == key
 
 
