@@ -212,7 +212,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def rim_indicator(self) -> quality.Indicator:
-        """Slip of the resolved yarns beside the rim of their zone."""
+        """Slip of the resolved yarns beside the rim of their zone, where there is one."""
+        assert self.zone is not None
         found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
         return replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}")
 
