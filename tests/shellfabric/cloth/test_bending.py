@@ -62,7 +62,7 @@ def test_pure_bending_is_a_circle(grading):
 
 
 def test_the_bound_of_the_time_step_holds_the_stiffest_mode():
-    """Neighbours that swing to and fro across the panel, by their forces: a few per cent below the bound for the rim."""
+    """Neighbours that swing to and fro across the panel: by their forces, a little below the bound for the rim."""
     panel = make_panel(symmetry="whole", bending=(EI, 2 * EI), yarn_failure=False)
     x = rest(panel)
     i, j = np.indices(x.shape[:2])
