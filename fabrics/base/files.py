@@ -19,7 +19,7 @@ import csv
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from math import isfinite, nan
@@ -93,12 +93,6 @@ def write(path: FilePath, content: str | bytes) -> None:
     """Write a text or bytes that appear under `path` complete, or not at all."""
     with write_whole(path, "w" if isinstance(content, str) else "wb") as file:
         file.write(content)
-
-
-def write_csv(path: FilePath, rows: Iterable[Iterable[Any]]) -> None:
-    """Write rows as a CSV file, as `write` does."""
-    with write_whole(path) as file:
-        csv.writer(file).writerows(rows)
 
 
 def _umask():
