@@ -80,8 +80,9 @@ def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
     cells = [module.act.cell(int(graded)).place if module.act else 0 for module in listed]
     nose = np.zeros(2, np.int64)
     for module in listed:
-        if module.nose is not None and module.own is not None:
-            nose[:] = module.nose.cell(int(graded)).place, module.own._address
+        if module.nose is not None:
+            nose[0] = module.nose.cell(int(graded)).place
+            nose[1] = module.own._address if module.own else 0
     found = ModuleTable(
         cell=np.array(cells, np.int64),
         own=np.array([module.own._address if module.own else 0 for module in listed], np.int64),

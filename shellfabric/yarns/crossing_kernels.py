@@ -30,12 +30,8 @@ from shellfabric.yarns.curve_kernels import (
     spline,
 )
 
-FORCE, ENERGY, ONSET, DAMPING = (
-    0,
-    1,
-    2,
-    3,
-)  # of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
+# of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
+FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
 LAW_FORCE, LAW_ENERGY, LAW_STIFFNESS = 0, 1, 2  # of a row of zone.law
 MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment
 CLOSE = 1e-4  # of an index: no further step
