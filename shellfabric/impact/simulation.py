@@ -282,18 +282,21 @@ class ImpactSetup:
 
         As far as anything can come under the projectile an element is at most RESOLVED failure lengths long, and no
         longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
-        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone
-        (oblique or yawed, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
-        PACK_ELEMENTS.
+        elements are twice as long and longer, up to two crossovers; beyond resolved yarns they are two crossovers long.
+        Where the projectile may leave the first zone (oblique or yawed, or with edges that are not clamped) all
+        elements are alike: one to a crossover, of packs PACK_ELEMENTS.
 
         Raises
         ------
         InputError : as `panel`
         """
         given = self.grading is not None or self.elements_per_crossover is not None
-        if given or self.crossovers is not None:
-            return self
         clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+        if given:
+            return self
+        if self.crossovers is not None:
+            grading = self.crossovers.grading(self.fabric.weave) if clamped else None
+            return self if grading is None else replace(self, grading=grading)
         if not clamped or self.projectile.roaming:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
             return self if self.plies == 1 else replace(self, elements_per_crossover=sides)

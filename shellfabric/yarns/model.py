@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,8 @@ HALF_WIDTH = 20e-3  # [m] of the zone, by default
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 REACH = 2.0  # spacings between the nose and the rim at least
+BESIDE = 3  # elements of one crossover beyond the rim, before longer ones
+LONGEST = 2.0  # [crossovers] elements far from the nose, by default
 # energies of a zone that a ply without one does not have
 ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
 
@@ -63,6 +65,13 @@ class YarnZone:
             raise InputError(key="crossover_friction", value=self.friction, allowed="at least 0")
         if not 0 < self.lateral < inf:
             raise InputError(key="lateral", value=self.lateral, allowed="above 0")
+
+    def grading(self, weave: Weave) -> tuple[tuple[float, float], ...] | None:
+        """The default elements: of one crossover as far as the zone goes, then longer; None where it has no rim."""
+        if self.half_width == inf:
+            return None
+        until = ceil(self.half_width / (2 * min(weave.w))) + 1 + BESIDE
+        return (float(until), 1.0), (inf, LONGEST)
 
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
@@ -99,7 +108,6 @@ class YarnPanel(Panel):
         wanted = [
             ("symmetry", self.symmetry, "whole"),
             ("elements_per_crossover", self.elements_per_crossover, 1),
-            ("grading", self.grading, None),
             ("bending", self.bending, (0.0, 0.0)),
             ("backing", self.backing, None),
             ("cell_formulation", model.cell_formulation, "variational"),
@@ -112,6 +120,15 @@ class YarnPanel(Panel):
                 raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
         super().__post_init__()
         self._check_zone()
+
+    def _check_grading(self):
+        for sides, w, (first, last) in zip(self.element_sides, self.weave.w, self.rim_rows):
+            beside = sides[max(first - BESIDE, 0) : last + BESIDE]
+            if np.abs(beside - 2 * w).max() > 1e-6 * w:
+                allowed = (
+                    f"sides of 1 up to {BESIDE + 1} crossovers beyond the zone of resolved yarns"
+                )
+                raise InputError(key="grading", value=self.grading, allowed=allowed)
 
     def _check_zone(self):
         (i0, i1), (j0, j1) = self.rim_rows
@@ -130,8 +147,14 @@ class YarnPanel(Panel):
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] as of Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
-        return 0.0, 0.0
+        """[m] as of Panel: a crossover is in the middle of the opening, so that a shot need not hit one.
+
+        Graded elements are about the crossover nearest to the impact point.
+        """
+        if self.grading is None:
+            return 0.0, 0.0
+        x, y = (2 * w * round(at / (2 * w)) for at, w in zip(self.impact_point, self.weave.w))
+        return x, y
 
     @property
     def _fills(self):
@@ -218,7 +241,10 @@ class YarnPanel(Panel):
         for slots in (state.intact_fraction, state.yarn_length):
             grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
             grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
-        grid(state.element_flag)[i0:i1, j0:j1] = WARP_FAILED | WEFT_FAILED
+        # elements deeper inside have no node that moves: what is computed of them goes nowhere
+        flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED)
+        flag[1:-1, 1:-1] = 0
+        grid(state.element_flag)[i0:i1, j0:j1] = flag
         per = self.constants().rows_per_block
         state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, ni - 1) // per + 1] = DAMAGED
         state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, ni)
@@ -313,6 +339,7 @@ def audit(zone: Zone) -> dict[str, float]:
     return {
         "kinetic_fabric": kinetic_energy(zone),
         "yarn_strain": books[chain_kernels.STORED],
+        "yarn_snap": books[chain_kernels.SNAP],
         "viscous": books[chain_kernels.VISCOUS],
         "failure_dissipation": books[chain_kernels.FAILED],
         "neighbour_contact": books[chain_kernels.NEIGHBOURS],

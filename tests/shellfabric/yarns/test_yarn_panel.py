@@ -159,7 +159,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
     [
         ({"symmetry": "quarter", "impact_point": (0.0, 0.0)}, "symmetry"),
         ({"elements_per_crossover": 2}, "elements_per_crossover"),
-        ({"grading": ((20, 1), (inf, 2))}, "grading"),
+        ({"grading": ((4, 1), (inf, 2))}, "grading"),
         ({"bending": 1e-9}, "bending"),
         ({"cell_formulation": "equilibrium"}, "cell_formulation"),
         ({"crossovers": YarnZone(3e-3)}, "zone"),
