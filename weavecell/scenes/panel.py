@@ -343,7 +343,7 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; 20 mm where not given",
+        "resolved yarns: half width of the square zone about the nose; 20 mm where not given, with less friction than 0.15 between yarns 3 mm over it",
         "m",
         "20 mm",
     ) = None
