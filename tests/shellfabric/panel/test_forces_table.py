@@ -159,7 +159,7 @@ def test_a_nose_meets_a_module_in_place_of_the_membrane():
     run = PackSolver(struck, 100.0, 300e-6).run()
     period = 2 * np.pi * np.sqrt(struck.projectile.mass / (1e6 / run.share))
     start = run.time - 0.25 * period - struck.time_step
-    assert run.reason == "stopped"
+    assert run.outcome == "stopped"
     assert 0.0 <= start + struck.time_step < 2 * struck.time_step
     assert np.abs(run.state.u).max() == 0.0
     assert run.sample("contact")[-1] == pytest.approx(run.strike_energy / 3, rel=1e-3)
