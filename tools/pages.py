@@ -96,17 +96,10 @@ def measured(row: dict[str, str], quantity: str) -> tuple[float, float]:
     return value, error
 
 
-def pack_mesh_errors() -> str:
-    """The rows of `mesh_errors` that are packs."""
-    return mesh_errors(least_plies=2)
-
-
-def mesh_errors(least_plies: int = 1) -> str:
+def mesh_errors() -> str:
     """Of plies and packs on the default mesh against elements half as long, in %."""
     rows = [["target", *QUANTITIES.values()]]
     for (plies, fabric), quantities in deviations().items():
-        if plies < least_plies:
-            continue
         cells = []
         for deviation in quantities:
             share, error = deviation.percent
@@ -238,10 +231,9 @@ def critical_velocities() -> str:
     return f"\n\n{markdown(rows)}\n"
 
 
-# page -> {name of a mark: text between it and its end}, or the text of the whole page
+# page -> {name of a mark: text between it and its end}
 MARKED: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {"accuracy": front_page},
-    "docs/pack.md": {"mesh errors": pack_mesh_errors},
     "docs/accuracy.md": {"mesh errors": mesh_errors},
     "docs/validation.md": {
         "two tests": two_tests,
@@ -256,15 +248,10 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
     },
     "weavecell/api/keywords.py": {"keywords": keyword_class.text},
 }
-WHOLE: dict[str, Callable[[], str]] = {
-    "docs/developers/architecture.md": architecture.text,
-}
 
 
 def made(page: str) -> str:
     """The text that a page should have."""
-    if page in WHOLE:
-        return WHOLE[page]()
     text = (ROOT / page).read_text("utf-8")
     for name, content in MARKED[page].items():
         begin, end = f"<!-- {name} of tools/pages.py -->", f"<!-- end of {name} -->"
@@ -278,7 +265,7 @@ def made(page: str) -> str:
 
 def stale() -> list[str]:
     """Pages that are out of date."""
-    return [page for page in (*WHOLE, *MARKED) if (ROOT / page).read_text("utf-8") != made(page)]
+    return [page for page in MARKED if (ROOT / page).read_text("utf-8") != made(page)]
 
 
 def main() -> None:

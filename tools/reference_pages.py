@@ -4,7 +4,8 @@
 
 cli.md has every command with its arguments, options and defaults, input.md every key of input and result files,
 python.md the functions and results of the Python interface, files.md tables of output and data files, errata.md the
-errata of the thesis. scene.schema.json and coupon.schema.json are JSON Schemas of the input files, for editors.
+errata of the thesis, architecture.md the layers and folders. scene.schema.json and coupon.schema.json are JSON
+Schemas of the input files, for editors.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
+import architecture  # noqa: E402
 import errata_page  # noqa: E402
 import file_formats  # noqa: E402
 import keys_page  # noqa: E402
@@ -137,6 +139,7 @@ def pages():
         "python.md": python_page.page(),
         "files.md": file_formats.page(),
         "errata.md": errata_page.page(),
+        "architecture.md": architecture.text(),
     }
 
 
