@@ -16,10 +16,11 @@ from __future__ import annotations
 
 import codecs
 import csv
+import json
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from math import isfinite, nan
@@ -95,12 +96,6 @@ def write(path: FilePath, content: str | bytes) -> None:
         file.write(content)
 
 
-def write_csv(path: FilePath, rows: Iterable[Iterable[Any]]) -> None:
-    """Write rows as a CSV file, as `write` does."""
-    with write_whole(path) as file:
-        csv.writer(file).writerows(rows)
-
-
 def _umask():
     mask = os.umask(0)
     os.umask(mask)
@@ -151,6 +146,33 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
+
+
+def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
+    """The content of a JSON file of this project.
+
+    Parameters
+    ----------
+    format : kind and version of the file, its entry "format"
+    what : the file in words, for the message
+
+    Raises
+    ------
+    InputError : no such file, not JSON, or another format
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as problem:
+        allowed = f"{what} ({problem.strerror})"
+        raise InputError("cannot be read", file=path, allowed=allowed) from problem
+    except ValueError as problem:
+        raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
+    found = None
+    if isinstance(content, dict):
+        found = content.get("format")
+    if found != format:
+        raise InputError(file=path, key="format", value=found, allowed=repr(format))
+    return content
 
 
 def read_text(path: FilePath) -> str:

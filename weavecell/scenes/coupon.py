@@ -19,11 +19,10 @@ from fabrics.base.schema import (
     read_toml,
     some_of,
     string,
-    validated,
     whole,
 )
 from weavecell.scenes import honoured
-from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
+from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 _OF_STEPS = (
@@ -232,9 +231,4 @@ def check(
     context: Any = None,
 ) -> CouponScene:
     """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
-    scene = validated(CouponScene, table, file, context)
-    if refused is not None:
-        honoured.check(scene, table, file, refused)
-    if file is None:
-        return scene
-    return anchored(scene, file)
+    return checked(CouponScene, table, file, refused, context)

@@ -13,6 +13,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
+    Kind,
     Table,
     described,
     in_python,
@@ -20,8 +21,10 @@ from fabrics.base.schema import (
     one_of,
     quantity,
     string,
+    validated,
 )
 from fabrics.yarn import STATUSES
+from weavecell.scenes import honoured
 
 
 class InlineLaw(Table):
@@ -237,6 +240,35 @@ def anchored(scene: Any, file: FilePath) -> Any:
         plies = tuple(of("panel.ply", ply, ("file", "law")) for ply in panel.ply)
         updates["panel"] = of("panel", panel, ("ply_contact",)).model_copy(update={"ply": plies})
     return scene.model_copy(update=updates)
+
+
+def checked(
+    kind: type[Kind],
+    table: dict[str, Any],
+    file: FilePath | None,
+    refused: honoured.Keys | None = None,
+    context: Any = None,
+) -> Kind:
+    """Turn the table of a scene into a checked scene.
+
+    Parameters
+    ----------
+    kind : class of the scene
+    table : as it is written
+    file : named in errors, its folder anchors relative paths; None of a scene without a file
+    refused : keys that are not honoured, see `honoured`; None where any key may be set
+    context : see `fabrics.base.schema.validated`
+
+    Raises
+    ------
+    InputError : a line for each thing that is wrong with it
+    """
+    scene = validated(kind, table, file, context)
+    if refused is not None:
+        honoured.check(scene, table, file, refused)
+    if file is None:
+        return scene
+    return anchored(scene, file)
 
 
 def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:
