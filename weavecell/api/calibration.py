@@ -13,10 +13,9 @@ The folder of `weavecell calibrate`
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -24,11 +23,12 @@ from fabrics import assumed
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.executors import InProcess
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import data_digest, with_linear_density
 from weavecell.api import meshes, targets
+from weavecell.api.execution import Resumable, ResumableKeywords
+from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure, saved
 from weavecell.results import json_file, out_folder, progress
 
@@ -47,6 +47,7 @@ TRIALS = 20  # of a fit of the solid, about, for the progress bar
 SOLID_RUNS = "solid-runs"
 
 
+@explained(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
     *,
@@ -55,10 +56,7 @@ def calibrate(
     fit_solid: bool = False,
     friction: float = 0.0,
     assumed_range: bool = True,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
+    **options: Unpack[ResumableKeywords],
 ) -> CalibrationResult:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs dolfinx and PETSc.
 
@@ -78,8 +76,7 @@ def calibrate(
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which triples the cost
-    jobs, executor, resume : as of `v50`
-    out : folder of the results; in Python None writes nothing
+    **options : jobs, executor, out and resume
 
     Returns
     -------
@@ -98,6 +95,7 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
+    how = Resumable.only(options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     solid = None
@@ -106,13 +104,9 @@ def calibrate(
     curve = None
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
-    choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
-    if executor == "local" and jobs == 1:
-        choices["executor"] = InProcess()
-    else:
-        choices["executor"] = executor
-    place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
-    with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
+    choices = {"friction": friction, **how.solver_pool}
+    place = out_folder.held(how.out, how.resume, [(fabric, size, friction, curve)])
+    with place as folder, targets.kept_runs(folder, how.resume, SOLID_RUNS) as runs:
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
@@ -124,7 +118,7 @@ def calibrate(
                 size=size,
                 out=folder,
                 laws=False,
-                resume=resume,
+                resume=how.resume,
                 on_progress=watch,
                 **choices,
             )

@@ -15,7 +15,6 @@ Of tests alone
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -25,6 +24,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
+from weavecell.api.execution import Execution, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import Result, figure, saved
 from weavecell.api.study_result import StudyResult
@@ -42,16 +42,13 @@ if TYPE_CHECKING:
 __all__ = ["ComparisonResult", "TestsResult", "compare"]
 
 
-@explained
+@explained(SearchKeywords, Keywords)
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
     *,
     tolerance: float | str = "1 m/s",
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    **options: Unpack[Keywords],
+    **options: Unpack[SearchKeywords],
 ) -> ComparisonResult | TestsResult:
     """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual velocities, with intervals.
 
@@ -72,8 +69,8 @@ def compare(
     tests : table of tests (``*.csv``), a row a shot
     target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up or a Fabric.
         Left out, the tests alone are reduced
-    tolerance, jobs, executor, out : as of `critical_velocity`
-    **options : beside a fabric, keywords of `setup` but history
+    tolerance : as of `critical_velocity`
+    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -98,14 +95,18 @@ def compare(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
+    how, keys = Execution.split(options)
     if target is None:
-        for key in options:
+        for key in keys:
             raise InputError(key=key, allowed="left out where nothing is shot at")
-        with out_folder.held(out) as folder:
+        with out_folder.held(how.out) as folder:
             return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = targets.of(target, options, honoured.LIMITS)
-    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
-    with out_folder.held(out) as folder, limits.kept_shots(panel, folder) as ended, panel.named():
+    panel = targets.of(target, keys, honoured.LIMITS)
+    with (
+        out_folder.held(how.out) as folder,
+        limits.kept_shots(panel, folder) as ended,
+        panel.named(),
+    ):
         struck = panel.setup.target()
 
         def reported(advance):
@@ -113,7 +114,7 @@ def compare(
                 ended.append(shot)
                 advance(share)
 
-            return beside | {"report": report}
+            return how.pool | {"report": report}
 
         with progress.bar(f"{panel.title}, critical velocity") as advance:
             limit = ballistic_limit.critical_velocity(struck, tolerance=width, **reported(advance))

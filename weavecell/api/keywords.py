@@ -157,13 +157,18 @@ class Keywords(TypedDict, total=False):
 # <!-- end of keywords -->
 
 
-def explained(function: Function) -> Function:
-    """The function, whose docstring also has what each of its `Keywords` means, for help()."""
-    meanings = (Keywords.__doc__ or "").partition("\n\n")[2]
-    section = f"\n    Other Parameters\n    ----------------\n{meanings}"
-    text = function.__doc__ or ""
-    function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
-    return function
+def explained(*kinds: type) -> Callable[[Function], Function]:
+    """Add to the docstring of a function what each keyword of these TypedDicts means, for help()."""
+    section = "\n    Other Parameters\n    ----------------\n"
+    for kind in kinds:
+        section += (kind.__doc__ or "").split("\n\n")[-1].split("--\n")[-1].rstrip() + "\n"
+
+    def add(function):
+        text = function.__doc__ or ""
+        function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
+        return function
+
+    return add
 
 
 def tables() -> dict[str, str]:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from itertools import count
@@ -24,6 +23,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
+from weavecell.api.execution import Execution, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.run_size import StudySize
@@ -58,7 +58,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
-@explained
+@explained(SearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -70,10 +70,7 @@ def critical_velocity(
     scan_step: float | str = "2 %",
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    **options: Unpack[Keywords],
+    **options: Unpack[SearchKeywords],
 ) -> CriticalVelocityResult:
     """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
 
@@ -102,11 +99,7 @@ def critical_velocity(
     assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up; without this option a
         command does so where a law or the crimp is assumed; in Python "laws" does
     check : run nothing and write nothing: forecast shots and CPU time
-    jobs : shots that run at the same time, as threads of this process
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None writes nothing
-    **options : beside a fabric, keywords of `setup` but history
+    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -134,7 +127,8 @@ def critical_velocity(
         around = ScanRange(
             **{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
         )
-    panel = targets.of(target, options, honoured.LIMITS)
+    how, keys = Execution.split(options)
+    panel = targets.of(target, keys, honoured.LIMITS)
     over = ranges.with_ends(panel.setup, assumed_range)
     if check:
         ends = () if over is None else ranges.changes(over).values()
@@ -142,9 +136,9 @@ def critical_velocity(
         searches = 1 + sum(map(len, ends)) + 2 * bool(ends)
         fired = residual_shots + round(scanned)
         return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
-    beside: dict[str, Any] = {"tolerance": width, "jobs": jobs, "executor": executor}
+    beside = {"tolerance": width, **how.pool}
     search = beside | {"residual_shots": residual_shots, "scan": around if scan else None}
-    with out_folder.held(out) as folder, kept_shots(panel, folder) as ended:
+    with out_folder.held(how.out) as folder, kept_shots(panel, folder) as ended:
 
         @contextmanager
         def stage(title):

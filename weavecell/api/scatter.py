@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -17,6 +16,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
+from weavecell.api.execution import Resumable, ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["V50Result", "v50"]
 
 
-@explained
+@explained(ResumableKeywords, Keywords)
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -47,11 +47,7 @@ def v50(
     modulus_cov: float | str | None = None,
     crimp_cov: float | str | None = None,
     seed: int = 1,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
-    **options: Unpack[Keywords],
+    **options: Unpack[StudyKeywords],
 ) -> V50Result:
     """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
@@ -79,10 +75,7 @@ def v50(
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
-    jobs : number of runs in parallel, each in a process of its own
-    executor, out : as of `critical_velocity`
-    resume : whether to take finished runs from the folder; those of another version of the code are computed again
-    **options : beside a fabric, keywords of `setup` but history
+    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -112,7 +105,8 @@ def v50(
     scatter = replace(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
-    panel = targets.of(target, options, honoured.V50)
+    how, keys = Resumable.split(options)
+    panel = targets.of(target, keys, honoured.V50)
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0
@@ -124,9 +118,7 @@ def v50(
         whole = replace(analysis.graded(panel.setup), symmetry="whole")
         return StudySize.of(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
-    with targets.study(
-        panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn
-    ) as run:
+    with targets.study(panel, f"{panel.title}, repeated shots", how, drawn) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)

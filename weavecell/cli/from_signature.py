@@ -28,7 +28,7 @@ from weavecell.report import checks
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
-DEFAULTS: dict[str, Any] = {"jobs": CORES}
+DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
 LEFT_OUT = {
     "assumed_range": "laws"
 }  # what a function gets where neither the option nor --no-... is given
@@ -125,15 +125,17 @@ def _folder(name, parameters, values):
 def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
     """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
-    Those of `weavecell.setup` are keys of the input file, which a command reads.
+    They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input file, which a
+    command reads.
     """
     *_, last = inspect.signature(function).parameters.values()
     name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
-    if last.kind is not last.VAR_KEYWORD or name in ("Any", "Keywords"):
+    if last.kind is not last.VAR_KEYWORD or name == "Any":
         return []
     kind = getattr(inspect.getmodule(function), name)
-    meanings |= documented(kind)[1]
-    return [_keyword(key, text.__forward_arg__) for key, text in kind.__annotations__.items()]
+    own = documented(kind)[1]
+    meanings |= own
+    return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in own]
 
 
 def _keyword(key, annotation):
