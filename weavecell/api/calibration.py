@@ -27,7 +27,7 @@ from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import data_digest, with_linear_density
 from weavecell.api import meshes, targets
-from weavecell.api.execution import Resumable, ResumableKeywords
+from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure, saved
 from weavecell.results import json_file, out_folder, progress
@@ -95,7 +95,7 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    how = Resumable.only(options)
+    how = Execution(**options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     solid = None

@@ -24,7 +24,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
-from weavecell.api.execution import Execution, SearchKeywords
+from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import Result, figure, saved
 from weavecell.api.study_result import StudyResult
@@ -95,7 +95,7 @@ def compare(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
-    how, keys = Execution.split(options)
+    how, keys = Execution.split(options, ExecutionKeywords)
     if target is None:
         for key in keys:
             raise InputError(key=key, allowed="left out where nothing is shot at")

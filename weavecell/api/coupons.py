@@ -180,6 +180,8 @@ def _pull_out(case, text, key, *_):
 
 def _relaxed(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
+    from shellfabric.coupon import quasistatic
+
     began = time.perf_counter()
     scene = case.scene
     table = _table(case)
@@ -203,9 +205,8 @@ def _relaxed(case, text, key, checkpoint, resume):
             advance(state.load, f"{state.iterations} iterations")
 
         try:
-            solved = coupon_results.relaxed(
-                table, scene.test, dict(inputs), **options, progress=keep, done=tuple(states)
-            )
+            relax = getattr(quasistatic, scene.test)
+            solved = relax(table, **dict(inputs), **options, progress=keep, done=tuple(states))
         except UnstableError as problem:
             failure = problem
             solved = problem.result

@@ -5,13 +5,11 @@ A study takes them with its other keywords (`Unpack`), and hands them on as one 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
-from typing import Any, Self, TypedDict
+from dataclasses import dataclass
+from typing import Any, TypedDict
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
 from fabrics.base.executors import InProcess
 from weavecell.api.keywords import Keywords
 
@@ -61,32 +59,21 @@ StudyKeywords.__doc__ = ResumableKeywords.__doc__
 
 @dataclass(frozen=True)
 class Execution:
-    """How runs are computed, and where the results go; its fields are `ExecutionKeywords`."""
+    """How runs are computed, and where the results go; its fields are `ResumableKeywords`."""
 
     jobs: int = 1
     executor: str | Executor = "local"
     out: FilePath | None = None
+    resume: bool = False
 
     @classmethod
-    def split(cls, options: Mapping[str, Any]) -> tuple[Self, dict[str, Any]]:
-        """Keywords of a study as (its own, the others)."""
-        names = [field.name for field in fields(cls)]
-        own = {key: value for key, value in options.items() if key in names}
-        others = {key: value for key, value in options.items() if key not in own}
+    def split(
+        cls, options: Any, kind: type = ResumableKeywords
+    ) -> tuple[Execution, dict[str, Any]]:
+        """Take the keywords of `kind` out of those of a study: (of these the Execution, the others)."""
+        others = dict(options)
+        own = {key: others.pop(key) for key in kind.__annotations__ if key in options}
         return cls(**own), others
-
-    @classmethod
-    def only(cls, options: Mapping[str, Any]) -> Self:
-        """Keywords of a study that has no others.
-
-        Raises
-        ------
-        InputError : another keyword
-        """
-        own, others = cls.split(options)
-        for key, value in others.items():
-            raise InputError("is not a keyword of this function", key=key, value=value)
-        return own
 
     @property
     def pool(self) -> dict[str, Any]:
@@ -96,14 +83,7 @@ class Execution:
     @property
     def solver_pool(self) -> dict[str, Any]:
         """The same for the 3D solver."""
-        # PETSc is initialised in this process: a single job needs no second one, nor a guarded script
-        if self.executor == "local" and self.jobs == 1:
-            return self.pool | {"executor": InProcess()}
+        # a single job needs no second process, in which PETSc and a script without a guard would begin anew
+        if self.pool == {"jobs": 1, "executor": "local"}:
+            return {"jobs": 1, "executor": InProcess()}
         return self.pool
-
-
-@dataclass(frozen=True)
-class Resumable(Execution):
-    """How runs are computed that can be continued; its fields are `ResumableKeywords`."""
-
-    resume: bool = False

@@ -16,7 +16,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
-from weavecell.api.execution import Resumable, ResumableKeywords, StudyKeywords
+from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
@@ -105,13 +105,13 @@ def v50(
     scatter = replace(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
-    how, keys = Resumable.split(options)
+    how, keys = Execution.split(options)
     panel = targets.of(target, keys, honoured.V50)
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0
     if over is not None:
-        searches = sum(map(len, ranges.changes(over).values())) + 2
+        searches = ranges.searches(over)
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
     if check:
         fired = shots * (1 + repeats)

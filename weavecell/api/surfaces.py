@@ -22,7 +22,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
-from weavecell.api.execution import Resumable, ResumableKeywords
+from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface
@@ -89,7 +89,7 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
-    how = Resumable.only(options)
+    how = Execution(**options)
     fabric = meshes.of_3d(fabric)
     stamp = provenance.stamp("")
     span1 = _span(d1, "d1")

@@ -27,7 +27,7 @@ from fabrics.base.executors import as_done, open_executor
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
-from weavecell.api.execution import Resumable, ResumableKeywords
+from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure, plain, saved
 from weavecell.api.run_size import StudySize
@@ -116,7 +116,7 @@ def sweep(
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
-    how = Resumable.only(options)
+    how = Execution(**options)
     if not isinstance(target, (Fabric, str, Path)):
         return _of_setups(target, how)
     from weavecell.studies import inputs

@@ -27,7 +27,7 @@ from weavecell.scenes.target import Target
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
-    from weavecell.api.execution import Resumable
+    from weavecell.api.execution import Execution
     from weavecell.scenes.honoured import Keys
 
 STRIKE = 92.5  # [m/s] of the deck of a fabric, and of studies that choose their velocities
@@ -174,7 +174,7 @@ class Study:
 def study(
     panel: Target,
     title: str,
-    how: Resumable,
+    how: Execution,
     *inputs: Any,
 ) -> Iterator[Study]:
     """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.

@@ -126,6 +126,14 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     return None
 
 
+def searches(setup: ImpactSetup) -> int:
+    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the velocity."""
+    alone = sum(map(len, changes(setup).values()))
+    if not alone:
+        return 0
+    return alone + 2
+
+
 def changes(setup: ImpactSetup) -> Ends:
     """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be combined.
 
