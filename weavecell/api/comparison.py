@@ -19,15 +19,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
 from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import Result, figure, saved
-from weavecell.api.study_result import StudyResult
+from weavecell.api.result import saved
+from weavecell.api.study_result import DrawnResult, StudyResult
 from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
@@ -130,7 +129,7 @@ def compare(
 
 
 @dataclass(frozen=True, repr=False)
-class TestsResult(Result):
+class TestsResult(DrawnResult):
     """Tests of a laboratory, to which nothing is computed; the table has a row a test.
 
     Parameters
@@ -164,20 +163,19 @@ class TestsResult(Result):
 
         return pictures.tested_and_computed(pyplot, self.tests, self.reduced, None)
 
-    def plot(self) -> Figure:
-        """A matplotlib figure."""
-        return figure(self.draw)
-
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
+        from weavecell.results import provenance
 
-        out = Path(out)
-        content = {"format": "weavecell tests 1", **self.summary()}
-        json_file.write(out / "tests.json", content | {"provenance": provenance.stamp("")})
-        files.write(out / "shots.csv", self.to_dataframe().to_csv(index=False, float_format="%.6g"))
-        files.write(out / "tests.svg", pictures.render(self.draw, kind="svg"))
+        self._write_files(Path(out), provenance.stamp())
+
+    def files(self) -> dict[str, Any]:
+        """As of `DrawnResult`."""
+        return {
+            "tests.json": {"format": "weavecell tests 1", **self.summary()},
+            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "tests.svg": None,
+        }
 
     def __str__(self) -> str:
         return "\n".join(self.reduced.lines(self.tests))
@@ -266,6 +264,6 @@ class ComparisonResult(StudyResult):
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
-        return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(
-            doubtful
-        )
+        if doubtful:
+            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
+        return lines
