@@ -29,9 +29,7 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.write("".join(f"** {line}\n" for line in numbered.header))
         file.write(f"*HEADING\n{numbered.header[0]}; SI units\n")
-        file.write(
-            "*NODE\n" + lines("%d,%.13E,%.13E,%.13E", range(1, len(mesh.points) + 1), mesh.points)
-        )
+        file.write("*NODE\n" + numbered.nodes("%d,%.13E,%.13E,%.13E"))
         for part in numbered.parts:
             file.write(f"*ELEMENT, TYPE={TYPES[part.kind]}, ELSET={part.name}\n")
             file.write(lines("%d" + ",%d" * part.nodes.shape[1], part.elements, part.nodes))

@@ -261,27 +261,11 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         )  # it rises steeply at the limit
         curve = fit.residual_velocity(velocities)
         axes.plot(velocities, curve, color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
-    axes.plot(
-        strike[through],
-        residual[through],
-        "o",
-        ms=7,
-        color=RED,
-        mec="white",
-        label="perforated",
-        zorder=3,
-    )
-    axes.plot(
-        strike[~through],
-        residual[~through],
-        "o",
-        ms=7,
-        mfc="white",
-        mec=GREEN,
-        mew=1.8,
-        label="stopped",
-        zorder=3,
-    )
+    for outcome, of, look in (
+        ("perforated", through, {"color": RED, "mec": "white"}),
+        ("stopped", ~through, {"mfc": "white", "mec": GREEN, "mew": 1.8}),
+    ):
+        axes.plot(strike[of], residual[of], "o", ms=7, label=outcome, zorder=3, **look)
     zone = (limit.low, limit.high)
     alpha = 0.8
     name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
