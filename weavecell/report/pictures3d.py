@@ -98,8 +98,3 @@ def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
 def width(nodes: FloatArray, mirrored: bool) -> float:
     """[m] of a panel along x, from the nodes (n, 3) of what is modelled."""
     return float(np.ptp(nodes[:, 0])) * (2 if mirrored else 1)
-
-
-def tip(body: FloatArray) -> FloatArray:
-    """(3,) [m] middle of the foremost 0.1 mm of a projectile's surface (a, b, 3)."""
-    return body[body[..., 2] > body[..., 2].max() - 1e-4].mean(axis=0)
