@@ -170,7 +170,7 @@ class TestsResult(DrawnResult):
         self._write_files(Path(out), provenance.stamp())
 
     def files(self) -> dict[str, Any]:
-        """As of `DrawnResult`."""
+        """{file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the picture."""
         return {
             "tests.json": {"format": "weavecell tests 1", **self.summary()},
             "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
