@@ -196,6 +196,12 @@ def measure_package(package):
     return count["tokens"], habits
 
 
+def test_no_two_files_of_tests_share_a_name():
+    """A run of all tests would refuse the second."""
+    names = [path.name for path in ROOT.glob("tests/**/test_*.py")]
+    assert sorted(names) == sorted(set(names))
+
+
 def test_tokens_and_habits_are_within_the_budget():
     """A change that needs more tokens of a package deletes others: the numbers of pyproject.toml only fall."""
     budget = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["weavecell"]

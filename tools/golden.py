@@ -70,8 +70,6 @@ def coupon_test(path):
     options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(
         exclude={"outputs"}
     )
-    if "crossovers" in options:
-        options["cells"] = options.pop("crossovers")
     return getattr(quasistatic, scene.test)(table, **options)
 
 

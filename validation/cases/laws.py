@@ -142,7 +142,7 @@ def _card_table(setup: ImpactSetup, law: Law) -> CellTable:
     W, fx, fy, residual = potential(N[0] * per[0], N[1] * per[1], floor, np.ones_like(N[0]))
     values = {"T1": N[0], "T2": N[1], "W": W, "N1": fx / per[0], "N2": fy / per[1]}
     # no contact force between yarns: that is not in the law
-    return CellTable.of(replace(model, model="decoupled"), x, y, values, fx, fy, residual)
+    return CellTable.of(replace(model, cell_model="decoupled"), x, y, values, fx, fy, residual)
 
 
 @cache

@@ -248,7 +248,7 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     """
     table = CellModel(changed_fabric(fabric)).table(201)
     result = quasistatic.picture_frame(
-        table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
+        table, crossovers=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
     )
     weave = table.model.fabric.weave
     gamma = result.prescribed

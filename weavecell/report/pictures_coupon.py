@@ -192,7 +192,7 @@ def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
         upper.axhline(
             curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N"
         )
-        upper.legend(loc="upper right")
+        upper.legend(loc="lower center")
     upper.set(ylabel="load [N]")
     upper.set_ylim(bottom=0)
     lower.plot(displacement, curve.sliding, color=WARP, lw=1.2, label="in slip")

@@ -52,13 +52,13 @@ def edges(panel: Panel) -> np.ndarray:
     symmetry=st.sampled_from(["quarter", "half", "whole"]),
     boundary=st.sampled_from(["clamped", "free"]),
 )
-def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, edge):
+def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, boundary):
     """Graded (the default of clamped edges) or not, and for every modelled part on the same lines."""
     fabric = fabric_of(name, *counts)
     assume(
         min(sides) > 16 * max(fabric.weave.w)
     )  # four crossovers at least, and those under the nose
-    setup = setup_of(fabric, opening=sides, boundary=edge, **mesh)
+    setup = setup_of(fabric, opening=sides, boundary=boundary, **mesh)
     whole = replace(setup, symmetry="whole")
     panels = [one.panel(one.plain_table()) for one in (replace(setup, symmetry=symmetry), whole)]
     for panel in panels:
