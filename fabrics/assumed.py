@@ -273,13 +273,12 @@ def lines(fabric: Fabric) -> list[str]:
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
-    found = []
-    for key in fabric.assumed:
-        if key == "crimp":
-            found.append(_crimp_line(fabric))
-        else:
-            found.append(f"assumed: {words[key]}, because {fabric.name} gives none")
-    return found + _own_lines(fabric)
+    return [
+        _crimp_line(fabric)
+        if key == "crimp"
+        else f"assumed: {words[key]}, because {fabric.name} gives none"
+        for key in fabric.assumed
+    ] + _own_lines(fabric)
 
 
 def _own_lines(fabric):

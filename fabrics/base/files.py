@@ -163,8 +163,9 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as problem:
-        allowed = f"{what} ({problem.strerror})"
-        raise InputError("cannot be read", file=path, allowed=allowed) from problem
+        raise InputError(
+            "cannot be read", file=path, allowed=f"{what} ({problem.strerror})"
+        ) from problem
     except ValueError as problem:
         raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
     found = None

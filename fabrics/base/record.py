@@ -66,10 +66,10 @@ class Record:
         variables = {}
         for name, values in self.columns.items():
             count = np.ndim(values)
-            own = [f"{name}_{axis}" for axis in range(len(shared), count)]
+            axes = [*shared[:count]]
+            axes += [f"{name}_{axis}" for axis in range(len(shared), count)]
             meaning = self.meanings[name].partition("] ")[2]
-            attributes = {"units": self.unit(name), "long_name": meaning}
-            variables[name] = ([*shared[:count], *own], values, attributes)
+            variables[name] = (axes, values, {"units": self.unit(name), "long_name": meaning})
         return Dataset(variables, attrs=self.facts)
 
     def write(self, path: FilePath, **notes: Any) -> None:
