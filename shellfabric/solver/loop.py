@@ -69,6 +69,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
                 if several:
+                    # places after the step follow from forces that are all known by now
                     hold_apart(states, consts, contact)
                 fly(states, consts, stack)
                 if not several:
@@ -80,6 +81,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             state = row_of(states, p)
             const = row_of(consts, p)
             work = row_of(works, p)
+            # a ply of a pack is one thread's own, which waits for nobody in it
             gate = work.barrier if several else shared
             if several:
                 if not wakes(state, const, contact, stack, p):
@@ -90,6 +92,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             if part == 0:
                 break_yarns(state, const, work)
                 other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+                # an implicit spring of the nose has to know the pushes of the other plies first
                 stack.waits_for_plies[p] = touch(state, const, work)
                 move_edges(state, const)
                 if several:

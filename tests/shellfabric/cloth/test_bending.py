@@ -5,6 +5,7 @@ import pytest
 from panels import FINER, make_panel, rest, set_nodal
 
 from shellfabric.cloth import bending_kernels
+from shellfabric.panel import forces
 
 EI = 2e-6
 
@@ -58,3 +59,19 @@ def test_pure_bending_is_a_circle(grading):
         (sides[0].sum() - 0.5 * sides[0][[0, -1]].sum()) * panel.weave.warp_count * sides[1].sum()
     )
     assert turns(panel, x)[0] == pytest.approx(0.5 * EI / radius**2 * length, rel=2e-3)
+
+
+def test_the_bound_of_the_time_step_holds_the_stiffest_mode():
+    """Neighbours that swing to and fro across the panel: by their forces, a little below the bound for the rim."""
+    panel = make_panel(symmetry="whole", bending=(EI, 2 * EI), yarn_failure=False)
+    x = rest(panel)
+    i, j = np.indices(x.shape[:2])
+    swing = 1e-8 * (-1.0) ** (i + j)
+    swing[[0, -1]] = 0.0
+    swing[:, [0, -1]] = 0.0
+    x[..., 2] = swing
+    force = turns(panel, x)[1][2][: swing.size].reshape(swing.shape)
+    mass = panel.weave.areal_density * np.prod(panel.spacing)
+    square = -(force * swing).sum() / (mass * (swing**2).sum())
+    bound = forces.bending(panel).stiffness
+    assert 0.9 * bound < square / 4 < bound
