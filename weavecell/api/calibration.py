@@ -95,7 +95,7 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    how = Execution(**options)
+    how = Execution.of("calibrate", options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     solid = None

@@ -5,11 +5,13 @@ A study takes them with its other keywords (`Unpack`), and hands them on as one 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
 from fabrics.base.checks import FilePath
+from fabrics.base.errors import nearest
 from fabrics.base.executors import InProcess
 from weavecell.api.keywords import Keywords
 
@@ -65,6 +67,23 @@ class Execution:
     executor: str | Executor = "local"
     out: FilePath | None = None
     resume: bool = False
+
+    @classmethod
+    def of(cls, function: str, options: Mapping[str, Any]) -> Execution:
+        """The Execution of a function whose `**options` are `ResumableKeywords` alone.
+
+        Raises
+        ------
+        TypeError : another keyword; it names the function, as Python does
+        """
+        for key in options:
+            if key not in cls.__dataclass_fields__:
+                message = f"{function}() got an unexpected keyword argument {key!r}"
+                near = nearest(key, cls.__dataclass_fields__, 0.6)
+                if near is not None:
+                    message += f". Did you mean {near!r}?"
+                raise TypeError(message)
+        return cls(**options)
 
     @classmethod
     def split(

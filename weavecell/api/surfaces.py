@@ -89,7 +89,7 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
-    how = Execution(**options)
+    how = Execution.of("surface", options)
     fabric = meshes.of_3d(fabric)
     stamp = provenance.stamp("")
     span1 = _span(d1, "d1")

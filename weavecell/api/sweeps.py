@@ -116,7 +116,7 @@ def sweep(
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
-    how = Execution(**options)
+    how = Execution.of("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
         return _of_setups(target, how)
     from weavecell.studies import inputs

@@ -61,7 +61,7 @@ def stamp(
         "python": platform.python_version(),
         "packages": ", ".join(f"{name} {version}" for name, version in versions().items()),
         "system": platform.platform(),
-        "processor": f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores",
+        "processor": f"{processor()}, {os.cpu_count()} cores",
         "threads": threads(),
         "scene": scene_text,
     }
@@ -112,3 +112,13 @@ def _git(folder, *words):
     return subprocess.run(
         ["git", "-C", str(folder), *words], check=True, capture_output=True, text=True, timeout=5
     ).stdout.strip()
+
+
+def processor() -> str:
+    """The processor's name."""
+    # only Linux needs the file: there `platform.processor` knows the architecture at best
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()

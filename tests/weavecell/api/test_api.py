@@ -196,6 +196,16 @@ def test_bad_arguments_are_one_line(call, told):
     assert "\n" not in str(problem.value)
 
 
+@pytest.mark.parametrize("function", [wc.calibrate, wc.surface, wc.sweep])
+def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
+    name = function.__name__
+    told = rf"^{name}\(\) got an unexpected keyword argument 'job'. Did you mean 'jobs'\?$"
+    with pytest.raises(TypeError, match=told):
+        function("S-720", job=2)
+    with pytest.raises(TypeError, match=rf"^{name}\(\) .* 'velocity_of_sound'$"):
+        function("S-720", velocity_of_sound=2)
+
+
 @pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
 def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
     told = " ".join(inspect.getdoc(getattr(wc, name)).split())
