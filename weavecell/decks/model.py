@@ -278,7 +278,7 @@ def build(
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
         x, y = (values.ravel() for values in panel.coordinates())
-        held = {"clamped": ~boundary.loose(panel).ravel()}
+        held = {"clamped": ~panel.loose().ravel()}
         for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
             held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)
         points = np.column_stack([x, y, np.full(x.size, z)])

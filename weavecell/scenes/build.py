@@ -321,7 +321,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     """
     from shellfabric.impact.strengths import YarnStrength
     from shellfabric.output.histories import HistoryRequest
-    from shellfabric.panel.model import Numerics
+    from shellfabric.panel.numerics import Numerics
     from weavecell.scenes.short_setup import ShortSetup
 
     scene = case.scene
