@@ -27,10 +27,11 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
-TOO_THICK = (
-    3.0  # times the stated thickness: closest packed fibres of yarns whose mass has another unit
-)
-NOTED = 0.01  # [-] difference of a stated quantity and what other data give, from which it is said
+# if closest packed fibres are so many times thicker than the sheet, the mass of the yarn has
+# another unit
+TOO_THICK = 3.0
+# [-] a stated quantity that differs by more from what other data give is mentioned
+NOTED = 0.01
 
 
 @cache

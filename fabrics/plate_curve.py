@@ -31,9 +31,8 @@ from fabrics.base.units import si
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
 FEWEST = 5
-PLATEN_PRESSURE = (
-    7000 / 0.019**2
-)  # [Pa] highest of the tests of plies and packs: 7 kN on 19 mm x 19 mm
+# [Pa] the highest in the tests of plies and packs: 7 kN on 19 mm x 19 mm
+PLATEN_PRESSURE = 7000 / 0.019**2
 SAMPLES = 24
 
 

@@ -27,7 +27,8 @@ from fabrics.fabric_tables import STATUSES
 from fabrics.plate_curve import PlateCurve
 from fabrics.ply_law import SOLID_TRAVEL, PlyLaw
 
-TESTED = 4  # plies of the packs that the thesis takes the contact of plies from (section 5.2.2)
+# the thesis takes the contact of plies from packs of so many plies (section 5.2.2)
+TESTED = 4
 _TABLE = ("closure", "pressure", "source", "status")
 UNITS = {"closure": "m", "pressure": "Pa"}
 

@@ -33,7 +33,8 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
-ROOM = 65536  # [bytes] that must still fit on the disk behind a file that a library has written
+# [bytes] this much must still fit on the disk behind a file that a library has written
+ROOM = 65536
 # a number with decimal marks, and a unit of up to two words
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
@@ -113,7 +114,8 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
     """
     import h5py
 
-    content = BytesIO()  # HDF5 ends the process where it cannot write to a disk
+    # in memory first: HDF5 ends the process if it cannot write to a disk
+    content = BytesIO()
     with h5py.File(content, "w") as file:
         file.attrs.update(format=format, **attributes)
         yield file
@@ -226,7 +228,8 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
         allowed = f"{what} ({problem.strerror})"
         raise InputError("cannot be read", file=path, allowed=allowed) from problem
     separator = None
-    if lines[0][1].startswith("sep="):  # of Excel
+    # Excel writes this line to name the separator
+    if lines[0][1].startswith("sep="):
         separator = lines.pop(0)[1][4:5]
     lines = [
         (n, line) for n, line in lines if line.strip("; ,\t") and not line.lstrip().startswith("#")

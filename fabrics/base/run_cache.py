@@ -43,7 +43,8 @@ COMPUTING = (
 )  # folders of weavecell whose code counts beside that of a module's own folder
 SUFFIXES = (".py", ".toml", ".json", ".csv")
 # enough to tell two versions of the code apart by eye
-_SHORT = 12  # digits of the code's digest that messages show
+# a message shows so many digits of the code's digest
+_SHORT = 12
 
 
 @cache

@@ -34,7 +34,8 @@ from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import read_text
 from fabrics.base.units import refused, si
 
-PYTHON = {"python": True}  # context of what is given in Python, not read from a file
+# context of values given in Python, which are not read from a file
+PYTHON = {"python": True}
 
 
 class Table(BaseModel):
@@ -106,7 +107,8 @@ def from_text(
     def validate(value, info):
         try:
             return convert(value, reader(info))
-        except InputError:  # which does not know the limits of the key
+        except InputError:
+            # the type does not know the limits that its key adds
             raise ValueError("not allowed") from None
 
     field = described(meaning, allowed, unit, example)

@@ -99,7 +99,8 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     except InputError as problem:
         if problem.file is not None:
             raise
-        value = sources.get(problem.key or "", {}).get("value", problem.value)  # as it is written
+        # the message shows the value as the file has it
+        value = sources.get(problem.key or "", {}).get("value", problem.value)
         raise InputError(
             problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed
         ) from None
@@ -110,9 +111,8 @@ def _fabric(file, sources, path):
     # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
-    masses = data_sheet.mass_notes(
-        file, crimp
-    )  # before what a wrong mass makes of strength and thickness
+    # a wrong mass also spoils strength and thickness: it is reported first
+    masses = data_sheet.mass_notes(file, crimp)
     strengths: dict[str, list[str]] = {}
     warp, weft = (
         _yarn(family, file.yarns[family], value, strengths)

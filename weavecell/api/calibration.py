@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CalibrationResult", "calibrate"]
 
-TRIALS = 20  # of a fit of the solid, about, for the progress bar
+# a fit of the solid takes about so many trials; the progress bar needs a number
+TRIALS = 20
 SOLID_RUNS = "solid-runs"
 
 
@@ -421,7 +422,8 @@ class CalibrationResult(Result):
         picture = (folder / "crossover.png").read_bytes()
         sections = (*self.sections(), chapters.mesh(self.mesh.summary(), picture))
         chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
-        done.write(folder)  # law.json, the last: what is there is whole
+        # law.json comes last: a folder that has it is complete
+        done.write(folder)
 
     def sections(self) -> tuple[Section, ...]:
         """Chapters of the report: the fit, the solid if it was fitted, the response of the shells' cell."""

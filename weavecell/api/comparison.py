@@ -145,7 +145,8 @@ class TestsResult(DrawnResult):
     (4, 3)
     """
 
-    __test__ = False  # pytest: these are not its tests
+    # pytest would take a class of this name for tests
+    __test__ = False
 
     reduced: ReducedTests
     tests: str

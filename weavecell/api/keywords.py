@@ -52,7 +52,8 @@ _OBJECTS = {
 }  # may be objects, which no file can hold
 
 Function = TypeVar("Function", bound=Callable)
-Quantity = float | str  # in SI units, or a text with a unit
+# a number in SI units, or a text with a unit
+Quantity = float | str
 Number = float
 End = Literal["clamped", "free"] | Mapping[str, Quantity]
 Side = End | tuple[End, End] | list[End]

@@ -166,7 +166,8 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
         # a shot that holds has no staircase of failing yarns
-        from weavecell.studies import window  # which an impact alone does not need
+        # an impact alone does not need it
+        from weavecell.studies import window
 
         with (
             targets.kept_runs(folder, True, WINDOW) as runs,
@@ -395,7 +396,8 @@ class ShotResult(ImpactRecord, Result):
         out = Path(out)
         scene = self.case.scene
         target = self.target
-        assert target is not None  # since it has a case
+        # it has a case, and so a target
+        assert target is not None
         outputs = scene.run.outputs
         projectile = scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
@@ -457,7 +459,8 @@ class ShotResult(ImpactRecord, Result):
             places = ()
             if scene.history:
                 places = scene.history.report_positions
-            for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
+            # the ply that is struck, and the last
+            for ply in dict.fromkeys((0, self.count - 1)):
                 number = None
                 if self.pack:
                     number = ply + 1

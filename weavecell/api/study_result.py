@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
     from weavecell.scenes.target import Target
 
-CARD_LINES = 2  # of the report's first card
+# the first card of the report holds so many lines
+CARD_LINES = 2
 
 
 class DrawnResult(Result):
@@ -127,7 +128,8 @@ class StudyResult(DrawnResult):
         if ":" not in title:
             title += f": {label[0].lower()}{label[1:]}"
         lead = chapters.struck(setup, case and case.scene)
-        if hasattr(self, "targets"):  # of a sweep
+        # a sweep has a target for each row
+        if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
         cards = (Card(label, value, tuple(shown)), *chapters.law_cards(case))
         chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)

@@ -47,7 +47,8 @@ if TYPE_CHECKING:
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 SEED = "panel.strength.seed"
-SCANNED = 18  # shots of a scan about the bracket, as it is by default
+# a scan about the bracket takes about so many shots with its default range
+SCANNED = 18
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -154,7 +155,8 @@ def sweep(
         return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
     with targets.study(panels[0], f"{len(panels)} x {quantity}", how, *arguments) as run:
-        if quantity == "v50":  # whose shots run in parallel, one V50 after the other
+        # the shots of a V50 run in parallel already, so the V50s follow one another
+        if quantity == "v50":
             reports = [run.report(number, len(panels)) for number in range(len(panels))]
             drawn: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
             rows = [
@@ -301,7 +303,8 @@ class SweepTable(StudyResult):
         key = self.keys[0]
         if key == "panel.plies":
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
-        if "." not in key:  # a factor
+        # a key without a table is a factor
+        if "." not in key:
             return [row[key] for row in self.rows], f"factor on {key}"
         values = []
         for panel in self.targets:

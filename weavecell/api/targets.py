@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from weavecell.api.execution import Execution
     from weavecell.scenes.honoured import Keys
 
-STRIKE = 92.5  # [m/s] of the deck of a fabric, and of studies that choose their velocities
-RUNS = "runs"  # folder of finished runs
+# [m/s] for the deck of a fabric, and for studies that choose their velocities
+STRIKE = 92.5
+# folder of the finished runs
+RUNS = "runs"
 
 
 def of(

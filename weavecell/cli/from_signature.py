@@ -34,10 +34,13 @@ LEFT_OUT = {
 }  # what a function gets where neither the option nor --no-... is given
 ARGUMENTS = ("target", "tests", "fabric", "name", "file")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
-WORDS = {"values": "from"}  # options with another name than their parameter
+# options with another name than their parameter
+WORDS = {"values": "from"}
 SHORT = {"out": "-o"}
-OF_PYTHON = ("test", "velocity")  # positional parameters of a fabric, which an input file says
-OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
+# an input file has these; a fabric in Python needs them as arguments
+OF_PYTHON = ("test", "velocity")
+# the folder of a single run is named after the input file alone
+OF_ONE_RUN = ("impact", "coupon")
 LEAST = {"jobs": 1, "seed": 0}
 _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
@@ -72,7 +75,8 @@ def command(
                 values[key] = LEFT_OUT.get(key)
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
+            # the line of the checks says it already
+            warnings.simplefilter("ignore", DoubtfulResult)
             try:
                 for key in keywords:
                     if key in chosen:
@@ -92,7 +96,8 @@ def command(
             if "out" in values and not values.get("check"):
                 print(f"written to {values['out']}", flush=True)
             checks.report(result.checks, strict)
-        elif strict and result is not None and result.doubtful:  # done before
+        elif strict and result is not None and result.doubtful:
+            # the folder of a run that was finished before
             raise DoubtfulError("the result is doubtful")
 
     signature = [_parameter(one, meanings.get(one.name, "")) for one in parameters]

@@ -22,7 +22,8 @@ from weavecell.decks.cards import lines, wrapped
 from weavecell.decks.linear_material import linearise
 
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
-SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
+# digits that decide whether two bars have the same area: rounding must not make two parts of them
+SAME_AREA = 9
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,14 @@ from weavecell.decks.cards import fields, lines
 from weavecell.decks.mesh_deck import deck, material_number, set_lines
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
-FULL = 17  # Isolid
-FULL_PRESSURE = 3  # Icpre
-COROTATIONAL = 2  # Iframe
-EDGE_12 = 20  # Ip: the first axis from node 1 to node 2
+# Isolid: full integration
+FULL = 17
+# Icpre
+FULL_PRESSURE = 3
+# Iframe
+COROTATIONAL = 2
+# Ip: the first axis runs from node 1 to node 2
+EDGE_12 = 20
 
 
 def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:

@@ -36,12 +36,18 @@ STEEL = (
     2e11,
     0.3,
 )  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
-_TABLE = 8  # samples a side of a cell's table that nothing uses
-_SKIN = 0.1  # [ply thicknesses] thickness of the projectile's shells
-_CLEARANCE = 0.01  # [ply thicknesses] from them to the first ply
-_SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
-_PICTURES = 50  # of a run
-_SAMPLES = 1000  # of the histories of a run
+# samples along each side of the cell's table, which a deck does not use
+_TABLE = 8
+# [ply thicknesses] thickness of the projectile's shells
+_SKIN = 0.1
+# [ply thicknesses] from the shells to the first ply: they must not touch at the start
+_CLEARANCE = 0.01
+# share of a body's volume that the surface holds at least, whatever its shape
+_SEEN = 0.9
+# states in the animation of a run
+_PICTURES = 50
+# samples in the histories of a run
+_SAMPLES = 1000
 _NEAREST = {
     "plane": "nearest to the cell over the biaxial plane",
     "uniaxial": "nearest to it in uniaxial tension",

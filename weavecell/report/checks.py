@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
     from weavecell.studies.ballistic_limit import Limit, Shot
 
-_SHOWN = 3  # indicators of the printed line
+# the printed line names so many indicators
+_SHOWN = 3
 
 
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:

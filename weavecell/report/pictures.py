@@ -110,7 +110,8 @@ def place(
     """
     rows, columns = figure.axes[0].get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
-    wide = (width - left - right - (columns - 1) * across) / columns  # of one axes
+    # width of one pair of axes
+    wide = (width - left - right - (columns - 1) * across) / columns
     high = (height - bottom - top - (rows - 1) * down) / rows
     figure.subplots_adjust(
         left / width,
@@ -202,7 +203,8 @@ def cell(pyplot: Any, cases: Any) -> Any:
         axes.set_xlabel("strain of the cell [%]")
         axes.set_xlim(left=0)
     row[0][0].set_ylabel("yarn tension [N]")
-    row[0][0].set_ylim(bottom=0)  # of all, once all are drawn
+    # all axes share their limits, so this is set once everything is drawn
+    row[0][0].set_ylim(bottom=0)
     row[0][0].legend(loc="upper left", fontsize=None if len(cases) < 4 else 9)
     return figure
 

@@ -21,8 +21,10 @@ from weavecell.report.pictures_style import INK
 from weavecell.report.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
-FOOT = 0.15  # of the window's height, kept for the caption
-MARGIN = 0.05  # of the window's height, free around the crossover
+# share of the window's height that is kept for the caption
+FOOT = 0.15
+# share of the window's height that stays free around the crossover
+MARGIN = 0.05
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 

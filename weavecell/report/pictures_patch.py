@@ -13,10 +13,14 @@ from meshing.patch import Patch
 from weavecell.report.pictures_mesh import COLOURS, INK, aim, plotter, save
 
 WINDOW = (1600, 900)
-TOWARD = (-0.8, -1.0, 0.72)  # from the patch to the camera
-MARGIN = 0.03  # of the window's height
-SHARP = 40.0  # degrees: an edge sharper than this is drawn sharp
-EDGES_UP_TO = 20_000  # hexahedra: beyond, mesh lines only darken the picture
+# direction from the patch to the camera
+TOWARD = (-0.8, -1.0, 0.72)
+# share of the window's height
+MARGIN = 0.03
+# [deg] an edge sharper than this is drawn sharp
+SHARP = 40.0
+# with more hexahedra mesh lines only darken the picture
+EDGES_UP_TO = 20_000
 
 
 def picture(patch: Patch, path: FilePath) -> None:

@@ -112,7 +112,8 @@ def sweep(
         columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
     )
     table = table.assign(x=x)
-    if quantity.ends is not None:  # of mixed outcomes, which have no value, the middle of the zone
+    # mixed outcomes have no single value: the middle of the zone stands for it
+    if quantity.ends is not None:
         middle = table[list(quantity.ends)].astype(float).mean(axis=1)
         table[quantity.column] = table[quantity.column].astype(float).fillna(middle)
     table = table.dropna(subset=[quantity.column])

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 FORMAT = "weavecell coupon 2"
 CHECKPOINT = "weavecell coupon checkpoint 3"
 PULL_OUT_FORMAT = "weavecell pull-out 2"
-TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
+# stretches along each side of the cell's table, as many as in impacts
+TABLE_SIZE = 201
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
     "picture_frame": ("shear angle", "rad"),

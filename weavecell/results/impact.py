@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
 
-FORMAT = "weavecell impact 9"  # and version of the files
-AT_REST = 0.01  # of the energy that a block has taken up: its motion can no longer change the dent by more
+# name and version of the files
+FORMAT = "weavecell impact 9"
+# share of the energy that a block has taken up: motion with less can no longer change the dent
+AT_REST = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -348,7 +350,8 @@ class ImpactRecord:
             file.attrs["checks"] = json.dumps(list(map(asdict, self.checks)))
             write_table("histories", self, "histories")
             time, *others = (file["histories"][key.name] for key in TABLES["histories"])
-            time.make_scale("time")  # by which xarray and netCDF name the axis
+            # xarray and netCDF name the axis by it
+            time.make_scale("time")
             for history in others:
                 history.dims[0].attach_scale(time)
             for name, values in self.energies.items():
@@ -408,7 +411,8 @@ class ImpactRecord:
 
 
 _TEXTS = ("pack", "failure")
-_PARTS = ("bar", "backing")  # that a record need not have
+# a record may lack these
+_PARTS = ("bar", "backing")
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     key.field: key.name

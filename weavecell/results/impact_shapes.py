@@ -94,7 +94,8 @@ def _across(shot, panel):
     which a yarn of the element has failed)."""
     from scipy.interpolate import RegularGridInterpolator
 
-    lines, way = panel.lines(), panel.axes[:, 0]  # a step along x in the ply's own frame
+    # a step along x in the ply's own frame
+    lines, way = panel.lines(), panel.axes[:, 0]
     at = np.unique(np.concatenate([line / step for line, step in zip(lines, way)]))
     inside = [(at * step >= line[0]) & (at * step <= line[-1]) for line, step in zip(lines, way)]
     at = at[inside[0] & inside[1]]

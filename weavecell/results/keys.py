@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 from weavecell.results import display
 
 SUMMARY_FORMAT = "weavecell summary 2"
-_UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")  # that ends a name
+# the unit that ends a name
+_UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
 
 
 class Key(NamedTuple):

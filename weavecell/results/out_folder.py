@@ -120,7 +120,8 @@ def _locked(path):
             # the run that had the lock may have removed the file after it was opened here
             if os.fstat(descriptor).st_ino == os.stat(path).st_ino:
                 return descriptor
-        except FileNotFoundError:  # removed by the run that had it before
+        except FileNotFoundError:
+            # the run that had the folder has removed it
             pass
         except BlockingIOError:
             os.close(descriptor)

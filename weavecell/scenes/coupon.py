@@ -31,7 +31,8 @@ _OF_STEPS = (
     "tolerance",
     "max_iterations",
 )  # keys of [run] without use in a pull-out
-TOLERANCE = 1e-3  # [-] of the out-of-balance force over the reaction, by default (docs/coupons.md)
+# [-] default limit of the out-of-balance force over the reaction (docs/coupons.md)
+TOLERANCE = 1e-3
 
 
 class BiasTable(Table):

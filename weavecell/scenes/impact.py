@@ -445,7 +445,8 @@ def _with_named(table, file, name, key, data):
     if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
     found = data.table(given[key], given, file=file, key=f"{name}.{key}")
-    if given[key].endswith(".toml"):  # what is wrong in it names this file
+    # the fabric file has errors of its own, which name that file
+    if given[key].endswith(".toml"):
         own = data.table(given[key], file=file) | {"strike_velocity": "1 m/s"}
         validated(ProjectileTable, own, Path(file or "").parent / given[key])
     return table | {name: found}

@@ -70,7 +70,8 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
-WIDEST = 5.0  # [m] of an opening: a larger number has another unit
+# [m] a wider opening is a slip of the unit
+WIDEST = 5.0
 _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 

@@ -27,20 +27,29 @@ from shellfabric.projectile import solid as solid_body
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
-UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
-WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
-DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
-LENGTHS = (0.25, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+# [m]
+UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}
+# [m] a narrower or wider projectile is a slip of the unit
+WIDTHS = (0.5e-3, 100e-3)
+# [kg/m3] mean density of a body, from light and hollow ones to osmium
+DENSITIES = (500.0, 23000.0)
+# [diameters] length of a body, from a disc to a long rod, if it is not given
+LENGTHS = (0.25, 30.0)
 LEAST = {
     "cone": 1 / 3,
     "chisel": 1 / 2,
     "hemisphere": 2 / 3,
 }  # [cylinders] volume of a body of a shape, else 1
-SHARP = 30.0  # [deg] between the normals of neighbouring triangles
-SAMPLES = 3  # of the distance, in an edge radius (docs/reports/numerics.md)
-COARSE = 4  # times further apart, where the body is deep
-MOST_SAMPLES = 8_000_000  # about 0.7 GiB while they are computed, 64 MiB then
-_SAME = 6  # digits of the largest extent, in which corners that are one are the same
+# [deg] an edge is sharp if the normals of its triangles differ by more
+SHARP = 30.0
+# samples of the distance within an edge radius (docs/reports/numerics.md)
+SAMPLES = 3
+# deep inside a body samples may be so many times further apart
+COARSE = 4
+# about 0.7 GiB while they are computed, 64 MiB afterwards
+MOST_SAMPLES = 8_000_000
+# corners whose places agree to so many digits of the largest extent are one
+_SAME = 6
 _HEAD, _FACET = (
     84,
     50,
@@ -124,7 +133,8 @@ def _surface(path, unit, digest):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
     mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
     corners = np.sort(mesh.faces, axis=1)
-    mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))  # not what shrank to a line
+    # some triangles have shrunk to a line
+    mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))
     _check_closed(mesh, path)
     mesh.apply_scale(UNITS[unit])
     mesh.apply_translation((0, 0, -mesh.bounds[1, 2]))
@@ -163,7 +173,8 @@ def _triangles(content):
         content = text.encode()
     try:
         return trimesh.load_mesh(io.BytesIO(content), file_type=kind, process=False)
-    except Exception:  # as many kinds as there are broken files
+    except Exception:
+        # there are as many kinds of errors as kinds of broken files
         return trimesh.Trimesh()
 
 
@@ -223,7 +234,8 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
         else:
             mass = si(given["density"], "kg/m^3") * found.volume
     except InputError:
-        return known  # the schema tells of it
+        # the schema reports it
+        return known
     mean = mass / found.volume
     (low, high) = DENSITIES
     if not low <= mean <= high:

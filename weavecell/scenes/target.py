@@ -182,7 +182,8 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
 
 def _target(scene, name, stem, text, from_file=False):
-    case = build.build(scene, name, stem)  # which logs the projectile where it has a name or a file
+    # this logs a projectile that has a name or a file
+    case = build.build(scene, name, stem)
     if scene.projectile.name is None and scene.projectile.stl is None:
         build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

@@ -29,7 +29,8 @@ from shellfabric.panel.boundary import Grip
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
-NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
+# the search begins at the nominal limit, so its first step is small
+NEXT_STEP = 1.05
 
 
 @dataclass(frozen=True)
@@ -259,8 +260,9 @@ def critical_velocity(
     tolerance, beside : see `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
+    # it loads the kernels of packs, which a shot on one ply does not use
     from weavecell.studies import (
-        ballistic_limit,  # with the kernels of packs, which a shot on one ply does not use
+        ballistic_limit,
     )
 
     def search(changed):

@@ -32,11 +32,14 @@ from shellfabric.solver.pack_solver import PackSolver
 from weavecell.studies.bracket import STEP, Bracket
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
-_AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
-_GUESS = 0.17  # of the velocity that fails a lone yarn at once, for one ply, which rises with their number to the power
-_RISES = (
-    1 / 3
-)  # (177 and 237 m/s of two and four plies of S-728, 140 of one); only the number of shots depends on them
+# [s] a shot that has neither stopped nor perforated by then is given up
+_AUDIT = 10e-6
+# [s] between audits, which nothing but the guards of the solver uses
+# one ply is first tried at this share of the velocity that fails a lone yarn at once; the share rises
+# with this power of the number of plies (177 and 237 m/s of two and four plies of S-728, 140 of one).
+# Only the number of shots depends on both
+_GUESS = 0.17
+_RISES = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -286,7 +289,8 @@ class _Range:
             self.opened = ThreadPoolExecutor(jobs)
         else:
             self.opened = open_executor(executor, jobs)
-        self.pending = {}  # velocity -> (future, event that gives it up or None)
+        # {velocity: (future, event that gives it up, or None)}
+        self.pending = {}
 
     def __enter__(self):
         self.pool = self.opened.__enter__()

@@ -20,8 +20,10 @@ from shellfabric.panel.quality import Indicator
 from shellfabric.plies.model import Pack
 from weavecell.studies.ballistic_limit import Limit, Shot, shoot
 
-HIGHEST = 1000.0  # [m/s] beyond which no shot is fired
-MOST_STEPS = 1000  # of a range: more is taken for an error of input
+# [m/s] no shot is fired beyond
+HIGHEST = 1000.0
+# a range with more steps is a slip of the input
+MOST_STEPS = 1000
 
 
 @dataclass(frozen=True)

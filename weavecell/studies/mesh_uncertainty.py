@@ -39,13 +39,15 @@ from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 if TYPE_CHECKING:
     from weavecell.studies.window import Window
 
-RATIO = 2  # of the element sides of two meshes
+# ratio of the element sides of two meshes
+RATIO = 2
 ORDER = 2.0
 SAFETY = 3.0
 # [crossovers] from the impact point up to which elements are halved: at least, at most
 REACH = 10.0
 LATEST = 60.0
-MOST_ELEMENTS = 8  # a crossover, of the finest mesh
+# elements along a crossover of the finest mesh
+MOST_ELEMENTS = 8
 
 
 @dataclass(frozen=True)
@@ -238,7 +240,8 @@ def refine(
             before = shot
         try:
             setup = finer(setup, table)
-        except InputError:  # there is no finer mesh
+        except InputError:
+            # the mesh cannot be refined further
             return shot, found
 
 

@@ -42,12 +42,18 @@ from weavecell.studies.inputs import Scatter, changed_setup, published
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
-FIRST = 0.25  # of the deterministic limit, either way
-SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
-STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
-BEYOND = 0.5, 1.5  # of the lowest and the highest velocity so far: between them lies the next round
-LARGEST = 2  # contributors to the range of the limit whose ends V50 is computed with
-WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
+# the first shots lie this share of the deterministic limit to either side
+FIRST = 0.25
+# later shots are placed between these probabilities
+SPREAD = 0.05, 0.95
+# share of the strike velocity, see `ballistic_limit.shoot`
+STOPS_BELOW = 0.1
+# shares of the lowest and the highest velocity so far, between which the next round lies
+BEYOND = 0.5, 1.5
+# V50 is repeated at the ends of so many of the largest contributors
+LARGEST = 2
+# share of the gap between stops and perforations, added beyond either end if yarns scatter
+WIDER = 0.5
 
 
 @dataclass(frozen=True)
@@ -318,7 +324,8 @@ def over_assumed(
         return of_one
 
     each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
-    run_cache.results(_searched, each, report=report, **runs)  # beside each other
+    # they run beside each other
+    run_cache.results(_searched, each, report=report, **runs)
     nominal = assumed_range.Row("nominal", "", middle)
     limits = assumed_range.over_ends("limit without scatter", setup, ends, nominal, limit_of)
     curve = found.curves["probit"]

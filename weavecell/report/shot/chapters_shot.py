@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
-CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
-CUT_INSTANTS = (0.2, 0.5, 1.0)  # shares of the run at which the fabric is shown cut open
+# [m] half the width of the close-up: five radii of the RCC projectile
+CLOSE_UP = 0.014
+# shares of the run at which the fabric is shown cut open
+CUT_INSTANTS = (0.2, 0.5, 1.0)
 
 
 def outcome(record: ImpactRecord) -> str:

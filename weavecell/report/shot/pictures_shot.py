@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
 
-_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # plies from the front to the rear
+# plies from the front to the rear
+_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
