@@ -75,18 +75,18 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
-    return {
-        end: replace(fabric, shear=law)
-        for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items()
-    }
+    changed = {}
+    for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items():
+        changed[end] = replace(fabric, shear=law)
+    return changed
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
-    return {
-        end: replace(fabric, solid_laws=laws)
-        for end, laws in _ends(fabric, "solid", fabric.solid_laws).items()
-    }
+    changed = {}
+    for end, laws in _ends(fabric, "solid", fabric.solid_laws).items():
+        changed[end] = replace(fabric, solid_laws=laws)
+    return changed
 
 
 def _ends(fabric, table, laws):
@@ -222,9 +222,10 @@ def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
         if any(low < high for low, high in pairs):
             ratios = zip(("low", "high"), zip(*pairs))
             found[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
-    found["trellis law"] = {
-        f"trellis {end}": changed for end, changed in shear_ends(fabric).items()
-    }
+    trellis = {}
+    for end, changed in shear_ends(fabric).items():
+        trellis[f"trellis {end}"] = changed
+    found["trellis law"] = trellis
     found["failure length"] = failure_length_ends(fabric)
     return {name: of_one for name, of_one in found.items() if of_one}
 
@@ -241,9 +242,10 @@ def _scaled(fabric, name, ratios):
 
 def given(fabric: Fabric, table: str) -> Fabric:
     """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
-    ranges = {
-        key: ratios for key, ratios in fabric.ranges.items() if key.partition(".")[0] != table
-    }
+    ranges = {}
+    for key, ratios in fabric.ranges.items():
+        if key.partition(".")[0] != table:
+            ranges[key] = ratios
     return replace(
         fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges
     )
@@ -273,21 +275,22 @@ def lines(fabric: Fabric) -> list[str]:
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
-    return [
-        _crimp_line(fabric)
-        if key == "crimp"
-        else f"assumed: {words[key]}, because {fabric.name} gives none"
-        for key in fabric.assumed
-    ] + _own_lines(fabric)
+    lines = []
+    for key in fabric.assumed:
+        line = f"assumed: {words.get(key)}, because {fabric.name} gives none"
+        if key == "crimp":
+            line = _crimp_line(fabric)
+        lines.append(line)
+    return lines + _own_lines(fabric)
 
 
 def _own_lines(fabric):
     """Lines about the numbers with a range of their own, and about guesses without one."""
-    ranged = [
-        f"{key} {fabric.sources[key]['value'].partition(' (')[0]} (times {low:.3g} .. {high:.3g})"
-        for key, (low, high) in fabric.ranges.items()
-        if low < high and key.partition(".")[0] not in fabric.assumed
-    ]
+    ranged = []
+    for key, (low, high) in fabric.ranges.items():
+        if low < high and key.partition(".")[0] not in fabric.assumed:
+            value = fabric.sources[key]["value"].partition(" (")[0]
+            ranged.append(f"{key} {value} (times {low:.3g} .. {high:.3g})")
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
     lines = []
     if ranged:
@@ -405,7 +408,8 @@ def _derived(shear, family):
             "thesis eqs. 4-33 and 4-34 as corrected in E-08, with shear.K_s",
         ),
     }
-    return {
-        f"shear.{key}": {"value": value, "source": f"{source} ({family.name})", "status": "assumed"}
-        for key, (value, source) in texts.items()
-    }
+    sources = {}
+    for key, (value, source) in texts.items():
+        origin = f"{source} ({family.name})"
+        sources[f"shear.{key}"] = {"value": value, "source": origin, "status": "assumed"}
+    return sources

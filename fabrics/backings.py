@@ -77,10 +77,9 @@ def assumed_line(name: str, block: Isotropic) -> str:
     else:
         data = read_table("backing")
     own = of_table(data, _FILE)
-    kept = [
-        key
-        for key, row in data.items()
-        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)
-    ]
+    kept = []
+    for key, row in data.items():
+        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key):
+            kept.append(key)
     constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)
     return f"assumed: {constants or 'nothing'}, of the block of {name or 'the thesis'}"

@@ -81,12 +81,11 @@ class CompressionLaw:
 
     def ends(self) -> dict[str, CompressionLaw]:
         """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
-        return {
-            end: CompressionLaw(
-                a, b, self.form, f"{self.provenance}; {end} end of the assumed range"
-            )
-            for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
-        }
+        laws = {}
+        for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ()):
+            provenance = f"{self.provenance}; {end} end of the assumed range"
+            laws[end] = CompressionLaw(a, b, self.form, provenance)
+        return laws
 
     def outside_ends(self) -> list[str]:
         """A line for each end of the assumed range that the law lies outside of, up to the largest force of its fit.
@@ -315,13 +314,12 @@ def check_room(
 def _read_range(entries, path):
     if not entries:
         return None
-    soft, stiff = (
-        (
-            si(entry.get("a"), "m", file=path, key="a"),
-            si(entry.get("b"), "m * N**(1/3)", file=path, key="b"),
-        )
-        for entry in entries
-    )
+    ends = []
+    for entry in entries:
+        a = si(entry.get("a"), "m", file=path, key="a")
+        b = si(entry.get("b"), "m * N**(1/3)", file=path, key="b")
+        ends.append((a, b))
+    soft, stiff = ends
     return soft, stiff
 
 

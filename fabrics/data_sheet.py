@@ -38,10 +38,13 @@ NOTED = 0.01
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
     content = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    return {
-        name: entry(table, "m" if name.endswith("length") else "")
-        for name, table in content.items()
-    }
+    found = {}
+    for name, table in content.items():
+        unit = ""
+        if name.endswith("length"):
+            unit = "m"
+        found[name] = entry(table, unit)
+    return found
 
 
 def crimps(
@@ -134,10 +137,8 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     if not families or any(family.allows(found) for family in families):
         return
     limits = families[0].strengths
-    strain, stress = (
-        " to ".join(f"{scale * end:g}" for end in limits[name])
-        for name, scale in (("failure_strain", 100), ("strength", 1e-9))
-    )
+    strain = "{:g} to {:g}".format(*(100 * end for end in limits["failure_strain"]))
+    stress = "{:g} to {:g}".format(*(1e-9 * end for end in limits["strength"]))
     raise InputError(
         key=key,
         allowed=f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "

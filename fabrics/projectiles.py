@@ -51,10 +51,13 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         path = Path(file or "").parent / name
         own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
         sole = {"source": path.name, "status": "user"}
-        return own.pop("shape"), {
-            one: sole | (value if isinstance(value, dict) else {"value": value})
-            for one, value in own.items()
-        }
+        shape = own.pop("shape")
+        entries = {}
+        for key, value in own.items():
+            if not isinstance(value, dict):
+                value = {"value": value}
+            entries[key] = sole | value
+        return shape, entries
     known = list_names()
     if name not in known:
         raise unknown_name("projectile", name, known, file=file, key=key)

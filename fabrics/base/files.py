@@ -344,7 +344,8 @@ def _row(number, cells, names, path):
         if len(cells) == 2 * len(names):
             message = "if these are decimal commas, separate the columns by semicolons"
         raise InputError(message, file=path, key=line, value=", ".join(cells), allowed=allowed)
-    return [
-        read_number(cell, "a finite number", file=path, key=f"{line}, {name}")
-        for name, cell in zip(names, cells)
-    ]
+    numbers = []
+    for name, cell in zip(names, cells):
+        key = f"{line}, {name}"
+        numbers.append(read_number(cell, "a finite number", file=path, key=key))
+    return numbers

@@ -102,11 +102,14 @@ class Record:
         InputError : no such file, or another format
         """
         with read_hdf5(path, FORMAT, what="record") as file:
+            columns = {}
+            meanings = {}
+            for name, values in file["columns"].items():
+                columns[name] = values[:]
+                meanings[name] = str(values.attrs["meaning"])
             return cls(
-                columns={name: values[:] for name, values in file["columns"].items()},
-                meanings={
-                    name: str(values.attrs["meaning"]) for name, values in file["columns"].items()
-                },
+                columns,
+                meanings,
                 facts=dict(file["facts"].attrs),
                 last={name: values[:] for name, values in file.get("last", {}).items()},
                 failed=str(file.attrs["failed"]),

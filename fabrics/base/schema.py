@@ -432,12 +432,12 @@ def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
 
 def entries(model: type[Table]) -> dict[str, FieldInfo]:
     """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
-    return {
-        f"{name}.{key}".lstrip("."): entry
-        for name, table in tables(model).items()
-        for key, entry in table.model_fields.items()
-        if entry.title
-    }
+    found = {}
+    for name, table in tables(model).items():
+        for key, entry in table.model_fields.items():
+            if entry.title:
+                found[f"{name}.{key}".lstrip(".")] = entry
+    return found
 
 
 def written(table: Any, key: str) -> Any:

@@ -114,10 +114,8 @@ def _fabric(file, sources, path):
     # a wrong mass also spoils strength and thickness: it is reported first
     masses = data_sheet.mass_notes(file, crimp)
     strengths: dict[str, list[str]] = {}
-    warp, weft = (
-        _yarn(family, file.yarns[family], value, strengths)
-        for family, value in zip(FAMILIES, crimp)
-    )
+    warp = _yarn("warp", file.warp, crimp[0], strengths)
+    weft = _yarn("weft", file.weft, crimp[1], strengths)
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []

@@ -59,10 +59,10 @@ def from_weave(
         for width, spacing in zip(widths, spacings)
     )
     gamma1 = min(gamma1, LARGEST - LEAST_RISE)
-    gamma2 = min(
-        _locking(yarn.A_s, K_s, weave.thickness, spacing)
-        for yarn, spacing in zip(weave.yarns, spacings)
-    )
+    locking = []
+    for yarn, spacing in zip(weave.yarns, spacings):
+        locking.append(_locking(yarn.A_s, K_s, weave.thickness, spacing))
+    gamma2 = min(locking)
     return TrellisShear(G1_over_G2 * G2, G2, gamma1, min(max(gamma2, gamma1 + LEAST_RISE), LARGEST))
 
 

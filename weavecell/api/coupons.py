@@ -298,9 +298,10 @@ class CouponResult(Result):
     def _columns(self):
         record = self.record
         units = {name: f"_{record.unit(name)}".removesuffix("_1") for name in record.columns}
-        return {
-            name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()
-        }
+        columns = {}
+        for name, values in record.columns.items():
+            columns[name.replace(" ", "_") + units[name]] = values
+        return columns
 
     def to_dataframe(self) -> DataFrame:
         """As of `Result`; its attrs name what is assumed."""
@@ -410,10 +411,10 @@ class CouponResult(Result):
         """Write histories.h5; the further entries of summary.json."""
         record = self.record
         coupon_results.write(out / "histories.h5", record, self.solved)
-        last = {
-            name: {"value": values[-1], "unit": record.unit(name)} | self._what_is_assumed()
-            for name, values in record.columns.items()
-        }
+        last = {}
+        for name, values in record.columns.items():
+            row = {"value": values[-1], "unit": record.unit(name)}
+            last[name] = row | self._what_is_assumed()
         return {"at_end": last}
 
     def save(self, out: FilePath) -> None:

@@ -176,12 +176,11 @@ def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
     from weavecell.scenes.impact import Scene
 
-    flat = {
-        key: name
-        for name in FLAT
-        for key in fields_of(Scene, name)
-        if f"{name}.{key}" not in NOT_HERE
-    }
+    flat = {}
+    for name in FLAT:
+        for key in fields_of(Scene, name):
+            if f"{name}.{key}" not in NOT_HERE:
+                flat[key] = name
     return flat | dict.fromkeys(GROUPS, "")
 
 
@@ -273,11 +272,11 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     else:
         named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
-    content = {
-        key: _text(value, Scene.model_fields[key])
-        for key, value in {**table, "fabric": named | rest}.items()
-    }
-    return tomlkit.dumps({key: value for key, value in content.items() if value})
+    content = {}
+    for key, value in {**table, "fabric": named | rest}.items():
+        if written := _text(value, Scene.model_fields[key]):
+            content[key] = written
+    return tomlkit.dumps(content)
 
 
 @contextmanager
@@ -300,11 +299,10 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 def _fields(entry):
     from fabrics.base.schema import tables_in
 
-    return {
-        key: field
-        for table in tables_in(entry.annotation)
-        for key, field in table.model_fields.items()
-    }
+    found = {}
+    for table in tables_in(entry.annotation):
+        found |= table.model_fields
+    return found
 
 
 def _text(value, entry):
