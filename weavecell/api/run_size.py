@@ -165,10 +165,8 @@ class StudySize(_Size):
         shots += SHOTS_OF_A_SEARCH * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
         to_its_end = RunSize.of(setup, title, ()).cpu_time
-        low, high = (
-            shots * seconds * share * crossing / setup.end_time
-            for seconds, share in zip(to_its_end, DURATION)
-        )
+        of_a_shot = crossing / setup.end_time
+        low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
         return cls(title, shots, searches, (low, high))
 
     @classmethod

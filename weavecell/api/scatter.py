@@ -200,8 +200,8 @@ class V50Result(StudyResult):
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
         weakest = {
-            f"weakest_{family}": [shot.weakest[k] for shot in shots]
-            for k, family in enumerate(("warp", "weft"))
+            "weakest_warp": [shot.weakest[0] for shot in shots],
+            "weakest_weft": [shot.weakest[1] for shot in shots],
         }
         return columns | weakest
 
@@ -279,10 +279,8 @@ class V50Result(StudyResult):
 
         rows = []
         for link, curve in self.study.curves.items():
-            rows += [
-                (link, name, getattr(curve, name), *curve.intervals[name])
-                for name in ("V0", "V50", "V100")
-            ]
+            for name in ("V0", "V50", "V100"):
+                rows.append((link, name, getattr(curve, name), *curve.intervals[name]))
             scale = 1.0
             if curve.s:
                 scale = curve.deviation / curve.s
@@ -308,10 +306,10 @@ class V50Result(StudyResult):
         shots.insert(
             2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")]
         )
-        curves = {
-            link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
-            for link, curve in study.curves.items()
-        }
+        curves = {}
+        for link, curve in study.curves.items():
+            curves[link] = asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
+        given = (*inputs.table("weibull").values(), *inputs.table("spread").values())
         content = {
             **study.summary(),
             "plies": self.target.setup.plies,
@@ -325,11 +323,7 @@ class V50Result(StudyResult):
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
             "curves": curves,
-            "inputs": [
-                asdict(entry)
-                for name in ("weibull", "spread")
-                for entry in inputs.table(name).values()
-            ],
+            "inputs": [asdict(entry) for entry in given],
             "wall_time": self.wall_time,
         }
         return {

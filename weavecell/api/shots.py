@@ -331,10 +331,8 @@ class ShotResult(ImpactRecord, Result):
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
                 columns[name if unit == "1" else f"{name}_{unit}"] = values
-        columns |= {
-            f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1)
-            for name in ("warp", "weft")
-        }
+        for name in ("reaction_warp", "reaction_weft"):
+            columns[f"{name}_N"] = self.plies[name].sum(axis=1)
         return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:

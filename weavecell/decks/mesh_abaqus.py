@@ -43,16 +43,13 @@ def _sets(mesh, numbered):
     for name, bars in numbered.bar_sets.items():
         yield f"*ELSET, ELSET={name}\n" + _listed(bars)
     nodes = {name: _listed(members) for name, members in numbered.node_sets.items()}
-    nodes |= {
-        name: "".join(nodes[m] for m in members) for name, members in numbered.node_unions.items()
-    }
+    for name, members in numbered.node_unions.items():
+        nodes[name] = "".join(nodes[member] for member in members)
     for name, text in nodes.items():
         yield f"*NSET, NSET={name}\n{text}"
     sides = _surfaces(mesh, numbered)
-    sides |= {
-        name: "".join(sides[m] for m in members)
-        for name, members in numbered.surface_unions.items()
-    }
+    for name, members in numbered.surface_unions.items():
+        sides[name] = "".join(sides[member] for member in members)
     for name, text in sides.items():
         yield f"*SURFACE, TYPE=ELEMENT, NAME={name}\n{text}"
 

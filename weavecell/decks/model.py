@@ -235,14 +235,11 @@ class Deck:
 
     def held(self) -> dict[str, IntArray]:
         """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are left out."""
-        sets = {
-            name: np.concatenate([ply.held[name] for ply in self.plies])
-            for name in self.plies[0].held
-        }
-        chosen = {
-            name: held if name == "clamped" else held & ~sets["clamped"]
-            for name, held in sets.items()
-        }
+        chosen = {}
+        for name in self.plies[0].held:
+            chosen[name] = np.concatenate([ply.held[name] for ply in self.plies])
+            if name != "clamped":
+                chosen[name] &= ~chosen["clamped"]
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def watched(self) -> dict[str, int]:

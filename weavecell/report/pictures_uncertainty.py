@@ -123,10 +123,8 @@ def sweep(
         if quantity.ends is not None:
             low, high = (rows[end] for end in quantity.ends)
             error = np.maximum([y - low, high - y], 0)
-        name = ", ".join(
-            f"{key} = {value}"
-            for key, value in zip(others, np.atleast_1d(np.array(values, object)))
-        )
+        given = np.atleast_1d(np.array(values, object))
+        name = ", ".join(f"{key} = {value}" for key, value in zip(others, given))
         axes.errorbar(rows["x"], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
     axes.set(xlabel=label, ylabel=quantity.label)
     axes.set_ylim(bottom=0)

@@ -274,12 +274,8 @@ class ImpactRecord:
     def nose_place(self, t: float) -> FloatArray:
         """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
-        return np.array(
-            [
-                np.interp(t, [0.0, *(shape.time for shape in self.rear)], places[:, axis])
-                for axis in (0, 1)
-            ]
-        )
+        times = [0.0, *(shape.time for shape in self.rear)]
+        return np.array([np.interp(t, times, place) for place in places[:, :2].T])
 
     @property
     def ply_shares(self) -> FloatArray:
@@ -481,10 +477,12 @@ def _failure(result):
     if not result.setup.rate_dependence:
         return {}
     count, *sums = result.failures.sum(axis=0)
-    return {
-        key.name: float(value / count) if count else None
-        for key, value in zip(TABLES["failure"], sums)
-    }
+    shares = {}
+    for key, value in zip(TABLES["failure"], sums):
+        shares[key.name] = None
+        if count:
+            shares[key.name] = float(value / count)
+    return shares
 
 
 def _half_energy(result, final):

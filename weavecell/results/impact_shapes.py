@@ -50,10 +50,9 @@ class Shape:
     def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
-        flat = {
-            name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:])
-            for name, grid in grids.items()
-        }
+        flat = {}
+        for name, grid in grids.items():
+            flat[name] = grid.reshape(-1, *grid.shape[2:])
         return cls(float(shot.t), float(shot.nose_position), shot.projectile_position, **flat)
 
 

@@ -64,10 +64,9 @@ def _under(group: str, table: Iterable[Key]) -> tuple[Key, ...]:
     return tuple(Key(f"{group}/{key.name}", *key[1:]) for key in table)
 
 
-TABLES = {
-    name: tuple(Key(key, *row) for key, row in table.items())
-    for name, table in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
-}
+TABLES: dict[str, tuple[Key, ...]] = {}
+for _name, _rows in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items():
+    TABLES[_name] = tuple(Key(key, *row) for key, row in _rows.items())
 # tables of summary.json that an impact has where this attribute of its record is not empty
 OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing"}
 OF_IMPACTS = (

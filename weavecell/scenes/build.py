@@ -392,10 +392,13 @@ def _boundary(boundary):
     """The panel's boundary as the solver has it, from a text or a table of sides."""
     if isinstance(boundary, str):
         return boundary
-    return tuple(
-        tuple(_side(end) for end in side) if isinstance(side, tuple) else _side(side)
-        for side in boundary.sides.values()
-    )
+    sides: list[Any] = []
+    for side in boundary.sides.values():
+        if isinstance(side, tuple):
+            sides.append(tuple(_side(end) for end in side))
+        else:
+            sides.append(_side(side))
+    return tuple(sides)
 
 
 def _side(side):

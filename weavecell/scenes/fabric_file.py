@@ -80,18 +80,15 @@ class Draft:
             f"name = {_quoted(self.name)}",
         ]
         lines += [] if self.family is None else [f"family = {_quoted(self.family)}"]
-        lines += [
-            f"{key} = {_entry(value.warp, value.source, value.status)}"
-            for key, value in self.values.items()
-            if key in OF_FABRIC
-        ]
+        for key, value in self.values.items():
+            if key in OF_FABRIC:
+                lines.append(f"{key} = {_entry(value.warp, value.source, value.status)}")
         for family in ("warp", "weft"):
             lines += ["", f"[{family}]"]
-            lines += [
-                f"{key} = {_entry(getattr(value, family), value.source, value.status)}"
-                for key, value in self.values.items()
-                if key not in OF_FABRIC
-            ]
+            for key, value in self.values.items():
+                if key not in OF_FABRIC:
+                    entry = _entry(getattr(value, family), value.source, value.status)
+                    lines.append(f"{key} = {entry}")
         if self.shear:
             lines += [
                 "",
@@ -241,11 +238,11 @@ def with_curves(
     if yarn is not None:
         fit = curves.yarn_tension(yarn)
         values = dict(draft.values)
-        of_fibres = [
-            si(getattr(values["fibre_density"], family), "kg/m^3")
-            / si(getattr(values["linear_density"], family), "kg/m")
-            for family in ("warp", "weft")
-        ]
+        of_fibres = []
+        for family in ("warp", "weft"):
+            fibre_density = si(getattr(values["fibre_density"], family), "kg/m^3")
+            linear_density = si(getattr(values["linear_density"], family), "kg/m")
+            of_fibres.append(fibre_density / linear_density)
         source = f"tensile curve of the yarn, {curves.name_of(yarn)}"
         moduli = [f"{1e-9 * fit.EA * per_area:.5g} GPa" for per_area in of_fibres]
         strain = f"{100 * fit.failure_strain:.5g} %"

@@ -213,11 +213,10 @@ def anchored(scene: Any, file: FilePath) -> Any:
     def of(name, table, keys):
         """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
         given = {key: getattr(table, key) for key in keys}
-        texts = {
-            key: text
-            for key, text in given.items()
-            if isinstance(text, str) and text not in _NAMED_LAWS
-        }
+        texts = {}
+        for key, text in given.items():
+            if isinstance(text, str) and text not in _NAMED_LAWS:
+                texts[key] = text
         paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
         for key, path in paths.items():
             if not os.path.isfile(path):

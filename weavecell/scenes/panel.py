@@ -112,10 +112,10 @@ Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discrimina
 
 
 def _opening(value, read):
-    sides = [
-        read(text, "m")
-        for text in (value if isinstance(value, list) and len(value) == 2 else [value])
-    ]
+    texts = [value]
+    if isinstance(value, list) and len(value) == 2:
+        texts = value
+    sides = [read(text, "m") for text in texts]
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     if len(sides) == 1:

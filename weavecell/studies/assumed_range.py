@@ -101,15 +101,13 @@ class AssumedRange:
 
     def summary(self) -> dict:
         """As plain types."""
+        names = ("laws", "outcome", "velocity_m_s", "varied")
         return {
             "quantity": self.quantity,
             "shares": self.shares,
             "low_m_s": self.low,
             "high_m_s": self.high,
-            "runs": [
-                dict(zip(("laws", "outcome", "velocity_m_s", "varied"), astuple(row)))
-                for row in self.rows
-            ],
+            "runs": [dict(zip(names, astuple(row))) for row in self.rows],
         }
 
 
@@ -153,11 +151,10 @@ def changes(setup: ImpactSetup) -> Ends:
     if any(change(setup) != setup for change in stiffness.values()):
         found["solid law"] = stiffness
     for name, one in inputs.ranges().items():
-        values = [
-            end
-            for end in (one.low, one.high)
-            if end != one.value and _of_setup(setup, name, end) != setup
-        ]
+        values = []
+        for end in (one.low, one.high):
+            if end != one.value and _of_setup(setup, name, end) != setup:
+                values.append(end)
         if values:
             found[name] = {
                 f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values

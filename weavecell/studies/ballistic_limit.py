@@ -136,11 +136,10 @@ def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
-    alone = min(
-        striking_velocity(y.wave_speed, y.failure_strain)
-        for fabric in own
-        for y in fabric.weave.yarns
-    )
+    alone = inf
+    for fabric in own:
+        for yarn in fabric.weave.yarns:
+            alone = min(alone, striking_velocity(yarn.wave_speed, yarn.failure_strain))
     return _GUESS * alone * len(plies) ** _RISES
 
 
@@ -338,11 +337,11 @@ def _on_one_thread(panel):
 
 def _round_trip(panel):
     """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
-    return max(
-        2 * sqrt(2) * abs(x).max() / yarn.wave_speed
-        for ply in Pack.of(panel).plies
-        for x, yarn in zip(ply.lines(), ply.weave.yarns)
-    )
+    longest = 0.0
+    for ply in Pack.of(panel).plies:
+        for x, yarn in zip(ply.lines(), ply.weave.yarns):
+            longest = max(longest, 2 * sqrt(2) * abs(x).max() / yarn.wave_speed)
+    return longest
 
 
 def _fire(panel, velocity, give_up, stops_below=0.0):

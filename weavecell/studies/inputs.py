@@ -89,13 +89,8 @@ def ranges() -> dict[str, families.Entry]:
 
 def published() -> Scatter:
     """The scatter of inputs.toml."""
-    return Scatter(
-        **{
-            name: entry.value
-            for part in ("weibull", "spread")
-            for name, entry in table(part).items()
-        }
-    )
+    entries = table("weibull") | table("spread")
+    return Scatter(**{name: entry.value for name, entry in entries.items()})
 
 
 def changed(fabric: Fabric, **factors: float) -> Fabric:

@@ -66,9 +66,8 @@ class ScanRange:
         rungs_up = int((top - limit.high) / step)
         rungs_down = int((limit.low - bottom) / step)
         down = [limit.low - k * step for k in range(rungs_down, 0, -1)]
-        return [
-            v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0
-        ]
+        up = [limit.high + k * step for k in range(1, rungs_up + 1)]
+        return [velocity for velocity in down if velocity > 0] + up
 
 
 def scan(

@@ -273,12 +273,12 @@ def study(
                 velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
+            drawn = []
+            for number, velocity in enumerate(velocities, begun):
+                drawn.append((setup, scatter, seed, number, round(float(velocity), 6)))
             fired += run_cache.results(
                 fire,
-                [
-                    (setup, scatter, seed, begun + k, round(float(V), 6))
-                    for k, V in enumerate(velocities)
-                ],
+                drawn,
                 report=partial(lambda begun, done, _: report(begun + done, shots), begun),
                 **runs,
             )
