@@ -6,7 +6,6 @@ there is no unit), each with its source and status.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import unknown_name
+from fabrics.base.files import read_data
 from fabrics.materials import Isotropic, of_table, plain, read_table
 
 _FILE = Path(__file__).with_name("backings.toml")
@@ -21,7 +21,7 @@ _FILE = Path(__file__).with_name("backings.toml")
 
 @cache
 def _data():
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))["backing"]
+    return read_data(_FILE)["backing"]
 
 
 def list_names() -> tuple[str, ...]:

@@ -11,13 +11,13 @@ data sheet: `data_sheet.toml` has its value with a range, and that of the thickn
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
 from fabrics.base.errors import InputError
+from fabrics.base.files import read_data
 from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
 from fabrics.families import Entry, entry, list_families
 from fabrics.weave import Weave, arc_length, height_from_length
@@ -37,7 +37,7 @@ NOTED = 0.01
 @cache
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
-    content = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    content = read_data(Path(__file__).with_suffix(".toml"))
     found = {}
     for name, table in content.items():
         unit = ""

@@ -6,7 +6,6 @@ source and status, and the tolerance of the mass where one is known. A file of a
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import unknown_name
+from fabrics.base.files import read_data
 from fabrics.base.schema import read_toml
 from fabrics.base.units import si
 
@@ -27,7 +27,7 @@ Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
 
 @cache
 def _data():
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+    return read_data(_FILE)
 
 
 def list_names() -> tuple[str, ...]:

@@ -20,6 +20,7 @@ import json
 import os
 import re
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -176,6 +177,11 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
     if found != format:
         raise InputError(file=path, key="format", value=found, allowed=repr(format))
     return content
+
+
+def read_data(path: FilePath) -> dict[str, Any]:
+    """The content of a TOML file of a package, which needs no message for a user."""
+    return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def read_text(path: FilePath) -> str:

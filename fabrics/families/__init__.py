@@ -11,7 +11,6 @@ of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are the
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
 from math import inf
@@ -19,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
+from fabrics.base.files import read_data
 from fabrics.base.units import si
 from fabrics.families.strain_rate import RateLaw
 from fabrics.families.trellis import Widths, from_weave
@@ -165,7 +165,7 @@ def list_families() -> tuple[Family, ...]:
 
 
 def _read(path: FilePath) -> Family:
-    content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    content = read_data(path)
     units = {"modulus": "Pa", "fibre_density": "kg/m^3", "strength": "Pa", "failure_strain": ""}
     limits = {}
     for key, unit in units.items():
