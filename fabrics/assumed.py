@@ -294,9 +294,9 @@ def _own_lines(fabric):
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
     lines = []
     if ranged:
-        lines = [f"assumed: {', '.join(ranged)}"]
+        lines.append(f"assumed: {', '.join(ranged)}")
     if guessed:
-        return [*lines, f"guessed, without a range: {guessed}; give low and high"]
+        lines.append(f"guessed, without a range: {guessed}; give low and high")
     return lines
 
 
@@ -352,10 +352,10 @@ def _range(pair, factor):
     return f"{factor * pair[0]:g} to {factor * pair[1]:g}"
 
 
-def _solid_laws(fabric, family, end="nominal"):
+def _solid_laws(fabric, family):
     """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
     laws = []
-    for law, yarn, area in zip(family.solid_laws(end), fabric.weave.yarns, fabric.yarn_area):
+    for law, yarn, area in zip(family.solid_laws("nominal"), fabric.weave.yarns, fabric.yarn_area):
         if area is not None:
             law = replace(law, Vf0=yarn.A_s / area)
         laws.append(law)
@@ -377,11 +377,7 @@ def _completed(fabric, table, law_of):
     if table == "solid":
         for name, made, area in zip(FAMILIES, law, fabric.yarn_area):
             if area is not None:
-                entry = {
-                    "value": f"{made.Vf0:.4f}",
-                    "source": "section_area",
-                    "status": "derived",
-                }
+                entry = {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
                 sources[f"solid.Vf0.{name}"] = entry
     if table == "shear":
         sources |= _derived(law, family)

@@ -221,10 +221,7 @@ class CompressionLaw:
         a = length * np.exp(p)
         F0 = force * np.exp(q)
         b = a * np.cbrt(F0)
-        if F.size > 2:
-            spread = student.ppf(0.5 + confidence / 2, F.size - 2)
-        else:
-            spread = np.inf
+        spread = student.ppf(0.5 + confidence / 2, F.size - 2)
         da = spread * np.sqrt(covariance[0, 0])
         db = spread * np.sqrt(covariance[0, 0] + 2 / 3 * covariance[0, 1] + covariance[1, 1] / 9)
         fitted = cls(float(a), float(b), provenance=provenance, fabric=fabric)
@@ -268,19 +265,15 @@ class CompressionLaw:
         content = law_file.read(path)
         with placed(path):
             fit = content.get("fit") or {}
-            F_range, a_interval, b_interval = (
-                tuple(fit[key]) if fit.get(key) else None
-                for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
-            )
+            keys = ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
+            pairs = [fit.get(key) and tuple(fit[key]) for key in keys]
             return cls(
                 si(content.get("a"), "m", file=path, key="a"),
                 si(content.get("b"), "m * N**(1/3)", file=path, key="b"),
                 content.get("form", "regularised"),
                 content.get("provenance", ""),
                 fit.get("residual_rms_m"),
-                F_range,
-                a_interval,
-                b_interval,
+                *pairs,
                 _read_range(content.get("assumed_range"), path),
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
@@ -319,8 +312,7 @@ def _read_range(entries, path):
         a = si(entry.get("a"), "m", file=path, key="a")
         b = si(entry.get("b"), "m * N**(1/3)", file=path, key="b")
         ends.append((a, b))
-    soft, stiff = ends
-    return soft, stiff
+    return tuple(ends)
 
 
 class HasLaw(Protocol):

@@ -229,10 +229,8 @@ def _crimps(file, thickness, sources):
     known = tuple(_value(yarn.crimp) for yarn in file.yarns.values())
     if None not in known:
         return known, False
-    cells = (
-        0.5 / file.weft.count.value,
-        0.5 / file.warp.count.value,
-    )  # half cell lengths along warp and weft
+    # half cell lengths along warp and weft
+    cells = (0.5 / file.weft.count.value, 0.5 / file.warp.count.value)
     crimp = data_sheet.crimps(cells, thickness, known)
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:

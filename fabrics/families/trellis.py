@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, pi
+from math import acos, inf, pi
 from typing import TypeAlias
 
 from fabrics.base.errors import InputError
@@ -59,10 +59,9 @@ def from_weave(
         for width, spacing in zip(widths, spacings)
     )
     gamma1 = min(gamma1, LARGEST - LEAST_RISE)
-    locking = []
+    gamma2 = inf
     for yarn, spacing in zip(weave.yarns, spacings):
-        locking.append(_locking(yarn.A_s, K_s, weave.thickness, spacing))
-    gamma2 = min(locking)
+        gamma2 = min(gamma2, _locking(yarn.A_s, K_s, weave.thickness, spacing))
     return TrellisShear(G1_over_G2 * G2, G2, gamma1, min(max(gamma2, gamma1 + LEAST_RISE), LARGEST))
 
 
