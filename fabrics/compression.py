@@ -265,15 +265,15 @@ class CompressionLaw:
         content = law_file.read(path)
         with placed(path):
             fit = content.get("fit") or {}
-            keys = ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
-            pairs = [fit.get(key) and tuple(fit[key]) for key in keys]
             return cls(
                 si(content.get("a"), "m", file=path, key="a"),
                 si(content.get("b"), "m * N**(1/3)", file=path, key="b"),
                 content.get("form", "regularised"),
                 content.get("provenance", ""),
                 fit.get("residual_rms_m"),
-                *pairs,
+                _pair(fit.get("F_range_N")),
+                _pair(fit.get("a_interval_m")),
+                _pair(fit.get("b_interval_m_N^(1/3)")),
                 _read_range(content.get("assumed_range"), path),
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
@@ -302,6 +302,10 @@ def check_room(
             f"below {0.5e3 * weave.thickness:.3g} mm, the mean height of a yarn of this fabric"
         )
         raise InputError(file=file, key=key, value=value, allowed=allowed)
+
+
+def _pair(values):
+    return values and tuple(values)
 
 
 def _read_range(entries, path):
