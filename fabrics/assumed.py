@@ -93,11 +93,11 @@ def _ends(fabric, table, laws):
     """{"soft", "stiff": laws} of a table, each number at this end of its range."""
     if not any(key.startswith(f"{table}.") for key in fabric.ranges):
         return {}
-    found = {}
+    laws_at = {}
     for end in ("soft", "stiff"):
         pair = [_law_at(fabric, table, *of, end == "soft") for of in zip(FAMILIES, laws)]
-        found[end] = tuple(pair)
-    return found
+        laws_at[end] = tuple(pair)
+    return laws_at
 
 
 def _law_at(fabric, table, family, law, soft):
@@ -131,11 +131,11 @@ def _usual_ranges(fabric, table):
         else:
             law = family.solid_laws(end)[0]
         laws[end] = vars(law)
-    found = {}
+    ranges = {}
     for name, usual in laws["nominal"].items():
         ratios = laws["soft"][name] / usual, laws["stiff"][name] / usual
-        found[name] = tuple(sorted(ratios))
-    return found
+        ranges[name] = tuple(sorted(ratios))
+    return ranges
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
@@ -194,12 +194,12 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     if all(_crimp_is_computed(fabric)):
         for value in (share.low, share.high):
             ends[f"warp share {value:g}"] = {"share": value}
-    found = {}
+    changed = {}
     for words, end in ends.items():
         # the low end may be thinner than a yarn whose crimp is given
         with suppress(InputError):
-            found[words] = of_thickness(fabric, **end)
-    return found
+            changed[words] = of_thickness(fabric, **end)
+    return changed
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
@@ -216,18 +216,18 @@ def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
     """{what is assumed of a fabric: {words: the fabric with this end}}, without the solid laws."""
-    found = {"crimp": crimp_ends(fabric)}
+    variants = {"crimp": crimp_ends(fabric)}
     for name in OF_YARNS:
         pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
         if any(low < high for low, high in pairs):
             ratios = zip(("low", "high"), zip(*pairs))
-            found[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
+            variants[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
     trellis = {}
     for end, changed in shear_ends(fabric).items():
         trellis[f"trellis {end}"] = changed
-    found["trellis law"] = trellis
-    found["failure length"] = failure_length_ends(fabric)
-    return {name: of_one for name, of_one in found.items() if of_one}
+    variants["trellis law"] = trellis
+    variants["failure length"] = failure_length_ends(fabric)
+    return {name: of_one for name, of_one in variants.items() if of_one}
 
 
 def _scaled(fabric, name, ratios):

@@ -92,15 +92,15 @@ class CompressionLaw:
 
         The soft end is to be compressed more than the law, the stiff end less.
         """
-        found = []
+        lines = []
         F = np.linspace(0, self.F_range[1] if self.F_range else 0, 1001)[1:]
         for (end, law), sign, other in zip(self.ends().items(), (1, -1), ("stiffer", "softer")):
             if (outside := F[sign * (law.d(F) - self.d(F)) < 0]).size:
                 forces = f"from {outside[0]:.3g} to {outside[-1]:.3g} N"
-                found.append(
+                lines.append(
                     f"{end} end {other} than the law {forces}: the ends do not bracket it there"
                 )
-        return found
+        return lines
 
     def require_fabric(
         self, name: str, *, file: FilePath | None = None, key: str, value: object = None

@@ -38,13 +38,13 @@ NOTED = 0.01
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
     content = read_data(Path(__file__).with_suffix(".toml"))
-    found = {}
+    named = {}
     for name, table in content.items():
         unit = ""
         if name.endswith("length"):
             unit = "m"
-        found[name] = entry(table, unit)
-    return found
+        named[name] = entry(table, unit)
+    return named
 
 
 def crimps(
@@ -132,9 +132,9 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     ------
     InputError : outside the ranges of all of them
     """
-    found = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
+    fibre = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
     families = [family for family in list_families() if family.holds(yarn)]
-    if not families or any(family.allows(found) for family in families):
+    if not families or any(family.allows(fibre) for family in families):
         return
     limits = families[0].strengths
     strain = "{:g} to {:g}".format(*(100 * end for end in limits["failure_strain"]))
@@ -142,7 +142,7 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     raise InputError(
         key=key,
         allowed=f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "
-        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * found['strength']:.3g} GPa",
+        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * fibre['strength']:.3g} GPa",
     )
 
 

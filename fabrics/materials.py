@@ -119,11 +119,11 @@ def in_si(
     table: Mapping[str, Mapping[str, str]], units: Mapping[str, str], file: FilePath
 ) -> dict[str, float]:
     """The values of a table of a data file in the SI units of its keys; a key may be missing."""
-    found = {}
+    values = {}
     for key, unit in units.items():
         if key in table:
-            found[key] = si(plain(table[key]["value"]), unit, file=file, key=key)
-    return found
+            values[key] = si(plain(table[key]["value"]), unit, file=file, key=key)
+    return values
 
 
 def plain(text: str) -> float | str:

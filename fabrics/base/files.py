@@ -141,10 +141,10 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
     try:
         with h5py.File(path, "r") as file:
-            found = file.attrs.get("format")
-            if found not in formats:
+            stated = file.attrs.get("format")
+            if stated not in formats:
                 raise InputError(
-                    file=path, key="format", value=found, allowed=" or ".join(map(repr, formats))
+                    file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))
                 )
             yield file
     except (OSError, KeyError) as problem:
@@ -171,11 +171,11 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
         ) from problem
     except ValueError as problem:
         raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
-    found = None
+    stated = None
     if isinstance(content, dict):
-        found = content.get("format")
-    if found != format:
-        raise InputError(file=path, key="format", value=found, allowed=repr(format))
+        stated = content.get("format")
+    if stated != format:
+        raise InputError(file=path, key="format", value=stated, allowed=repr(format))
     return content
 
 
@@ -272,22 +272,22 @@ def _point_decimals(rows, words, path):
     numbers = []
     for line, cells in rows[1:]:
         for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
-            found = None
+            quantity = None
             if heading not in words:
-                found = _QUANTITY.fullmatch(cell)
-            if found:
-                numbers.append((line, cells, column, found))
+                quantity = _QUANTITY.fullmatch(cell)
+            if quantity:
+                numbers.append((line, cells, column, quantity))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
     # "12,345" can be read in two ways, "12,34" in one
-    sure = any(not _THOUSANDS.fullmatch(found[1]) for *_, found in with_comma)
-    with_point = any("." in found[1] for *_, found in numbers)
-    for line, cells, column, found in with_comma:
-        if with_point or not sure or found[1].count(",") > 1:
+    sure = any(not _THOUSANDS.fullmatch(quantity[1]) for *_, quantity in with_comma)
+    with_point = any("." in quantity[1] for *_, quantity in numbers)
+    for line, cells, column, quantity in with_comma:
+        if with_point or not sure or quantity[1].count(",") > 1:
             allowed = (
                 "written without commas: here they may be decimal commas, or separate thousands"
             )
-            raise InputError(file=path, key=f"line {line}", value=found[0], allowed=allowed)
-        cells[column] = found[1].replace(",", ".") + found[2]
+            raise InputError(file=path, key=f"line {line}", value=quantity[0], allowed=allowed)
+        cells[column] = quantity[1].replace(",", ".") + quantity[2]
 
 
 def read_columns(
@@ -334,10 +334,10 @@ def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
 
 def _heading(cell, units, allowed, path):
     """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
-    found = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
-    if found is None or found[1] not in units:
+    parts = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
+    if parts is None or parts[1] not in units:
         raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-    return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
+    return parts[1], si(f"1 {parts[2]}", units[parts[1]], file=path, key=parts[1])
 
 
 def _row(number, cells, names, path):

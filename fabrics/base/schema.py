@@ -292,7 +292,7 @@ def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any
         raise together(_problems(problem, model, table, file)) from None
 
 
-def _problems(found, model, given, file):
+def _problems(problem, model, given, file):
     """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
     A mistyped key leaves the right one missing, which is not reported again. What a validator raises as an InputError
@@ -302,7 +302,7 @@ def _problems(found, model, given, file):
     meant = set()
 
     for error in sorted(
-        found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
+        problem.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
     ):
         names, field, table = _locate(model, error["loc"])
         key = ".".join(names)
@@ -351,8 +351,8 @@ def _meant(key, value, table):
 
 def _homes(model, key):
     """The tables of a schema that have a key, in words; an empty text where none has it."""
-    found = [name for name, table in tables(model).items() if key in table.model_fields]
-    return ", ".join(f"[{name}]" if name else "the top of the file" for name in found)
+    names = [name for name, table in tables(model).items() if key in table.model_fields]
+    return ", ".join(f"[{name}]" if name else "the top of the file" for name in names)
 
 
 def _locate(model, location):
@@ -409,10 +409,10 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
             for part in (value if isinstance(value, tuple) else (value,))
             if isinstance(part, Table)
         ]
-        found = [below for part in inner for below in changed(part, f"{key}.")]
-        yield from dict.fromkeys(found)
+        keys_below = [below for part in inner for below in changed(part, f"{key}.")]
+        yield from dict.fromkeys(keys_below)
         differs = entry.is_required() or value != entry.get_default(call_default_factory=True)
-        if not found and differs and not (inner and entry.is_required()):
+        if not keys_below and differs and not (inner and entry.is_required()):
             yield key
 
 
@@ -423,21 +423,21 @@ def keys(model: type[Table]) -> tuple[str, ...]:
 
 def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
     """{dotted name: table} of a schema, "" for the schema itself."""
-    found = {name: model}
+    named = {name: model}
     for key, entry in model.model_fields.items():
         for kind in dict.fromkeys(tables_in(entry.annotation)):
-            found |= tables(kind, f"{name}.{key}".lstrip("."))
-    return found
+            named |= tables(kind, f"{name}.{key}".lstrip("."))
+    return named
 
 
 def entries(model: type[Table]) -> dict[str, FieldInfo]:
     """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
-    found = {}
+    fields = {}
     for name, table in tables(model).items():
         for key, entry in table.model_fields.items():
             if entry.title:
-                found[f"{name}.{key}".lstrip(".")] = entry
-    return found
+                fields[f"{name}.{key}".lstrip(".")] = entry
+    return fields
 
 
 def written(table: Any, key: str) -> Any:

@@ -141,10 +141,10 @@ def decimal_comma(value: Any) -> str | None:
         parts = value
     else:
         parts = (value,)
-    found = any(
+    has_comma = any(
         isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts
     )
-    if found:
+    if has_comma:
         return "write a decimal point and no comma"
     return None
 
@@ -188,5 +188,5 @@ def _factor_by_pint(written, unit):
     if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
         raise ValueError("more than one number, or brackets in brackets")
     registry = _registry()
-    found = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
-    return float(registry.Quantity(1.0, found).to(unit or "dimensionless").magnitude)
+    parsed = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
+    return float(registry.Quantity(1.0, parsed).to(unit or "dimensionless").magnitude)

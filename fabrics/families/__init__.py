@@ -107,12 +107,12 @@ class Family:
 
     def holds(self, yarn: Yarn) -> bool:
         """Whether a yarn belongs to the family, by modulus and fibre density."""
-        found = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
-        return all(low <= found[key] <= high for key, (low, high) in self.limits.items())
+        fibre = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
+        return all(low <= fibre[key] <= high for key, (low, high) in self.limits.items())
 
-    def allows(self, found: dict[str, float]) -> bool:
+    def allows(self, fibre: dict[str, float]) -> bool:
         """Whether {"strength": [Pa], "failure_strain": [-]} are those of such a yarn."""
-        return all(low <= found[key] <= high for key, (low, high) in self.strengths.items())
+        return all(low <= fibre[key] <= high for key, (low, high) in self.strengths.items())
 
     def _at(self, table, key, end):
         return self.entries[f"{table}.{key}"].at(end, key in _SOFT_AT_HIGH)

@@ -256,7 +256,7 @@ class CalibrationResult(Result):
         "outside" says at which forces the ends of that range do not bracket the law.
         """
         law = self.law
-        found: dict[str, Any] = {
+        numbers: dict[str, Any] = {
             "fabric": self.fabric.name,
             "a_m": law.a,
             "b_m_N^(1/3)": law.b,
@@ -264,12 +264,12 @@ class CalibrationResult(Result):
         }
         for key, interval in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
             if interval is not None:
-                found[f"{key}_low"], found[f"{key}_high"] = interval
+                numbers[f"{key}_low"], numbers[f"{key}_high"] = interval
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
-            found |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+            numbers |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
         if law.outside_ends():
-            found["outside"] = "; ".join(law.outside_ends())
-        return found | self._what_is_assumed()
+            numbers["outside"] = "; ".join(law.outside_ends())
+        return numbers | self._what_is_assumed()
 
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
@@ -435,10 +435,10 @@ class CalibrationResult(Result):
         for name, path in self._stretched.items():
             paths[name] = (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
         laws = {label: (law, law) for label, law in self._fitted.items()}
-        found = [self._fit()]
+        chapters_of_fit = [self._fit()]
         if self.solid is not None:
-            found.append(self._of_the_solid())
-        return (*found, chapters.cell(fabric, laws, paths=paths))
+            chapters_of_fit.append(self._of_the_solid())
+        return (*chapters_of_fit, chapters.cell(fabric, laws, paths=paths))
 
     def _fit(self):
         """Samples and laws, each path alone, and fibre failure."""

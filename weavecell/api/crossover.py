@@ -369,9 +369,9 @@ def _solved(
         with progress.bar(f"{fabric.name}, {case}") as advance:
             hooks = [lambda share, row: advance(share)]
             record = solve(built, fabric=fabric, hooks=hooks, **options)
-        found = CASES[case].summary(fabric, record)
+        numbers = CASES[case].summary(fabric, record)
         size = str(mesh).strip("()")
-        result = CrossoverResult(fabric, case, built, record, domain, size, found)
+        result = CrossoverResult(fabric, case, built, record, domain, size, numbers)
         saved(result, folder)
     if record.failed:
         raise UnstableError(record.failed, result=result)

@@ -299,10 +299,10 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 def _fields(entry):
     from fabrics.base.schema import tables_in
 
-    found = {}
+    fields = {}
     for table in tables_in(entry.annotation):
-        found |= table.model_fields
-    return found
+        fields |= table.model_fields
+    return fields
 
 
 def _text(value, entry):
@@ -357,8 +357,8 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
             short = rest
     if not short or not str(problem).startswith(key):
         return problem
-    found = InputError(short + str(problem)[len(key) :])
-    found.key = short
-    found.value = problem.value
-    found.allowed = problem.allowed
-    return found
+    renamed = InputError(short + str(problem)[len(key) :])
+    renamed.key = short
+    renamed.value = problem.value
+    renamed.allowed = problem.allowed
+    return renamed

@@ -272,10 +272,10 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def headline(self) -> tuple[str, str]:
-        found = f"{self.limit.velocity:.1f} m/s"
+        value = f"{self.limit.velocity:.1f} m/s"
         if self.limit.mixed_zone is not None:
-            found = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
-        return "Critical velocity", found
+            value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
+        return "Critical velocity", value
 
     def _what(self):
         return ": ".join((f"{self.target.title}, critical velocity", *self._doubt()))

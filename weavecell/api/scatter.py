@@ -132,8 +132,10 @@ def v50(
             study = replace(study, assumed_range=ends)
             result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
     if study.failures:
-        told = f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
-        raise UnstableError(told, result=result)
+        message = (
+            f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
+        )
+        raise UnstableError(message, result=result)
     return result
 
 

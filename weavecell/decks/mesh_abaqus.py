@@ -68,11 +68,11 @@ def _surfaces(mesh, numbered):
     keys, order = np.unique(
         _key(corners), return_index=True
     )  # of inner faces either element will do: none is named
-    found = {}
+    surfaces = {}
     for name, quads in numbered.surfaces.items():
         place = order[np.searchsorted(keys, _key(quads))]
-        found[name] = lines("%d,S%d", place // len(SIDES) + 1, place % len(SIDES) + 1)
-    return found
+        surfaces[name] = lines("%d,S%d", place // len(SIDES) + 1, place % len(SIDES) + 1)
+    return surfaces
 
 
 def _key(quads):

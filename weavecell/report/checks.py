@@ -26,20 +26,20 @@ def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
     """The worst indicators of a status, each with value and limit; "" if there is none."""
-    found = [one for one in indicators if one.status == status]
-    found.sort(key=lambda one: one.excess, reverse=True)
-    text = "; ".join(map(str, found[:_SHOWN]))
-    if len(found) > _SHOWN:
-        text += f"; {len(found) - _SHOWN} more in the summary"
+    worst = [one for one in indicators if one.status == status]
+    worst.sort(key=lambda one: one.excess, reverse=True)
+    text = "; ".join(map(str, worst[:_SHOWN]))
+    if len(worst) > _SHOWN:
+        text += f"; {len(worst) - _SHOWN} more in the summary"
     return text
 
 
 def words(indicators: Sequence[Indicator]) -> str:
     """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
-    found = status(indicators)
-    if found == OK:
-        return found
-    return f"{found}: {line(indicators, found)}"
+    worst = status(indicators)
+    if worst == OK:
+        return worst
+    return f"{worst}: {line(indicators, worst)}"
 
 
 def of_shot(shot: Shot) -> str:
@@ -52,14 +52,14 @@ def of_shot(shot: Shot) -> str:
 
 def of_bracket(limit: Limit) -> str:
     """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
-    found = []
+    doubtful = []
     for shot in limit.ends:
         if status(shot.checks) == DOUBTFUL:
             velocity = f"{shot.strike_velocity:.4g} m/s"
-            found.append(f"{shot.outcome} shot at {velocity} ({line(shot.checks)})")
-    if not found:
+            doubtful.append(f"{shot.outcome} shot at {velocity} ({line(shot.checks)})")
+    if not doubtful:
         return OK
-    return f"doubtful {' and '.join(found)}"
+    return f"doubtful {' and '.join(doubtful)}"
 
 
 def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
@@ -69,9 +69,9 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
     ------
     DoubtfulError : it is doubtful, and `strict`; to be called when all results have been written
     """
-    for found in (NOTED, DOUBTFUL):
-        if text := line(indicators, found):
-            print(f"checks: {found}: {text}", flush=True)
+    for level in (NOTED, DOUBTFUL):
+        if text := line(indicators, level):
+            print(f"checks: {level}: {text}", flush=True)
     if strict and text:
         raise DoubtfulError(f"the result is doubtful: {text}")
 
@@ -79,9 +79,9 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
 def section(indicators: Sequence[Indicator]) -> Section:
     """The section of a report."""
     sentences = []
-    for found in (DOUBTFUL, NOTED):
-        if text := line(indicators, found):
-            sentences.append(f"{found.capitalize()}: {text}.")
+    for level in (DOUBTFUL, NOTED):
+        if text := line(indicators, level):
+            sentences.append(f"{level.capitalize()}: {text}.")
     lead = " ".join(sentences) or "Every indicator is within its limit."
     rows = []
     for one in indicators:

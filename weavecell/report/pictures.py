@@ -289,13 +289,13 @@ def _of_velocities(pyplot, title, low, high):
     return figure, axes
 
 
-def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
+def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
     """Residual against strike velocity of tests and of computed shots, V50 and the critical velocity.
 
     Parameters
     ----------
     tests : weavecell.studies.compare.ReducedTests
-    found : weavecell.studies.compare.Comparison; None of tests alone
+    comparison : weavecell.studies.compare.Comparison; None of tests alone
     """
     table = tests.table
     strike = tests.table["velocity [m/s]"]
@@ -305,9 +305,9 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
     else:
         velocities = [*strike, curve.V50]
     fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
-    if found is not None:
-        velocities += [found.limit.low, found.limit.high]
-        fits.append((found.computed, BLUE, "computed, Lambert-Jonas"))
+    if comparison is not None:
+        velocities += [comparison.limit.low, comparison.limit.high]
+        fits.append((comparison.computed, BLUE, "computed, Lambert-Jonas"))
     low = 0.94 * min(velocities)
     high = 1.02 * max(velocities)
     figure, axes = _of_velocities(pyplot, title, low, high)
@@ -316,9 +316,9 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
         words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)"
         axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)
-    if found is not None:
-        words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
-        axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
+    if comparison is not None:
+        words = f"computed critical\nvelocity {comparison.limit.velocity:.1f} m/s"
+        axes.axvline(comparison.limit.velocity, color=ORANGE, lw=1.5, label=words)
     for fit, color, words in fits:
         if not fit.reason:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
@@ -336,8 +336,8 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
             mec=STEEL,
             label=f"test, {outcome}",
         )
-    if found is not None:
-        computed = found.table["computed residual velocity [m/s]"]
+    if comparison is not None:
+        computed = comparison.table["computed residual velocity [m/s]"]
         axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure

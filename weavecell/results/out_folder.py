@@ -141,7 +141,7 @@ def _remove_empty(folders):
 
 def _earlier(folder):
     """What a folder holds the results of, with their date; None where it holds none."""
-    found: list[tuple[str, str]] = []
+    dated: list[tuple[str, str]] = []
     for path in folder.glob("*.json"):
         content: Any = None
         with suppress(OSError, ValueError):
@@ -150,12 +150,12 @@ def _earlier(folder):
         if isinstance(content, dict):
             stamp = content.get("provenance", content)
         if isinstance(stamp, dict) and "date" in stamp:
-            found.append(
+            dated.append(
                 (
                     str(stamp["date"]),
                     str(content.get("title") or content.get("fabric") or path.stem),
                 )
             )
-    if found:
-        return "{1} of {0}".format(*max(found))
+    if dated:
+        return "{1} of {0}".format(*max(dated))
     return None

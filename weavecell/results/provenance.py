@@ -73,15 +73,15 @@ def versions() -> dict[str, str]:
     Debian names some distributions otherwise than their makers do, so the version of the module that is loaded, where
     it states one, goes before that of the distribution.
     """
-    found = {}
+    installed = {}
     for name in PACKAGES:
         distribution = name
         if name == "dolfinx":
             distribution = "fenics-dolfinx"
         version = getattr(sys.modules.get(name), "__version__", None)
         with suppress(metadata.PackageNotFoundError):
-            found[name] = version or metadata.version(distribution)
-    return found
+            installed[name] = version or metadata.version(distribution)
+    return installed
 
 
 def commit() -> str:

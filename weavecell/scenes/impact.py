@@ -444,9 +444,9 @@ def _with_named(table, file, name, key, data):
     given = table.get(name)
     if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
-    found = data.table(given[key], given, file=file, key=f"{name}.{key}")
+    named = data.table(given[key], given, file=file, key=f"{name}.{key}")
     # the fabric file has errors of its own, which name that file
     if given[key].endswith(".toml"):
         own = data.table(given[key], file=file) | {"strike_velocity": "1 m/s"}
         validated(ProjectileTable, own, Path(file or "").parent / given[key])
-    return table | {name: found}
+    return table | {name: named}

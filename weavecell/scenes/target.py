@@ -77,10 +77,10 @@ class Target:
             plies = self.setup.lay_up or (self.setup,)
             model = self.setup.cell_model
             named = [(p.fabric.name, p.laws[0].provenance if p.laws else model) for p in plies]
-        found = dict.fromkeys(named)
-        if len(found) == 1:
+        names = dict.fromkeys(named)
+        if len(names) == 1:
             return named[0][1]
-        return "; ".join(map(": ".join, found))
+        return "; ".join(map(": ".join, names))
 
     @property
     def projectile(self) -> str | None:

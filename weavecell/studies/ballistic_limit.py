@@ -186,11 +186,11 @@ def critical_velocity(
     with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
-                found = "lets the projectile through"
+                always = "lets the projectile through"
                 if bracket.low > 0:
-                    found = "stops the projectile"
+                    always = "stops the projectile"
                 raise InputError(
-                    f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s"
+                    f"the panel {always} at any velocity from {tolerance:g} to {highest:g} m/s"
                 )
             wanted = bracket.ahead(jobs, tolerance)
             shooting.only(wanted)

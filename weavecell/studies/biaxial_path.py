@@ -64,8 +64,8 @@ def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellP
 
     def short_of_strength(s):
         # tensions rise along the path, so that the first failure can be bracketed
-        found = state(s)
-        return float(np.min(1 - np.array([found["T1"], found["T2"]]) / strengths))
+        crossing = state(s)
+        return float(np.min(1 - np.array([crossing["T1"], crossing["T2"]]) / strengths))
 
     # a yarn that is straight and past its strength
     far = inf

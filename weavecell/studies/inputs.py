@@ -82,8 +82,8 @@ def table(section: str) -> dict[str, Entry]:
 def ranges() -> dict[str, families.Entry]:
     """Entries of [assumed] and of the area of packed fabric, by name."""
     rows = read_data(_PATH)["assumed"]
-    found = {name: families.entry(row, "") for name, row in rows.items()}
-    return found | {"area of packed fabric": data_sheet.entries()["packed_area"]}
+    assumed = {name: families.entry(row, "") for name, row in rows.items()}
+    return assumed | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 
 
 def published() -> Scatter:

@@ -222,18 +222,18 @@ def refine(
         shot = shoot(setup, table, f"mesh {len(meshes) + 1}")
         meshes.append(in_words(setup))
         outcomes.append(shot.result.outcome)
-        found = Discretisation(setup, other="coarser", windows=(shot.window,))
+        comparison = Discretisation(setup, other="coarser", windows=(shot.window,))
         if before is not None and shot.failure is None:
-            found = compare(before, shot, of_finer=True)
-        found = replace(
-            found,
+            comparison = compare(before, shot, of_finer=True)
+        comparison = replace(
+            comparison,
             meshes=tuple(meshes),
             outcomes=tuple(outcomes),
             quantity=quantity,
             target=target,
         )
-        if found.confirmed:
-            return shot, found
+        if comparison.confirmed:
+            return shot, comparison
         # a run that broke off says nothing about the next mesh
         before = None
         if shot.failure is None:
@@ -242,7 +242,7 @@ def refine(
             setup = finer(setup, table)
         except InputError:
             # the mesh cannot be refined further
-            return shot, found
+            return shot, comparison
 
 
 def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
@@ -262,7 +262,7 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
             difference = index(abs(other_mean - mean), of_finer=of_finer)
             errors[quantity] = (difference + hypot(error, other_error)) / scale
     shots = [coarse, fine]
-    found = Discretisation(
+    comparison = Discretisation(
         counted.setup,
         meshes=tuple(in_words(shot.result.setup) for shot in shots),
         outcomes=tuple(shot.result.outcome for shot in shots),
@@ -270,10 +270,10 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
     )
     if of_finer:
         shots.reverse()
-        found = replace(found, setup=fine.result.setup, other="coarser")
-    found = replace(found, windows=tuple(shot.window for shot in shots))
-    if not found.same_outcome:
-        return found
+        comparison = replace(comparison, setup=fine.result.setup, other="coarser")
+    comparison = replace(comparison, windows=tuple(shot.window for shot in shots))
+    if not comparison.same_outcome:
+        return comparison
     intervals = []
     for (quantity, scale, one), (_, _, other) in zip(*map(_results, shots)):
         uncertainty = errors[quantity] * scale
@@ -281,7 +281,7 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         intervals.append(
             replace(one, other=other.value, uncertainty=uncertainty, standard_errors=spread)
         )
-    return replace(found, intervals=tuple(intervals))
+    return replace(comparison, intervals=tuple(intervals))
 
 
 def _results(shot):

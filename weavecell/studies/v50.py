@@ -162,8 +162,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except (UndecidedError, UnstableError) as problem:
-        told = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
-        return Shot(number, velocity, nan, False, **panel, balance=nan, failure=told)
+        failure = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
+        return Shot(number, velocity, nan, False, **panel, balance=nan, failure=failure)
     panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
     left = shot.residual_velocity
     through = shot.perforated
@@ -295,7 +295,7 @@ def _curve(shots, link="probit"):
 
 def over_assumed(
     setup: ImpactSetup,
-    found: Study,
+    result: Study,
     *,
     again: bool,
     seed: int,
@@ -311,13 +311,13 @@ def over_assumed(
     Parameters
     ----------
     setup, seed, tolerance, runs : as of `study`
-    found : what `study` returned
+    result : what `study` returned
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
     ends = assumed_range.changes(setup)
-    middle = 0.5 * sum(found.deterministic)
+    middle = 0.5 * sum(result.deterministic)
 
     def limit_of(changed):
         (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)
@@ -328,7 +328,7 @@ def over_assumed(
     run_cache.results(_searched, each, report=report, **runs)
     nominal = assumed_range.Row("nominal", "", middle)
     limits = assumed_range.over_ends("limit without scatter", setup, ends, nominal, limit_of)
-    curve = found.curves["probit"]
+    curve = result.curves["probit"]
     if not again or limits is None or curve.reason:
         return limits
 
@@ -336,8 +336,8 @@ def over_assumed(
         problem, limit = limit_of(changed)
         if limit is None:
             return problem, None
-        places = [(s.number, round(limit / middle * s.velocity, 6)) for s in found.shots]
-        arguments = [(changed, found.scatter, seed, *place) for place in places]
+        places = [(s.number, round(limit / middle * s.velocity, 6)) for s in result.shots]
+        arguments = [(changed, result.scatter, seed, *place) for place in places]
         shots = run_cache.results(fire, arguments, report=report, **runs)
         other = _curve([shot for shot in shots if not shot.failure])
         return other.reason, None if other.reason else other.V50

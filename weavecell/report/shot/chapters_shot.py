@@ -40,14 +40,14 @@ def outcome(record: ImpactRecord) -> str:
         "perforated": f"Perforated at {strike}",
         "in flight": f"Not decided at {strike}, in flight at the end, {end}",
     }[record.outcome]
-    found = []
+    facts = []
     if record.outcome != "stopped":
-        found.append(residual(record))
-    found += _dent(record)
+        facts.append(residual(record))
+    facts += _dent(record)
     if record.outcome != "perforated":
-        found.append(_deflection(record))
-    found.append(_load(record))
-    sentence = f"{words}: {', '.join(found)}."
+        facts.append(_deflection(record))
+    facts.append(_load(record))
+    sentence = f"{words}: {', '.join(facts)}."
     doubtful = [check.name for check in record.checks if not check.ok]
     if doubtful:
         sentence += f" DOUBTFUL: {', '.join(doubtful)}."

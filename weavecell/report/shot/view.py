@@ -346,9 +346,9 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     from matplotlib.colors import to_rgb
     from PIL import Image
 
-    found = [Image.fromarray(image) for image in images]
+    stills = [Image.fromarray(image) for image in images]
     # one palette for all, that of the middle picture: colours do not flicker
-    middle = found[len(found) // 2].quantize(COLOURS)
+    middle = stills[len(stills) // 2].quantize(COLOURS)
     palette = np.array(middle.getpalette()).reshape(-1, 3)
     # white paper must not become grey
     palette[palette.min(axis=1) > 245] = 255
@@ -357,7 +357,7 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     palette = np.concatenate([palette[: 256 - len(torn)], torn])
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
-    reduced = [image.quantize(palette=common, dither=Image.Dither.NONE) for image in found]
+    reduced = [image.quantize(palette=common, dither=Image.Dither.NONE) for image in stills]
     times = [round(1e3 * FRAME_TIME)] * len(reduced)
     times[-1] = round(1e3 * LAST_FRAME_TIME)
     content = BytesIO()
