@@ -204,10 +204,10 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
-    one = entries()["failure_length"]
+    length = entries()["failure_length"]
     usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
-        usual = (one.low / one.value, one.high / one.value)
+        usual = (length.low / length.value, length.high / length.value)
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
     return {
         f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends

@@ -56,8 +56,10 @@ def table(
     ------
     InputError : as `entry`
     """
-    data = {one: plain(value["value"]) for one, value in entry(name, file=file, key=key).items()}
-    return {"material": name} | data | dict(given or {})
+    data = {"material": name}
+    for constant, row in entry(name, file=file, key=key).items():
+        data[constant] = plain(row["value"])
+    return data | dict(given or {})
 
 
 def load(name: str) -> Isotropic:

@@ -223,8 +223,8 @@ def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray
     ------
     InputError : as PlateCurve.pressure_law
     """
-    pack, one = (PlateCurve.pressure_law(areal_density, count) for count in (plies, 1))
-    return one.pressure, (pack.closure - one.closure) / (plies - 1)
+    pack, single = (PlateCurve.pressure_law(areal_density, count) for count in (plies, 1))
+    return single.pressure, (pack.closure - single.closure) / (plies - 1)
 
 
 NAMED = {"solid": solid_fibre, "pressure_law": of_packs}

@@ -83,11 +83,9 @@ def table(
     given = given or {}
     shape, data = entry(name, file=file, key=key)
     chosen = given.get("shape", shape)
-    taken = [one for one in data if one != "mass_tolerance"]
-    if chosen != shape:
-        taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
-    return (
-        {"name": name, "shape": shape}
-        | {one: data[one].get("value") for one in taken}
-        | dict(given)
-    )
+    shared = _OF_SHAPE.get(chosen, _OF_ANY_NOSE)
+    taken = {"name": name, "shape": shape}
+    for quantity, row in data.items():
+        if quantity != "mass_tolerance" and (chosen == shape or quantity in shared):
+            taken[quantity] = row.get("value")
+    return taken | dict(given)

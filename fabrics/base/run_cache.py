@@ -131,8 +131,8 @@ def _feed(hasher, value):
         _mark(hasher, "set", repr(sorted(map(inputs_digest, value))))
     elif isinstance(value, (tuple, list)):
         _mark(hasher, "sequence", str(len(value)))
-        for one in value:
-            _feed(hasher, one)
+        for part in value:
+            _feed(hasher, part)
     else:
         raise TypeError(f"a {type(value).__name__} cannot be part of a key")
 
@@ -200,7 +200,7 @@ def results(
     resume: bool = True,
     report: Callable[[int, int], object] | None = None,
 ) -> list:
-    """function(*one) for each one of `arguments`, in their order; each is kept as soon as it is done.
+    """function(*row) for each row of `arguments`, in their order; each is kept as soon as it is done.
 
     Nothing depends on how many runs are under way, or in which order they end.
 
@@ -217,7 +217,7 @@ def results(
     ------
     WeavecellError : as the function; what had ended has been kept
     """
-    names = [key((function.__qualname__, one), function.__module__) for one in arguments]
+    names = [key((function.__qualname__, row), function.__module__) for row in arguments]
     kept = RunCache(folder)
     if not resume:
         kept.clear()

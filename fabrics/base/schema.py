@@ -325,14 +325,18 @@ def _problems(problem, model, given, file):
             heading = (field.json_schema_extra or {}).get("heading", key)
             line = InputError("is missing", file=file, key=heading, allowed=field.description)
         elif isinstance(cause, InputError):
-            for one in getattr(cause, "problems", (cause,)):
-                key = ".".join(filter(None, (*names, one.key)))
-                if one.message is None and one.value is None:
+            for part in getattr(cause, "problems", (cause,)):
+                key = ".".join(filter(None, (*names, part.key)))
+                if part.message is None and part.value is None:
                     value = written(given, key)
                 else:
-                    value = one.value
+                    value = part.value
                 line = InputError(
-                    one.message, file=file, key=key or None, value=value, allowed=one.allowed
+                    part.message,
+                    file=file,
+                    key=key or None,
+                    value=value,
+                    allowed=part.allowed,
                 )
                 problems.setdefault(key, line)
             continue

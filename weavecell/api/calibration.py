@@ -488,10 +488,10 @@ class CalibrationResult(Result):
 
         rows = []
         for name, failures in self.calibration.failures.items():
-            for one in failures:
-                yarn = ("warp", "weft")[one.yarn]
-                d1, d2 = (1e6 * d for d in one.d)
-                rows.append((name, one.criterion, yarn, d1, d2, *one.T, one.F_c))
+            for state in failures:
+                yarn = ("warp", "weft")[state.yarn]
+                d1, d2 = (1e6 * d for d in state.d)
+                rows.append((name, state.criterion, yarn, d1, d2, *state.T, state.F_c))
         columns = ["path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]"]
         return DataFrame(rows, columns=columns)
 

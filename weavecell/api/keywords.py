@@ -264,7 +264,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
     objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
     if not isinstance(fabric, (str, Path)) or not all(
-        isinstance(one, (str, dict)) for one in objects
+        isinstance(value, (str, dict)) for value in objects
     ):
         return ""
     if str(fabric).endswith(".toml"):
@@ -347,7 +347,7 @@ def _unknown(key, value, known):
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
     """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
     if isinstance(problem, InputErrors):
-        return together([named(one, flat) for one in problem.problems])
+        return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
     short = "velocity"

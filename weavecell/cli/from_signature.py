@@ -59,10 +59,10 @@ def command(
     """
     text, meanings = documented(function)
     parameters = []
-    for one in inspect.signature(function).parameters.values():
-        of_python = one.name in OF_PYTHON and one.kind is not one.KEYWORD_ONLY
-        if not of_python and one.kind is not one.VAR_KEYWORD:
-            parameters.append(one)
+    for parameter in inspect.signature(function).parameters.values():
+        of_python = parameter.name in OF_PYTHON and parameter.kind is not parameter.KEYWORD_ONLY
+        if not of_python and parameter.kind is not parameter.VAR_KEYWORD:
+            parameters.append(parameter)
     parameters += unpacked(function, meanings)
     returns = inspect.signature(function).return_annotation
     has_checks = returns not in ("None", "DataFrame", "Tables")
@@ -100,7 +100,9 @@ def command(
             # the folder of a run that was finished before
             raise DoubtfulError("the result is doubtful")
 
-    signature = [_parameter(one, meanings.get(one.name, "")) for one in parameters]
+    signature = [
+        _parameter(parameter, meanings.get(parameter.name, "")) for parameter in parameters
+    ]
     for key in keywords:
         signature.append(_parameter(_keyword(key, "str"), _escaped(_meaning(key))))
     if has_checks:
@@ -110,7 +112,7 @@ def command(
         signature.append(inspect.Parameter("strict", only, default=False, annotation=strict))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
-    made.__annotations__ = {one.name: one.annotation for one in signature}
+    made.__annotations__ = {parameter.name: parameter.annotation for parameter in signature}
     made.__doc__ = text
     return made, f"Example: [bold]weavecell {name} {example}[/bold]"
 
@@ -118,10 +120,10 @@ def command(
 def _folder(name, parameters, values):
     """Folder of the results of a command, named after the command and what it is given."""
     stems = []
-    for one in parameters:
-        required = one.default is one.empty and one.name not in ("out", "tests")
-        if (required or one.name == "target") and values[one.name] is not None:
-            stems.append(Path(values[one.name]).stem)
+    for parameter in parameters:
+        required = parameter.default is parameter.empty and parameter.name not in ("out", "tests")
+        if (required or parameter.name == "target") and values[parameter.name] is not None:
+            stems.append(Path(values[parameter.name]).stem)
     if name not in OF_ONE_RUN:
         stems = [*name.split(), *stems]
     return RESULTS / "-".join(stems)

@@ -20,14 +20,17 @@ _SHOWN = 3
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
     """{"checks": {"status", "indicators"}} for summary.json."""
     return {
-        "checks": {"status": status(indicators), "indicators": [one.entry() for one in indicators]}
+        "checks": {
+            "status": status(indicators),
+            "indicators": [indicator.entry() for indicator in indicators],
+        }
     }
 
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
     """The worst indicators of a status, each with value and limit; "" if there is none."""
-    worst = [one for one in indicators if one.status == status]
-    worst.sort(key=lambda one: one.excess, reverse=True)
+    worst = [indicator for indicator in indicators if indicator.status == status]
+    worst.sort(key=lambda indicator: indicator.excess, reverse=True)
     text = "; ".join(map(str, worst[:_SHOWN]))
     if len(worst) > _SHOWN:
         text += f"; {len(worst) - _SHOWN} more in the summary"
@@ -84,11 +87,13 @@ def section(indicators: Sequence[Indicator]) -> Section:
             sentences.append(f"{level.capitalize()}: {text}.")
     lead = " ".join(sentences) or "Every indicator is within its limit."
     rows = []
-    for one in indicators:
-        state = one.status
-        if one.note is not None:
-            state += f" (noted above {one.note:g})"
-        rows.append((one.name, one.number, f"{one.limit:g}", state, one.meaning))
+    for indicator in indicators:
+        state = indicator.status
+        if indicator.note is not None:
+            state += f" (noted above {indicator.note:g})"
+        rows.append(
+            (indicator.name, indicator.number, f"{indicator.limit:g}", state, indicator.meaning)
+        )
     columns = ("indicator", "value", "limit", "status", "value is")
     table = Table(columns, tuple(rows), numeric=columns[1:3])
     return Section("checks", "Quality checks", lead, tables=(table,))

@@ -130,7 +130,7 @@ class ImpactRecord:
         target = result.target
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
-        named = [{entry.name for entry in fields(one)} for one in (ImpactRecord, result)]
+        named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
         same = set.intersection(*named) - {"velocity"}
         return cls(
             **{name: getattr(result, name) for name in same},

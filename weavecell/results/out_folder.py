@@ -42,7 +42,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     if place in _held:
         return
     mark = place / INPUT
-    digests = {run_cache.inputs_digest(one) for one in inputs}
+    digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and mark.exists() and digests.isdisjoint(mark.read_text("utf-8").split()):
         earlier = _earlier(place) or "an unfinished run"
         allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"

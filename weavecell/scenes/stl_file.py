@@ -379,7 +379,7 @@ def _distances(body, axes, h, rho, path):
     wide = [np.linspace(axis[0], axis[-1], axis.size // COARSE + 2) for axis in axes]
     at = places(wide)
     d = distance(at.reshape(-1, 3), skin).reshape(at.shape[:3])
-    d = ndimage.zoom(d, [axis.size / one.size for axis, one in zip(axes, wide)], order=1)
+    d = ndimage.zoom(d, [axis.size / coarse.size for axis, coarse in zip(axes, wide)], order=1)
     at = places(axes)
     near = np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)

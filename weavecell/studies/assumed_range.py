@@ -150,10 +150,10 @@ def changes(setup: ImpactSetup) -> Ends:
     }
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
-    for name, one in inputs.ranges().items():
+    for name, entry in inputs.ranges().items():
         values = []
-        for end in (one.low, one.high):
-            if end != one.value and _of_setup(setup, name, end) != setup:
+        for end in (entry.low, entry.high):
+            if end != entry.value and _of_setup(setup, name, end) != setup:
                 values.append(end)
         if values:
             ends_of[name] = {

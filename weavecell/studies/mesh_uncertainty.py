@@ -275,11 +275,11 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
     if not comparison.same_outcome:
         return comparison
     intervals = []
-    for (quantity, scale, one), (_, _, other) in zip(*map(_results, shots)):
+    for (quantity, scale, interval), (_, _, other) in zip(*map(_results, shots)):
         uncertainty = errors[quantity] * scale
-        spread = one.standard_errors + other.standard_errors
+        spread = interval.standard_errors + other.standard_errors
         intervals.append(
-            replace(one, other=other.value, uncertainty=uncertainty, standard_errors=spread)
+            replace(interval, other=other.value, uncertainty=uncertainty, standard_errors=spread)
         )
     return replace(comparison, intervals=tuple(intervals))
 
