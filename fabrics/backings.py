@@ -56,7 +56,7 @@ def table(
     ------
     InputError : as `entry`
     """
-    data = {"material": name}
+    data: dict[str, Any] = {"material": name}
     for constant, row in entry(name, file=file, key=key).items():
         data[constant] = plain(row["value"])
     return data | dict(given or {})

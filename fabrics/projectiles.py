@@ -84,7 +84,7 @@ def table(
     shape, data = entry(name, file=file, key=key)
     chosen = given.get("shape", shape)
     shared = _OF_SHAPE.get(chosen, _OF_ANY_NOSE)
-    taken = {"name": name, "shape": shape}
+    taken: dict[str, Any] = {"name": name, "shape": shape}
     for quantity, row in data.items():
         if quantity != "mass_tolerance" and (chosen == shape or quantity in shared):
             taken[quantity] = row.get("value")
