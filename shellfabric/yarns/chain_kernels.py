@@ -42,6 +42,7 @@ def move(zone):
 def chain_forces(zone):
     """Forces of all segments, into zone.f."""
     stored = 0.0
+    damped = 0.0
     for family in range(2):
         for yarn in range(zone.yarns[family]):
             start = zone.first[family] + yarn * zone.nodes[family]
@@ -50,18 +51,21 @@ def chain_forces(zone):
                     continue
                 if zone.breaking[n]:
                     zone.torn[family, yarn] = True
-                stored += segment_force(zone, family, n)
+                energy, work = segment_force(zone, family, n)
+                stored += energy
+                damped += work
     zone.books[STORED] = stored
+    zone.books[VISCOUS] += damped
 
 
 @kernel(_nrt=False)
 def segment_force(zone, family, n):
-    """Force of a segment; the energy [J] that it stores."""
+    """Force of a segment; the energy [J] that it stores, and what its viscosity takes in the step."""
     side = plus(row(zone.x, n + 1), -1.0, row(zone.x, n))
     length = math.sqrt(dot(side, side))
     along = scaled(1.0 / length, side)
     rate = dot(plus(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
-    zone.books[VISCOUS] += 0.5 * zone.dt * zone.viscous_force[n] * rate
+    damping = zone.viscous_force[n]
     zone.viscous_force[n] = 0.0
     strain = length / zone.rest_length[n] - 1.0
     before = zone.tension[n]
@@ -72,20 +76,19 @@ def segment_force(zone, family, n):
         zone.tension[n] = 0.0
         zone.books[FAILED] += stored
         zone.books[TORN] += 1.0
-        return 0.0
+        return 0.0, 0.5 * zone.dt * damping * rate
     if (before == 0.0) != (zone.tension[n] == 0.0):
         released = 0.5 * before * before / zone.stiffness[family] * zone.rest_length[n]
         work = 0.5 * zone.dt * rate * (before + zone.tension[n])
         zone.books[SNAP] += work - stored + released
     if zone.tension[n] == 0.0:
-        return 0.0
+        return 0.0, 0.5 * zone.dt * damping * rate
     zone.viscous_force[n] = max(zone.drag[family] * rate, -zone.tension[n])
-    zone.books[VISCOUS] += 0.5 * zone.dt * zone.viscous_force[n] * rate
     pull = zone.tension[n] + zone.viscous_force[n]
     for c in range(3):
         zone.f[n, c] += pull * along[c]
         zone.f[n + 1, c] -= pull * along[c]
-    return stored
+    return stored, 0.5 * zone.dt * (damping + zone.viscous_force[n]) * rate
 
 
 @kernel(_nrt=False)

@@ -344,7 +344,8 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; 20 mm where not given, with less friction than 0.15 between yarns 3 mm over it",
+        "resolved yarns: half width of the square zone about the nose; where not given 20 mm, or 3 mm over "
+        "`crossover_friction` if that is more",
         "m",
         "20 mm",
     ) = None
