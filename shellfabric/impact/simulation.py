@@ -297,8 +297,9 @@ class ImpactSetup:
         if given:
             return self
         if self.crossovers is not None:
-            grading = self.crossovers.grading(self.fabric.weave) if clamped else None
-            return self if grading is None else replace(self, grading=grading)
+            room = (0.5 * np.broadcast_to(self.opening, 2) - np.abs(self.impact_point)).min()
+            grading = self.crossovers.grading(self.fabric.weave, float(room))
+            return replace(self, grading=grading) if clamped and grading else self
         if not clamped or self.projectile.roaming:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
             return self if self.plies == 1 else replace(self, elements_per_crossover=sides)

@@ -76,12 +76,13 @@ class YarnZone:
             return self.half_width
         return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
-    def grading(self, weave: Weave) -> tuple[tuple[float, float], ...] | None:
-        """The default elements: of one crossover as far as the zone goes, then longer; None where it has no rim."""
-        if self.width == inf:
+    def grading(self, weave: Weave, room: float) -> tuple[tuple[float, float], ...] | None:
+        """The default elements: of one crossover as far as the zone goes, then longer; None if it nearly fills `room`,
+        the way [m] from the impact point to the nearest edge."""
+        reach = self.width / (2 * min(weave.w)) + 1 + BESIDE
+        if reach + LONGEST > room / (2 * max(weave.w)):
             return None
-        until = ceil(self.width / (2 * min(weave.w))) + 1 + BESIDE
-        return (float(until), 1.0), (inf, LONGEST)
+        return (float(ceil(reach)), 1.0), (inf, LONGEST)
 
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
@@ -170,6 +171,14 @@ class YarnPanel(Panel):
     def _fills(self):
         """As of Panel: a line of the grid is one yarn, at the spacing of the weave."""
         return False
+
+    def lines(self) -> tuple[FloatArray, ...]:
+        """As of Panel; graded lines are about the crossover nearest to the impact point."""
+        found = super().lines()
+        if self.sides is None:
+            return found
+        places = zip(found, self.grid_middle, self.impact_point)
+        return tuple(x + middle - struck for x, middle, struck in places)
 
     @property
     def rim_rows(self) -> tuple[tuple[int, int], tuple[int, int]]:
