@@ -319,9 +319,7 @@ class ImpactSetup:
             ceil((far + path - 2 * side) * count / (2 * w))
             + 3  # of elements that are a part of a crossover long
             for panel in plain
-            for far, path, side, w in zip(
-                panel.reach(), panel.path(), panel.spacing, panel.weave.w
-            )
+            for far, path, side, w in zip(panel.reach(), panel.path(), panel.spacing, panel.weave.w)
         ]
         near, side = ceil(max(reaches) / count), Fraction(1, count)
         zones = []

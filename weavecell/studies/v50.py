@@ -186,9 +186,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
         crimp = 1 + 4 * published().crimp
         crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
     fine = crimped.graded(1.0, 4)
-    return replace(
-        setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover
-    )
+    return replace(setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover)
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
