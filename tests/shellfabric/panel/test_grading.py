@@ -14,7 +14,7 @@ from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal, tab
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading, motion_kernels, quality
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
