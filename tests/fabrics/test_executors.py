@@ -105,7 +105,8 @@ def table(folder):
 
 def test_a_v50_is_the_same_to_the_bit_with_every_executor(command, tmp_path, monkeypatch):
     """In the test program without dolfinx: beside its processes mpiexec has ended with code 1 and no message."""
-    distributed, mpiexec = pytest.importorskip("distributed"), shutil.which("mpiexec")
+    distributed = pytest.importorskip("distributed")
+    mpiexec = shutil.which("mpiexec")
     if mpiexec is None:
         pytest.skip("no mpiexec")
     assert command(*WORDS, "here", "--jobs", "1")[0] == 0

@@ -44,7 +44,8 @@ def test_what_a_page_prints_runs(page, tmp_path):
         assert done.returncode == 0, f"{argv}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
         return done.stdout
 
-    script, printed = "", ""
+    script = ""
+    printed = ""
     for kind, text, name in SHOWN[page]:
         if kind == "file" and not name.startswith("."):
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -4,6 +4,7 @@ import meshio
 import numpy as np
 import pytest
 from hexahedra import volumes
+from numpy.testing import assert_allclose, assert_array_equal
 
 from meshing.files import write_msh, write_vtu
 from meshing.session import gmsh_session
@@ -22,15 +23,16 @@ def test_msh_read_by_meshio(mesh, tmp_path):
     path = tmp_path / "a.msh"
     write_msh(mesh, path)
     read = meshio.read(path)
-    nodes, areas = [block.data for block in read.cells], read.cell_data["bar_area"]
-    assert np.allclose(read.points, mesh.points, rtol=1e-15, atol=0)  # gmsh writes 16 digits
+    nodes = [block.data for block in read.cells]
+    areas = read.cell_data["bar_area"]
+    assert_allclose(read.points, mesh.points, rtol=1e-15, atol=0)  # gmsh writes 16 digits
     expected = {name: (2, quads) for name, quads in mesh.faces.items()}
     for number, name in enumerate(mesh.names):
         expected |= {
             name: (3, mesh.hexes[mesh.yarn == number]),
             f"{name}_fibre": (1, mesh.bars[number]),
         }
-        assert np.allclose(
+        assert_allclose(
             of_group(read, f"{name}_fibre", areas)[1].ravel(),
             mesh.bar_area[number],
             rtol=1e-15,
@@ -62,7 +64,7 @@ def test_vtu_read_by_meshio(mesh, tmp_path):
     path = tmp_path / "a.vtu"
     write_vtu(mesh, path)
     read = meshio.read(path)
-    assert np.array_equal(read.points, mesh.points)
+    assert_array_equal(read.points, mesh.points)
     bars = np.repeat(np.arange(len(mesh.bars)), [len(pairs) for pairs in mesh.bars])
     expected = {
         "hexahedron": (mesh.hexes, mesh.yarn, np.zeros(len(mesh.hexes))),
@@ -73,9 +75,9 @@ def test_vtu_read_by_meshio(mesh, tmp_path):
             for found, wanted in zip((block.data, yarn, area), expected.pop(block.type)):
                 assert np.array_equal(found, wanted), block.type
     assert expected == {}
-    assert np.array_equal(read.cell_data["fibre"][0], mesh.fibre)
-    assert np.array_equal(read.cell_data["scaled_jacobian"][0], mesh.scaled_jacobian)
+    assert_array_equal(read.cell_data["fibre"][0], mesh.fibre)
+    assert_array_equal(read.cell_data["scaled_jacobian"][0], mesh.scaled_jacobian)
     shells = [quad for quads in mesh.shells.values() for quad in quads]
-    assert np.array_equal(read.cells_dict.get("quad", []), shells)
+    assert_array_equal(read.cells_dict.get("quad", []), shells)
     for name in mesh.collected:
-        assert np.array_equal(np.flatnonzero(read.point_data[name]), np.unique(mesh.groups[name]))
+        assert_array_equal(np.flatnonzero(read.point_data[name]), np.unique(mesh.groups[name]))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -84,9 +85,7 @@ def test_against_plain_twin(name, form):
     close = 2e-6 if form == "variational" else 1e-7
     for pair in pairs if fabric not in (BALANCED, UNBALANCED) else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]
-        np.testing.assert_allclose(
-            got, plain_cell(model, *pair), rtol=close, atol=close, err_msg=str(pair)
-        )
+        assert_allclose(got, plain_cell(model, *pair), rtol=close, atol=close, err_msg=str(pair))
 
 
 @pytest.mark.parametrize("name", CELLS)

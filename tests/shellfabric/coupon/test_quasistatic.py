@@ -223,9 +223,8 @@ def test_yarns_that_pass_one_another_are_named():
         hook(replace(state, x=turned))
 
 
-GLASS = TrellisShear(
-    36.8e3, 121e3, 0.683, 0.888
-)  # of a published strip of dry glass weave, 115 x 230 mm
+# of a published strip of dry glass weave, 115 x 230 mm
+GLASS = TrellisShear(36.8e3, 121e3, 0.683, 0.888)
 
 
 def glass_strip(law, length, width, elongation, **choices):

@@ -28,9 +28,8 @@ ZONES = [
 ]
 
 
-CROSSOVER = (
-    2 * table().model.fabric.weave.w[0]
-)  # [m]: panels of a whole number of it need no longer elements
+# [m]: panels of a whole number of it need no longer elements
+CROSSOVER = 2 * table().model.fabric.weave.w[0]
 
 
 def shoot(strike_velocity, end_time, side=0.06, **changes):

@@ -23,7 +23,7 @@ def in_shades_of(pixels, colour):
 
 
 @pytest.mark.parametrize(
-    ("draw", "size", "build", "choices", "ink"),
+    "draw, size, build, choices, ink",
     [
         (pictures_mesh.picture, pictures_mesh.WINDOW, crossover.build, SINE, 0.05),
         (
@@ -60,6 +60,7 @@ def test_both_yarns_are_drawn_inside_the_frame(draw, size, build, choices, ink, 
         assert (width, height) == size
     assert all(in_shades_of(pixels, colour) > ink for colour in pictures_mesh.COLOURS.values())
     if build is patch.build and size is not None:
-        across, down = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
+        across = np.flatnonzero(drawn.any(axis=0))
+        down = np.flatnonzero(drawn.any(axis=1))
         filled = max(np.ptp(across) / width, np.ptp(down) / height)
         assert filled == pytest.approx(pictures_patch.FILL, abs=0.02)

@@ -41,9 +41,8 @@ def test_the_nearer_covers_the_farther(order):
     image = picture(*(squares[n] for n in order))
     rows, columns = (length // 2 for length in image.shape)
     assert image.shape == pictures3d.SIZE[::-1]
-    assert (
-        image[rows, columns] < 100 < image[rows, columns - 90] < 250
-    )  # dark before light before white
+    # dark before light before white
+    assert image[rows, columns] < 100 < image[rows, columns - 90] < 250
     assert image[5, 5] == 255
 
 
