@@ -20,6 +20,9 @@ SERIAL = Numerics(threads=1)
 UNDAMPED = Numerics(stretch_viscosity=0.0, threads=1)
 COARSER = ((9, 1), (13, 2), (INF, 4))  # gradings about the impact point, of panels of 60 mm
 FINER = ((7, 1 / 3), (13, 1), (INF, 2))
+HALF = ((7, 0.5), (INF, 1))
+STEPPED = ((7, 0.25), (9, 0.5), (13, 1), (INF, 4))
+THIRD = ((8, 1 / 3), (INF, 2))
 
 
 @cache

@@ -10,6 +10,7 @@ from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+from tests.shellfabric.coupon.test_quasistatic import load_of_zones
 from unitcell3d.identify import shear_fit
 from validation.models.variants import with_straight_yarns
 from weavecell.scenes import curves
@@ -66,22 +67,13 @@ def test_a_picture_frame_by_its_force(framed, write):
 
 
 def test_a_bias_strip_of_zones(write):
-    """Yarns that do not stretch: the load is the work of both zones, by a numerical derivative of their energy."""
+    """Yarns that do not stretch."""
     width = 0.10
     length = 0.25
     thickness = 0.7e-3
     law = TrellisShear(5e4, 5e5, 0.35, 0.80)
     moved = np.linspace(0.0, 0.05, 2001)
-    gamma = np.array([quasistatic.inextensible_shear(length, width, d) for d in moved])
-
-    def energy(angles):
-        middle = law.stress(0.5 * (angles[1:] + angles[:-1]))
-        return np.concatenate([[0.0], np.cumsum(middle * np.diff(angles))])
-
-    inner = width * (length - 1.5 * width)
-    outer = width**2
-    work = thickness * (inner * energy(gamma) + outer * energy(0.5 * gamma))
-    force = np.gradient(work, moved)
+    force = load_of_zones(law, thickness, length, width, moved)
     path = write("displacement [m], force [N]", moved[50:-1:50], force[50:-1:50])
     found = curves.bias_extension(path, thickness, (width, length))
     assert astuple(found.law) == pytest.approx(astuple(law), rel=0.02)
