@@ -1,5 +1,7 @@
 """Compression, slip, trellis and solid laws: limits, inverses, derivatives, energies, fits, files and errata."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -71,12 +73,17 @@ def test_intervals_of_the_fit_cover_the_truth():
 
 
 def test_law_file_keeps_every_bit(tmp_path):
+    """The range of an assumed solid too, of which both ends are laws."""
     F = np.geomspace(0.5, 150, 40)
-    law = CompressionLaw.fit(
-        F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720"
-    )
-    law.to_json(tmp_path / "law.json")
-    assert CompressionLaw.from_json(tmp_path / "law.json") == law
+    d = S720.d(F) + 1e-7 * np.sin(9 * F)
+    law = CompressionLaw.fit(F, d, provenance="a test", fabric="S-720")
+    ranged = replace(law, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
+    for written in (law, ranged):
+        written.to_json(tmp_path / "law.json")
+        assert CompressionLaw.from_json(tmp_path / "law.json") == written
+    assert law.ends() == {}
+    ends = {end: (each.a, each.b) for end, each in ranged.ends().items()}
+    assert ends == {"soft": (5e-5, 4e-5), "stiff": (3e-5, 5e-5)}
 
 
 def test_limits_of_the_law_of_the_tension_ratio():

@@ -71,19 +71,6 @@ def test_tangent_is_the_derivative(model, pressed):
     )
 
 
-def test_contact_forces_of_the_two_passes_balance(s720, whole):
-    """On the whole crossover nothing is mirrored, so contact makes no net force and no net moment."""
-    model = CrossoverModel(whole, s720)
-    x = model.points.copy()
-    x[whole.grids[0].ravel(), 2] -= 6e-6
-    forces = np.zeros_like(x)
-    contact = model.surfaces.assemble(x, model.numerics, forces)
-    assert contact > 1e-2
-    assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
-    assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()
-    assert forces[whole.grids[0].ravel(), 2].sum() == pytest.approx(-contact, rel=1e-12)
-
-
 def test_pattern_grows_only_where_contact_moves_far(s720, coarse):
     model = CrossoverModel(coarse, s720)
     grid = coarse.grids[0]

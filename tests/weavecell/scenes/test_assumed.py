@@ -272,16 +272,6 @@ def test_a_range_names_what_its_ends_rest_on():
     )
 
 
-def test_a_law_keeps_the_range_of_an_assumed_solid(tmp_path):
-    law = CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
-    law.to_json(tmp_path / "law.json")
-    found = CompressionLaw.from_json(tmp_path / "law.json")
-    assert found.assumed_range == law.assumed_range
-    ends = {end: (each.a, each.b) for end, each in found.ends().items()}
-    assert ends == {"soft": (5e-5, 4e-5), "stiff": (3e-5, 5e-5)}
-    assert CompressionLaw(4e-5, 5e-5).ends() == {}
-
-
 def test_a_law_outside_the_ends_of_its_range_says_at_which_forces():
     """The S706 of a new user: the stiff end, fitted up to 51 N, is softer above 50 N."""
     ends = (2.23e-5, 7.7e-6), (2.20e-5, 8.00e-5)
