@@ -100,6 +100,23 @@ def test_one_fabric_from_its_platen_curve(command, tmp_path, small, fitted):
     assert "What it leaves open makes a of the law" in (tmp_path / "c" / "report.html").read_text()
 
 
+def test_a_law_is_printed_with_its_intervals_and_spread(results):
+    lines = told(results("calibrate").out)
+    names = {
+        "fitted",
+        "published",
+        "residual",
+        "each path",
+        "warp alone",
+        "weft alone",
+        "alternative",
+        "impacts use",
+    }
+    assert names <= set(lines)
+    assert lines["95 % interval"].count("..") == lines["each path"].count("..") == 2
+    assert lines["published"] == "a = 0.0450 mm, b = 0.0580 mm N^(1/3)"
+
+
 def test_a_law_outside_the_ends_of_its_range_says_so(small):
     found = wc.calibrate("S-720", mesh="coarse")
     a = found.law.a

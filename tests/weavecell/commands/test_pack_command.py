@@ -52,10 +52,17 @@ def test_the_laws_of_all_fabrics_are_named(pack):
         assert "; S-726: published" in name
 
 
+TITLE = "1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg"
+
+
+def test_a_pack_says_what_it_is_made_of(pack):
+    assert f"{TITLE}, 200 m/s: in flight" in pack.out
+
+
 @pytest.mark.parametrize(
     "said",
     [
-        "3 plies: 1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg",
+        f"3 plies: {TITLE}",
         "assumed: density 3.0e-3 g/mm^3, modulus 100 MPa, poisson 0.30, hardening 0 Pa, erosion_strain 0.95",
         "Data of the fabric S-726",
     ],

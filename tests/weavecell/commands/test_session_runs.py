@@ -5,7 +5,6 @@ import re
 from dataclasses import asdict
 from importlib.util import find_spec
 from math import isclose, isnan
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +19,6 @@ from tests.weavecell.written import names, rows_of, table_of
 from weavecell.results.impact import ImpactRecord
 
 IMPACTS = ("impact", "pack")
-PRINTED = Path(__file__).with_name("printed")
 SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")
 
 
@@ -40,6 +38,7 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
     told = RUNS[name]
     assert run.code == 0, run.err
     assert "error" not in run.err
+    assert "written to r\n" in run.out
     assert names(run.folder).split() == told["folder"].split()
     if "scene.toml" in told["folder"].split():
         assert (run.folder / "scene.toml").read_text() == (
@@ -53,17 +52,6 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
     else:
         stamp = summary_of(run, name)["provenance"]
     assert {"commit", "packages", "processor"} <= set(stamp)
-
-
-@named(RUNS)
-def test_a_command_prints_what_somebody_has_read(results, name):
-    """But for numbers. After a wanted change: delete the file, run this test, and read the file that it writes."""
-    seen = PRINTED / f"{name}.txt"
-    found = re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", results(name).out)
-    if not seen.exists():
-        seen.write_text(found, "utf-8")
-        pytest.fail(f"{seen} is new")
-    assert found == seen.read_text("utf-8")
 
 
 @named(RUNS)

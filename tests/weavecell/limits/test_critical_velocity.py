@@ -40,6 +40,7 @@ def test_shots_stop_below_the_bracket_and_perforate_above(results):
     assert abs(strike - 2 * high).min() < 1e-3
     assert summary["lambert_jonas"]["limit"] == summary["critical_velocity_m_s"]
     assert 0 < summary["lambert_jonas"]["a"] <= 1
+    assert "Lambert-Jonas: a = " in run.out
 
 
 @pytest.fixture

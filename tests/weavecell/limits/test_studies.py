@@ -68,6 +68,7 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
         ("150 m/s", "3 g"),
         ("150 m/s", "2 g"),
     ]
+    assert "projectile.strike_velocity = 90 m/s, projectile.mass = 3 g: " in made.out
     folder = shutil.copytree(made.folder, tmp_path / "r")
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     velocities = "projectile.strike_velocity='90 m/s,120 m/s,150 m/s'"
@@ -94,15 +95,27 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     assert row["shots"] == "8"
 
 
-def test_the_report_of_a_v50_study_has_its_chapters(results):
-    page = (results("v50").folder / "report.html").read_text()
-    sections = re.findall(r'<section id="([^"]*)"', page)
-    assert sections == ["result", "assumptions", "sources", "making"]
-    shot = "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm."
-    assumed = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)"
-    for words in ("A series of tests up and down", shot, assumed):
-        assert words in page
+def test_a_v50_study_says_what_it_found(results):
+    run = results("v50")
+    assert run.out.count("V50 (") == 2
+    assert run.out.count("V50 of six shots (MIL-STD-662F") == 1
+    assert "--assumed-range computes it" in run.out
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
+    for text in (run.out, (run.folder / "report.html").read_text()):
+        assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
+    page = (run.folder / "report.html").read_text()
+    assert "A series of tests up and down" in page
+    assert re.findall(r'<section id="([^"]*)"', page) == [
+        "result",
+        "assumptions",
+        "sources",
+        "making",
+    ]
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
+    assert (
+        "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm."
+        in page
+    )
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
