@@ -8,7 +8,7 @@ from conftest_tools import Pressed, grid
 from numpy.testing import assert_allclose
 from test_ply_contact import LAW, assert_as_plain
 
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
 

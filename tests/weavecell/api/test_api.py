@@ -171,7 +171,7 @@ REFUSED = [  # keywords of a set-up
     ({"ply_gap": 1e-4}, "ply_gap = 0.0001: must be left out for a single ply"),
     ({"law": (1,)}, "law = (1,): must be a CompressionLaw"),
     ({"fabric": MINE}, "fabric mine has no compression law: give law=, or use"),
-    ({"crossovers": "sliding"}, "crossovers = 'sliding': must be left out: the membrane does not"),
+    ({"crossovers": "sliding"}, 'crossovers = \'sliding\': must be one of "pinned", "yarns"'),
 ]
 REFUSED = [(lambda given=given: wc.setup(**GIVEN | given), told) for given, told in REFUSED]
 REFUSED += [
@@ -191,6 +191,12 @@ def test_bad_arguments_are_one_line(call, told):
         call()
     assert str(problem.value).startswith(told)
     assert "\n" not in str(problem.value)
+
+
+@pytest.mark.parametrize("function", [wc.calibrate, wc.surface, wc.sweep])
+def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
+    with pytest.raises(TypeError, match=rf"^{function.__name__}\(\) .* 'job'. Did you mean 'jobs'"):
+        function("S-720", job=2)
 
 
 @pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
