@@ -252,13 +252,6 @@ class Constants(Row):
         "-",
         "how warp and weft yarns end at their lower and upper end: free, symmetric or clamped",
     )
-    bar_mass = array(
-        "n + 1", "kg", "nodal masses of the bar along the projectile's axis; empty if it is rigid"
-    )
-    bar_h = array("n", "m", "lengths of the bar's elements at rest")
-    bar_area = array("n", "m2", "cross sections of the bar's elements")
-    bar_law = array("3", "Pa", "Young's modulus, yield stress and hardening modulus of the bar")
-    bar_substeps = integer("-", "time steps of the bar in one of the fabric")
     has_backing = flag("whether a backing block is coupled to the ply")
 
 
@@ -418,11 +411,6 @@ class State(Row, kept=True):
     f_block_cloth = array(
         "3 x slots", "N", "force of the backing block on the nodes; empty without one"
     )
-    bar_u = array("n + 1", "m", "displacement of the bar's nodes along the axis")
-    bar_v = array("n + 1", "m/s", "velocity of the bar's nodes along the axis")
-    bar_plastic = array("n", "-", "plastic (logarithmic) strain of the bar's elements")
-    bar_stress = array("n", "Pa", "Kirchhoff stress of the bar's elements, positive in tension")
-    bar_energy = array("2", "J", "work of the force at the tip, plastic work")
 
 
 class Work(Row):
@@ -493,8 +481,23 @@ class Work(Row):
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 
+class Body(Row):
+    """What moves a projectile along its axis that is not rigid: a unit with a row of its own."""
+
+    cell = array("1 int64", "-", "address of the cell of the unit; 0 of a rigid projectile")
+    own = array("1 int64", "-", "address of the row of the unit; 0 of a rigid projectile")
+    force = array("1", "N", "force on the projectile along its axis in this step")
+    motion = array(
+        "6",
+        "m/s, m",
+        "along the axis: velocities of tip, tail and centre of mass, and how far they have come",
+    )
+
+
 class Stack(Row, kept=True):
     """What the plies of a run share: the projectile, steps, who is awake."""
+
+    body = row(Body, "what moves the projectile along its axis, unless it is rigid")
 
     awake = array("plies boolean", "-", "whether anything has acted on the ply yet")
     waits_for_plies = array(

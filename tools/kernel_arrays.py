@@ -1,9 +1,10 @@
-"""The page of the site that shows the tables of `shellfabric.state`: what kernels take, array by array."""
+"""The page of the site that shows the tables of `shellfabric.state` and of a bar: what kernels take, array by array."""
 
 import inspect
 
 from shellfabric import state
 from shellfabric.jit.table import Row
+from shellfabric.projectile.bar_kernels import BarRow
 
 HEAD = """# Arrays of the kernels
 
@@ -84,11 +85,10 @@ TERMS = {
 
 
 def tables():
-    """The tables, in the order of their file."""
-    classes = vars(state).values()
-    return [
-        kind for kind in classes if inspect.isclass(kind) and issubclass(kind, Row) and kind.fields
-    ]
+    """The tables, in the order of their file, and that of the bar."""
+    classes = [kind for kind in vars(state).values() if inspect.isclass(kind)]
+    found = [kind for kind in classes if issubclass(kind, Row) and kind.fields]
+    return [*found, BarRow]
 
 
 def page():

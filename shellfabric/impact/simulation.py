@@ -655,7 +655,8 @@ def collect_result(
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), setup.projectile.bar
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
-    deflection, speed = plies["deflection"][:, -1], dynamics.velocity(solver.state, solver.const)
+    deflection = plies["deflection"][:, -1]
+    speed = dynamics.velocity(solver.state, solver.const, solver.bar)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
@@ -674,7 +675,7 @@ def collect_result(
         deepest=solver.deepest,
         held_apart=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
-        bar=None if bar is None else dynamics.history(clock, fine, solver.state, bar),
+        bar=None if bar is None else dynamics.history(clock, fine, solver.bar, bar),
         backing=solver.backing.result() if solver.backing else None,
         projectile_position=last[0].projectile_position.copy(),
         last=last,

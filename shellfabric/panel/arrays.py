@@ -12,7 +12,7 @@ from shellfabric.cell import packed_table
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import boundary, failure, forces, grading
 from shellfabric.panel.motion_kernels import AT_REST
-from shellfabric.projectile import contact, dynamics, window_kernels
+from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, State, Work
 
 if TYPE_CHECKING:
@@ -151,7 +151,6 @@ def _constants(panel):
         packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
         yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None,
-        **dynamics.constants(shot, panel.share, dt),
     )
 
 
@@ -206,7 +205,6 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     found["counter"][0] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
-    found |= dynamics.state(panel.shot, strike_velocity)
     found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
     return State(**found)
 

@@ -258,6 +258,7 @@ class Pack:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         count, shot = len(self.plies), self.plies[0].shot
         stack = Stack(
+            body=dynamics.rigid_body(),
             awake=np.zeros(count, np.bool_),
             waits_for_plies=np.zeros(count, np.bool_),
             counter=np.zeros(3, np.int64),
@@ -285,9 +286,6 @@ class Pack:
                     else state.projectile_velocity,
                     **self._foreseen(state.mass.size),
                 )
-            )
-            states[p] = states[p]._replace(
-                **{name: getattr(states[0], name) for name in dynamics.STATE}
             )
         return tuple(states), stack
 

@@ -4,7 +4,7 @@ The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to
 given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
 about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.advance_bar`).
+In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.move_bar`).
 """
 
 from __future__ import annotations

@@ -79,6 +79,7 @@ class PackSolver(ExplicitSolver):
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
     states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
+    bar : bar_kernels.BarRow of a projectile that is a bar, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
@@ -120,14 +121,27 @@ class PackSolver(ExplicitSolver):
             energy_error_limit=energy_error_limit,
         )
         self.pack = pack
-        self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        self.consts = pack.constants()
+        self.states, self.stack = pack.states(strike_velocity)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
+        self.bar = self._make_bar()
         self.modules = tuple(forces.given(state.modules) for state in self.states)
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
         self._begin_run()
+
+    def _make_bar(self):
+        """The row of a projectile that is a bar, which moves it from now on, or None."""
+        projectile = self.panel.shot
+        if projectile.bar is None:
+            return None
+        along = self.strike_velocity * float(projectile.flight @ projectile.frame[2])
+        bar = dynamics.make_row(projectile.bar, self.panel.share, self.const.dt, along)
+        graded = self.const._numba_type_ != Constants.types[UNIFORM]
+        self.stack = self.stack._replace(body=dynamics.body_of(bar, graded))
+        return bar
 
     def _name_energies(self, several):
         between = BETWEEN_PLIES if several else ()
@@ -157,7 +171,7 @@ class PackSolver(ExplicitSolver):
         most = plies if plies > 1 else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
-        self.history_columns = len(dynamics.columns(self.panel.projectile))
+        self.history_columns = len(dynamics.columns(self.panel.projectile.bar))
         self.ply_samples, self.history_request, self.histories = [], None, []
         self.backing = None
         self.perforated_samples = 0
@@ -298,7 +312,7 @@ class PackSolver(ExplicitSolver):
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
-        *projectile, speed = dynamics.audit(self.state, self.const, force)
+        *projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
         total = plies.sum(axis=0)
         block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
@@ -421,6 +435,7 @@ class PackSolver(ExplicitSolver):
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += (
             self.panel.backing,
+            self.panel.projectile.bar,
             pack.gaps,
             pack.contact,
             pack.friction,
@@ -440,6 +455,8 @@ class PackSolver(ExplicitSolver):
             found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
         if self.contact:
             found["contact"] = self.contact
+        if self.bar:
+            found["bar"] = self.bar
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

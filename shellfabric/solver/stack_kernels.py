@@ -18,7 +18,8 @@ from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, turned_back
 from shellfabric.plies.near_kernels import list_pressed
 from shellfabric.plies.pressure_kernels import press, press_others
-from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
+from shellfabric.projectile import contact_kernels, window_kernels
+from shellfabric.projectile.bar_kernels import CENTRE
 from shellfabric.solver import ply_kernels
 from shellfabric.state import unit
 
@@ -46,14 +47,16 @@ def fly(states, consts, stack):
             state, const = row_of(states, p), row_of(consts, p)
             contact_kernels.apply_contact_impulse(state, const)
             push_projectile(stack, const, p, state.f_contact_nose)
-            force += bar_kernels.axial_force(state, const)
+            force += axial_force(state, const)
     state, const = row_of(states, last), row_of(consts, last)
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
         push_projectile(stack, const, last, state.f_block_nose)
-    state, const = row_of(states, 0), row_of(consts, 0)
-    if const.bar_mass.size > 0:
-        bar_kernels.advance_bar(state, const, force)
+    if stack.body.cell[0] != 0:
+        stack.body.force[0] = force
+        first = row_of(states, 0)
+        call_module(stack.body.cell[0], stack.body.own[0], first, row_of(consts, 0), 0, 0, 1)
+    const = row_of(consts, 0)
     for p in range(len(states)):
         velocity, of_first = row_of(states, p).projectile_velocity, stack.projectile_velocity
         if p > 0:
@@ -161,27 +164,37 @@ def clear_increments(state, const):
     state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
 
 
+@kernel(_nrt=False)
+def axial_force(state, const):
+    """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
+    force = 0.0
+    for c in range(3):
+        pushed = state.f_contact_nose[c] + state.f_block_nose[c]
+        force += const.frame[2, c] * const.free_dofs[c] * pushed
+    return force
+
+
+@kernel(_nrt=False)
+def normal_velocity(state, const, stack):
+    """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
+    velocity = state.projectile_velocity[2]
+    if stack.body.cell[0] == 0:
+        return velocity
+    tip = 0.0
+    for c in range(3):
+        tip += const.frame[2, c] * state.projectile_velocity[c]
+    return velocity + const.frame[2, 2] * (stack.body.motion[CENTRE] - tip)
+
+
 @kernel(inline="always")
-def record_step(state, const, force, row):
-    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
-    centre of mass, and how far they have come, all along its axis."""
-    row[0], row[1] = (
-        state.projectile_position[2] + const.foremost_offset,
-        bar_kernels.normal_velocity(state, const),
-    )
+def record_step(state, const, stack, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a body that is not
+    rigid also its motion (`state.Body`)."""
+    row[0] = state.projectile_position[2] + const.foremost_offset
+    row[1] = normal_velocity(state, const, stack)
     row[2] = force
-    if const.bar_mass.size > 0:
-        tail = const.bar_h.size
-        row[3], row[4], row[5] = (
-            state.bar_v[0],
-            state.bar_v[tail],
-            bar_kernels.mass_average(const.bar_mass, state.bar_v),
-        )
-        row[6], row[7], row[8] = (
-            state.bar_u[0],
-            state.bar_u[tail],
-            bar_kernels.mass_average(const.bar_mass, state.bar_u),
-        )
+    for m in range(3, row.size):
+        row[m] = stack.body.motion[m - 3]
 
 
 @unit("integer", row="9")
@@ -196,8 +209,8 @@ def note(states, consts, stack, row):
     force = 0.0
     for p in range(len(states)):
         force += stack.f_contact_nose[p, 2]
-    record_step(first, const, force + last.f_block_nose[2], row)
-    speed = bar_kernels.normal_velocity(first, const)
+    record_step(first, const, stack, force + last.f_block_nose[2], row)
+    speed = normal_velocity(first, const, stack)
     if not abs(speed) < 1e9:
         return NOT_FINITE
     if stack.counter[TURNED] > 0:
