@@ -395,6 +395,7 @@ class State(Row, kept=True):
         "and the step (counted by the ply)",
     )
     contact_window = array("4 int64", "-", "present contact window (i0, i1, j0, j1)")
+    nose_window = array("4 int64", "-", "rows and columns of nodes with forces of `f_contact`")
     friction_state = array(
         "elements, points, 6",
         "m, N",

@@ -18,6 +18,7 @@ be left that no yarn joins to the others: then it is straight along both, within
 
 import numpy as np
 
+from shellfabric.cloth.vector_kernels import column, dot
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import fma, load
 from shellfabric.state import unit
@@ -41,20 +42,15 @@ def node_position(state, const, i, j):
     k = np.uint64(i * const.row_stride + j)
     x = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.projectile_position[0]
     y = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.projectile_position[1]
-    return to_projectile_frame(const, x, y, state.u[2][k] - state.projectile_position[2])
+    return to_projectile_frame(const, (x, y, state.u[2][k] - state.projectile_position[2]))
 
 
 @kernel()
-def to_projectile_frame(const, x, y, z):
+def to_projectile_frame(const, x):
     """A vector in the frame of the panel, in that of the projectile."""
     if not const.tilted:
-        return x, y, z
-    frame = const.frame
-    return (
-        frame[0, 0] * x + frame[0, 1] * y + frame[0, 2] * z,
-        frame[1, 0] * x + frame[1, 1] * y + frame[1, 2] * z,
-        frame[2, 0] * x + frame[2, 1] * y + frame[2, 2] * z,
-    )
+        return x
+    return dot(const.frame[0], x), dot(const.frame[1], x), dot(const.frame[2], x)
 
 
 @kernel()
@@ -91,7 +87,7 @@ def row_positions(state, const, i, first, last, x):
         x[2, m] = state.u[2][k] - state.projectile_position[2]
     if const.tilted:
         for m in range(max(-first, 0), min(last, const.nj) - first + 1):
-            x[0, m], x[1, m], x[2, m] = to_projectile_frame(const, x[0, m], x[1, m], x[2, m])
+            x[0, m], x[1, m], x[2, m] = to_projectile_frame(const, column(x, 0, m))
     for j in range(first, 0):
         x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
     for j in range(const.nj + 1, last + 1):
@@ -161,12 +157,12 @@ def torn_shape_functions(state, const, i, j, found):
 @kernel(forceinline=True)
 def interpolate(shares, k, x):
     """Interpolate nodal values x (16, 3) at the eight points k .. k + 7: three components."""
-    a0, a1, a2, a3 = load_shape_functions(shares, 0, k)
-    b0, b1, b2, b3 = load_shape_functions(shares, 4, k)
+    along = load_shape_functions(shares, 0, k)
+    across = load_shape_functions(shares, 4, k)
     return (
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 0),
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 1),
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 2),
+        interpolate_component(along, across, x, 0),
+        interpolate_component(along, across, x, 1),
+        interpolate_component(along, across, x, 2),
     )
 
 
@@ -182,24 +178,29 @@ def load_shape_functions(shares, row, k):
 
 
 @kernel(forceinline=True)
-def interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
+def interpolate_component(a, b, x, c):
     """Interpolate component c at eight points."""
-    y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
-    y1 = fma(a0, x[1, c], fma(a1, x[5, c], fma(a2, x[9, c], a3 * x[13, c])))
-    y2 = fma(a0, x[2, c], fma(a1, x[6, c], fma(a2, x[10, c], a3 * x[14, c])))
-    y3 = fma(a0, x[3, c], fma(a1, x[7, c], fma(a2, x[11, c], a3 * x[15, c])))
-    return fma(b0, y0, fma(b1, y1, fma(b2, y2, b3 * y3)))
+    y0 = weighted_sum(a, x[0, c], x[4, c], x[8, c], x[12, c])
+    y1 = weighted_sum(a, x[1, c], x[5, c], x[9, c], x[13, c])
+    y2 = weighted_sum(a, x[2, c], x[6, c], x[10, c], x[14, c])
+    y3 = weighted_sum(a, x[3, c], x[7, c], x[11, c], x[15, c])
+    return weighted_sum(b, y0, y1, y2, y3)
 
 
 @kernel(forceinline=True)
-def scatter_force(shares, k, push, f_x, f_y, f_z):
+def weighted_sum(w, a, b, c, d):
+    """w0 a + w1 b + w2 c + w3 d of eight points."""
+    return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
+
+
+@kernel(forceinline=True)
+def scatter_force(shares, k, push, force):
     """Scatter the force on point k to the sixteen nodes, push (3, 16) [N]."""
     for m in range(4):
         for n in range(4):
             weight = shares[m, k] * shares[4 + n, k]
-            push[0, 4 * m + n] += weight * f_x
-            push[1, 4 * m + n] += weight * f_y
-            push[2, 4 * m + n] += weight * f_z
+            for c in range(3):
+                push[c, 4 * m + n] += weight * force[c]
 
 
 @kernel()

@@ -13,18 +13,16 @@ the nodes that they follow from. A turn is (c, s), cosine and sine of the angle 
 import numpy as np
 
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cloth.nodal_force_kernels import (
+    clear_window,
+    give_impulses,
+    half_step_work,
+    include_rows,
+    keep_symmetry,
+)
 from shellfabric.cloth.packing_kernels import is_fabric
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import (
-    WIDTH,
-    broadcast,
-    fma,
-    head_mask,
-    load,
-    masked_store,
-    reduce_add,
-    where,
-)
+from shellfabric.jit.simd import WIDTH, broadcast, load, masked_store
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.state import unit
 
@@ -43,6 +41,12 @@ def turned(turn, x, y):
 def turned_back(turn, x, y):
     """Components in the frame of the first ply of a vector (x, y) of another's."""
     return turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
+
+
+@kernel(_nrt=False, forceinline=True)
+def mean_thickness(contact, p, q):
+    """[m] of plies p and q."""
+    return 0.5 * (contact.thickness[p] + contact.thickness[q])
 
 
 @unit()
@@ -131,7 +135,7 @@ def hand_over(state, const, contact, p):
         contact.work[p] -= half_step_work(state, const, force, window, True)
         take_from_ghosts(contact, p, side)
         take_from_nodes(contact, p, side)
-        apply_symmetry(const, force, window)
+        keep_symmetry(const, force, window)
         contact.work[p] -= half_step_work(state, const, force, window, False)
 
 
@@ -200,64 +204,12 @@ def take_from_nodes(contact, p, side):
     clear_window(window, contact.shape[p, NI], width)
 
 
-@kernel(_nrt=False, forceinline=True)
-def clear_window(window, ni, width):
-    """Make a window of nodes (first row, row after the last, first column, column after the last) one of none."""
-    window[0], window[1], window[2], window[3] = ni + 1, 0, width, 0
-
-
-@kernel(_nrt=False, forceinline=True)
-def extend_window(window, i0, i1, j0, j1):
-    """Widen a window of nodes to the rows i0 .. i1 - 1 and the columns j0 .. j1 - 1."""
-    window[0], window[1] = min(window[0], i0), max(window[1], i1)
-    window[2], window[3] = min(window[2], j0), max(window[3], j1)
-
-
-@kernel(_nrt=False)
-def apply_symmetry(const, force, window):
-    """Nodes on a plane of symmetry keep to it."""
-    if const.mirror_x and window[0] == 0:
-        for k in range(window[2], window[3]):
-            force[0][k] = 0.0
-    if const.mirror_y and window[2] == 0:
-        for i in range(window[0], window[1]):
-            force[1][i * const.row_stride] = 0.0
-
-
-@kernel(_nrt=False, forceinline=True)
-def half_step_work(state, const, force, window, over):
-    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago; takes them
-    away where they are `over`."""
-    work, none = broadcast(0.0), broadcast(0.0)
-    for i in range(window[0], window[1]):
-        for j in range(window[2], window[3], WIDTH):
-            k, inside = i * const.row_stride + j, head_mask(window[3] - j)
-            power = load(force[0], k) * load(state.v[0], k)
-            power = fma(load(force[1], k), load(state.v[1], k), power)
-            power = fma(load(force[2], k), load(state.v[2], k), power)
-            work = work + where(inside, power, 0.0)
-            if over:
-                masked_store(force[0], k, none, window[3] - j)
-                masked_store(force[1], k, none, window[3] - j)
-                masked_store(force[2], k, none, window[3] - j)
-    if over:
-        clear_window(window, const.ni, const.row_stride)
-    return 0.5 * const.dt * reduce_add(work)
-
-
 @unit("flag", force="3, n", window="4 int64")
 def apply_impulses(state, const, force, window):
-    """v += dt f / m of a ply, with the contact forces of others; widens its window of active rows to them. Whether
-    there are any."""
+    """Give a ply the impulses of contact forces of others; widen its window of active rows to them. Whether there are
+    any."""
     if window[1] <= window[0]:
         return False
-    for i in range(window[0], window[1]):
-        for j in range(window[2], window[3], WIDTH):
-            k, count = i * const.row_stride + j, window[3] - j
-            kick = load(state.dt_over_mass, k)
-            masked_store(state.v[0], k, fma(kick, load(force[0], k), load(state.v[0], k)), count)
-            masked_store(state.v[1], k, fma(kick, load(force[1], k), load(state.v[1], k)), count)
-            masked_store(state.v[2], k, fma(kick, load(force[2], k), load(state.v[2], k)), count)
-    state.active_rows[0] = min(state.active_rows[0], max(window[0] - 4, 0))
-    state.active_rows[1] = max(state.active_rows[1], min(window[1] + 3, const.ni))
+    give_impulses(state, const, force, window)
+    include_rows(state, const, window[0] - 4, window[1] + 3)
     return True

@@ -20,15 +20,14 @@ A plane of symmetry, beyond which are the images of the plies, is a row with PLA
 node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
 """
 
+from shellfabric.cloth.vector_kernels import dot, nodal
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
 PLANE_X, PLANE_Y = -1, -2
 SWEEPS = 30
-KEPT, NEAREST = (
-    0.2,
-    0.05,
-)  # share of the distance that stays, thicknesses within which all of it does
+KEPT = 0.2  # share of the distance that stays
+NEAREST = 0.05  # thicknesses within which all of it does
 _SLACK = 1e-3  # share of the distance by which a row may be missed
 _MASS, _MOMENTUM, _FIXED = 0, 1, 4  # of the sums of a cluster
 
@@ -45,11 +44,13 @@ def worst(y, nodes, n):
     low, high, a, b = 1e30, -1e30, nodes[0], nodes[3]
     for i in range(3):
         k = nodes[i]
-        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k] if k >= 0 else 0.0
+        along = 0.0  # of a plane of symmetry
+        if k >= 0:
+            along = dot(n, nodal(y, k))
         if along > high:
             high, a = along, k
         k = nodes[3 + i]
-        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k]
+        along = dot(n, nodal(y, k))
         if along < low:
             low, b = along, k
     return low - high, a, b
@@ -60,11 +61,10 @@ def mobility(contact, k, n):
     """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is held."""
     if k < 0:
         return 0.0
-    free = (
-        1.0
-        - (n[0] * n[0] if contact.mirror[k] & 1 else 0.0)
-        - (n[1] * n[1] if contact.mirror[k] & 2 else 0.0)
-    )
+    free = 1.0
+    for c in range(2):
+        if contact.mirror[k] >> c & 1:
+            free -= n[c] * n[c]
     return contact.kick[k] * max(free, 0.0)
 
 
@@ -135,9 +135,8 @@ def join_violated(contact, rows):
         first = root_of(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
-                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | (
-                    1 if nodes[i] == PLANE_X else 2
-                )
+                plane = 1 if nodes[i] == PLANE_X else 2
+                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | plane
                 continue
             other = root_of(contact, nodes[i])
             if other != first:
@@ -162,16 +161,16 @@ def move_clusters(contact, nodes):
             continue
         contact.cluster[r, _MASS] += 1.0 / contact.kick[k]
         for c in range(3):
-            contact.cluster[r, _MOMENTUM + c] += (contact.y[c, k] - contact.x[c, k]) / contact.kick[
-                k
-            ]
+            way = contact.y[c, k] - contact.x[c, k]
+            contact.cluster[r, _MOMENTUM + c] += way / contact.kick[k]
     for m in range(nodes):
         k = contact.node_list[m]
         r = root_of(contact, k)
         if contact.kick[k] == 0.0:
             continue
         for c in range(3):
-            fixed = int(contact.cluster[r, _FIXED]) >> c & 1
-            way = 0.0 if fixed else contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
+            way = 0.0
+            if not int(contact.cluster[r, _FIXED]) >> c & 1:
+                way = contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
             contact.impulse[c, k] += (way + contact.x[c, k] - contact.y[c, k]) / contact.kick[k]
             contact.y[c, k] = contact.x[c, k] + way

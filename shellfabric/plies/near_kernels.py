@@ -17,11 +17,20 @@ more than twice its size. What has ceased to be one never is one again. Yarns be
 
 import math
 
+from shellfabric.cloth.vector_kernels import cross, difference, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.panel.motion_kernels import FAILURES
-from shellfabric.plies.frame_kernels import MIRROR_X, NI, NJ, STRIDE, TALL, WIDE
+from shellfabric.plies.frame_kernels import (
+    MIRROR_X,
+    NI,
+    NJ,
+    STRIDE,
+    TALL,
+    WIDE,
+    mean_thickness,
+)
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, needed
-from shellfabric.plies.separation_kernels import cross, difference, dot, lower_bound, separation
+from shellfabric.plies.separation_kernels import lower_bound, separation
 from shellfabric.state import unit
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
@@ -105,11 +114,15 @@ def list_tiles(contact):
 
 
 @kernel(_nrt=False, forceinline=True)
+def tiles_thickness(contact, a, b):
+    """[m] mean thickness of the plies of two tiles."""
+    return mean_thickness(contact, contact.tile_ply[a], contact.tile_ply[b])
+
+
+@kernel(_nrt=False, forceinline=True)
 def guarded_distance(contact, a, b):
     """[m] within which facets of two tiles have to stay on their sides: they could meet in the coming step."""
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
+    thickness = tiles_thickness(contact, a, b)
     return max(NEAR * thickness, _FASTER * (contact.way[a] + contact.way[b]))
 
 
@@ -131,7 +144,9 @@ def mean_normal(contact, t):
     v = difference(contact.x, k + i1 * s + j0, k + i0 * s + j1)
     n = cross(u, v)
     size = math.sqrt(dot(n, n))
-    return (n[0] / size, n[1] / size, n[2] / size) if size > 0.0 else (0.0, 0.0, 0.0)
+    if size > 0.0:
+        return scaled(1.0 / size, n)
+    return 0.0, 0.0, 0.0
 
 
 @kernel(_nrt=False)
@@ -207,9 +222,7 @@ def add_facet(contact, side, found, a, b, c):
 def list_near_facets(contact, m, first, second):
     """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = contact.pair_tiles[m]
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
+    thickness = tiles_thickness(contact, a, b)
     limit, found = guarded_distance(contact, a, b), contact.count[ENTRIES]
     reach = limit + _REACH * thickness
     contact.pair_due[m] = contact.travel[a] + contact.travel[b] + _REACH * thickness
@@ -254,9 +267,7 @@ def add_row(contact, nodes, n, distance, thickness):
 def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
+    thickness = tiles_thickness(contact, a, b)
     nodes, limit = contact.entry_nodes[e], guarded_distance(contact, a, b)
     apart = lower_bound(contact.x, nodes)
     if apart <= limit:
@@ -366,9 +377,7 @@ def may_touch(contact, m, front, rear):
         return False
     refresh_box(contact, front)
     refresh_box(contact, rear)
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[front]] + contact.thickness[contact.tile_ply[rear]]
-    )
+    thickness = tiles_thickness(contact, front, rear)
     apart = tiles_apart(contact, front, rear)
     contact.pair_seen[m] = travel + max(apart - thickness, 0.0)
     return apart <= thickness

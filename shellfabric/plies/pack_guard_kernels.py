@@ -9,17 +9,15 @@ import math
 
 import numpy as np
 
+from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
+from shellfabric.cloth.vector_kernels import add, add_scaled, column, nodal, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
 from shellfabric.plies.frame_kernels import (
-    BEFORE,
-    BEHIND,
     NJ,
     STRIDE,
-    extend_window,
-    half_step_work,
     place,
     turned,
     turned_back,
@@ -184,20 +182,15 @@ def own_number(contact, g):
 @kernel(_nrt=False)
 def next_velocity(state, const, contact, p, k):
     """The velocity of a node in the coming step, by all forces but the guard's."""
-    i, kick = k // const.row_stride, state.dt_over_mass[k]
-    f = sum_at(state.f_contact, k, sum_at(state.f_int, k, (0.0, 0.0, 0.0)))
-    if i > 0 and i % const.rows_per_block == 0:
-        f = sum_at(state.f_int_above, k, f)
+    row = k // const.row_stride
+    force = add(nodal(state.f_int, k), nodal(state.f_contact, k))
+    if row > 0 and row % const.rows_per_block == 0:
+        force = add(force, nodal(state.f_int_above, k))
     if const.has_backing:
-        f = sum_at(state.f_block_cloth, k, f)
-    f = sum_at(contact.force[p, BEHIND], k, sum_at(contact.force[p, BEFORE], k, f))
-    return state.v[0][k] + kick * f[0], state.v[1][k] + kick * f[1], state.v[2][k] + kick * f[2]
-
-
-@kernel(_nrt=False, forceinline=True)
-def sum_at(force, k, total):
-    """A vector [N], and that of the nodal forces at node k."""
-    return total[0] + force[0][k], total[1] + force[1][k], total[2] + force[2][k]
+        force = add(force, nodal(state.f_block_cloth, k))
+    for side in range(2):
+        force = add(force, nodal(contact.force[p, side], k))
+    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
 
 
 @unit()
@@ -206,17 +199,12 @@ def give_forces(contact):
     for m in range(contact.count[near.NODES]):
         g = contact.node_list[m]
         p, k = g // contact.slots, own_number(contact, g)
-        x, y, z = (
-            contact.impulse[0, g] / contact.dt,
-            contact.impulse[1, g] / contact.dt,
-            contact.impulse[2, g] / contact.dt,
-        )
+        x, y, z = scaled(1.0 / contact.dt, column(contact.impulse, 0, g))
         if x != 0.0 or y != 0.0 or z != 0.0:
             f_x, f_y = turned(contact.turns[p], x, y)
-            (
-                contact.guard_force[p, 0, k],
-                contact.guard_force[p, 1, k],
-                contact.guard_force[p, 2, k],
-            ) = f_x, f_y, z
+            force = contact.guard_force[p]
+            force[0, k] = f_x
+            force[1, k] = f_y
+            force[2, k] = z
             i, j = divmod(k, contact.shape[p, NJ] + 1)
             extend_window(contact.guard_window[p], i, i + 1, j, j + 1)

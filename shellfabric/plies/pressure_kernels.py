@@ -30,6 +30,16 @@ at a time. Plies that are no neighbours meet where the ply behind the first has 
 
 import math
 
+from shellfabric.cloth.nodal_force_kernels import extend_window
+from shellfabric.cloth.vector_kernels import (
+    add,
+    add_scaled,
+    cross,
+    difference,
+    dot,
+    scaled,
+    subtract,
+)
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -58,23 +68,24 @@ from shellfabric.plies.frame_kernels import (
     NI,
     NJ,
     STRIDE,
-    extend_window,
+    mean_thickness,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
 from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
-from shellfabric.plies.separation_kernels import cross, difference, dot
 from shellfabric.plies.surface_kernels import (
-    interpolate8,
+    foot_at,
     is_torn,
     nearest_place,
-    point_mean8,
-    scatter,
+    point_vector8,
     scatter8,
     scatter_to_points8,
     second_slopes8,
+    share_out,
     spline_weights8,
     surface_patch8,
     vector_at,
+    vector_at8,
+    vector_of,
     weights_at,
 )
 from shellfabric.state import unit
@@ -137,7 +148,7 @@ def press_through_hole(contact, tile, other, p, q):
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
     points, s, S = contact.points**2, contact.shape[p, STRIDE], contact.shape[q, STRIDE]
-    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    thickness = mean_thickness(contact, p, q)
     reach = (thickness + contact.longest) ** 2
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -148,11 +159,7 @@ def press_through_hole(contact, tile, other, p, q):
             for m in range(m0, m1):
                 for n in range(n0, n1):
                     k = contact.base[q] + m * S + n
-                    u = (
-                        contact.x[0, g] - contact.x[0, k],
-                        contact.x[1, g] - contact.x[1, k],
-                        contact.x[2, g] - contact.x[2, k],
-                    )
+                    u = difference(contact.x, k, g)
                     if dot(u, u) >= nearest or contact.dropped[k]:
                         continue
                     if (
@@ -233,17 +240,9 @@ def bounded_step(w, slopes, step, place, low, high):
 def offset_after(w, slopes, second, a, b):
     """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
     (y_a, y_b), (y_aa, y_ab, y_bb) = slopes, second
-    return (
-        w[0]
-        - (y_a[0] + 0.5 * (a * y_aa[0] + b * y_ab[0])) * a
-        - (y_b[0] + 0.5 * (a * y_ab[0] + b * y_bb[0])) * b,
-        w[1]
-        - (y_a[1] + 0.5 * (a * y_aa[1] + b * y_ab[1])) * a
-        - (y_b[1] + 0.5 * (a * y_ab[1] + b * y_bb[1])) * b,
-        w[2]
-        - (y_a[2] + 0.5 * (a * y_aa[2] + b * y_ab[2])) * a
-        - (y_b[2] + 0.5 * (a * y_ab[2] + b * y_bb[2])) * b,
-    )
+    along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
+    along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
+    return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
 
 
 @unit("3 numbers", a="number", b="number")
@@ -253,9 +252,9 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
-    s, element = contact.shape[p, STRIDE], row // contact.points**2
+    element = row // contact.points**2
     number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
-    if contact.dropped[contact.base[p] + element * s + j]:
+    if contact.dropped[contact.base[p] + element * contact.shape[p, STRIDE] + j]:
         for slot in range(SLOTS):
             contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
@@ -263,20 +262,17 @@ def press_point(contact, p, q, row, j, a, b, tile):
     if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
         held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
-    torn = is_torn(contact, p, at_a, at_b)
-    i, wa, _, _ = weights_at(torn, at_a, contact.shape[p, NI])
-    j0, wb, _, _ = weights_at(torn, at_b, contact.shape[p, NJ])
-    k = contact.base[p] + i * s + j0
-    x = vector_at(contact.x, k, s, wa, wb)
+    foot = foot_at(contact, p, is_torn(contact, p, at_a, at_b), at_a, at_b)
+    x = vector_of(contact, contact.x, p, foot)
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
-    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    thickness = mean_thickness(contact, p, q)
     (a, b), w, closest, ended = closest_point(contact, q, x, a, b, thickness)
     distance = math.sqrt(dot(w, w))
     if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
-        n = -w[0] / distance, -w[1] / distance, -w[2] / distance
-        at = element, j, i, j0
-        push(contact, p, q, at, k, wa, wb, closest, n, thickness - distance, number)
+        n = scaled(-1.0 / distance, w)
+        area = contact.area[contact.first_element[p] + element * contact.shape[p, NJ] + j]
+        push(contact, (p, foot), (q, closest), area, n, thickness - distance, number)
         if held > 0.0:
             held -= point_energy(contact, p, element, j, number)
     contact.energy[p, LOST] += max(held, 0.0)
@@ -325,10 +321,8 @@ def closest_point(contact, q, x, a, b, thickness):
         J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
         K = contact.base[q] + I * S + J
         y, y_a = vector_at(contact.x, K, S, za, zb), vector_at(contact.x, K, S, da, zb)
-        w, slopes = (
-            (x[0] - y[0], x[1] - y[1], x[2] - y[2]),
-            (y_a, vector_at(contact.x, K, S, za, db)),
-        )
+        w = subtract(x, y)
+        slopes = y_a, vector_at(contact.x, K, S, za, db)
         y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
         second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
@@ -356,29 +350,25 @@ def closest_point(contact, q, x, a, b, thickness):
 @kernel(_nrt=False, forceinline=True)
 def on_facet(contact, q, x, place, facet):
     """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of `push`)."""
-    (a, b), (i, j), s = place, facet, contact.shape[q, STRIDE]
-    k, za, zb = (
-        contact.base[q] + i * s + j,
-        (1.0 - (a - i), a - i, 0.0),
-        (1.0 - (b - j), b - j, 0.0),
-    )
-    y = vector_at(contact.x, k, s, za, zb)
-    return (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (i, j, k, za, zb)
+    (a, b), (i, j) = place, facet
+    za = 1.0 - (a - i), a - i, 0.0
+    zb = 1.0 - (b - j), b - j, 0.0
+    foot = i, j, contact.base[q] + i * contact.shape[q, STRIDE] + j, za, zb
+    return subtract(x, vector_of(contact, contact.x, q, foot)), foot
 
 
 @kernel(_nrt=False, forceinline=True)
 def touches_next(contact, p, row, j, x):
     """Whether a point of ply p, which is at x, is within the thickness of the next ply."""
-    n, s = contact.first_point[p] + row * contact.shape[p, NJ] + j, contact.shape[p + 1, STRIDE]
-    a, b = contact.closest_a[n], contact.closest_b[n]
+    n = contact.first_point[p] + row * contact.shape[p, NJ] + j
+    a = contact.closest_a[n]
+    b = contact.closest_b[n]
     torn = is_torn(contact, p + 1, a, b)
     if torn and has_dropped(contact, p + 1, a, b):
         return False
-    i, wa, _, _ = weights_at(torn, a, contact.shape[p + 1, NI])
-    j, wb, _, _ = weights_at(torn, b, contact.shape[p + 1, NJ])
-    y = vector_at(contact.x, contact.base[p + 1] + i * s + j, s, wa, wb)
-    w = x[0] - y[0], x[1] - y[1], x[2] - y[2]
-    return dot(w, w) < 0.25 * (contact.thickness[p] + contact.thickness[p + 1]) ** 2
+    y = vector_of(contact, contact.x, p + 1, foot_at(contact, p + 1, torn, a, b))
+    w = subtract(x, y)
+    return dot(w, w) < mean_thickness(contact, p, p + 1) ** 2
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -412,38 +402,36 @@ def bounds(contact, p, torn, i, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def push(contact, p, q, at, k, wa, wb, closest, n, closure, number):
-    """Force between a point of ply p and its closest point on ply q.
+def push(contact, front, rear, area, n, closure, number):
+    """Force between a point of a ply and its closest point on one behind it.
 
-    at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these
-    nodes and their weights; closest : (row, column, number) of the first node about the closest point, and the weights
-    there; n : from the point to the closest one; closure [m]; number : of the point, of `given`
+    Parameters
+    ----------
+    front, rear : number of the ply, foot of its point (`surface_kernels.foot_at`)
+    area : that the point stands for
+    n : unit vector from the point to the closest one
+    closure : [m]
+    number : of the point, of `given`
     """
-    (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
-    s, S = contact.shape[p, STRIDE], contact.shape[q, STRIDE]
-    area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
-    v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
-    v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
+    (p, foot), (q, closest) = front, rear
+    v_p = vector_of(contact, contact.v, p, foot)
+    v = subtract(v_p, vector_of(contact, contact.v, q, closest))
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
     f = area * max(0.0, spring + damping * closing)
-    v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
-    speed = math.sqrt(dot(v, v))
+    sliding = add_scaled(v, -closing, n)
+    speed = math.sqrt(dot(sliding, sliding))
     rub = 0.0
     if contact.friction > 0.0 and speed > 0.0:
         rub = min(contact.friction * f / speed, area * contact.stick_damping[p])
-    force = f * n[0] + rub * v[0], f * n[1] + rub * v[1], f * n[2] + rub * v[2]
+    force = add_scaled(scaled(f, n), rub, sliding)
     row = contact.energy[p]
     row[SPRING] += area * energy
     row[DEEPEST] = max(row[DEEPEST], closure)
     row[FRICTION] += contact.dt * rub * speed * speed
-    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, j + 3)
-    extend_window(contact.grid_window[q, BEFORE], I, I + 3, J, J + 3)
-    scatter(
-        contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb
-    )
-    scatter(contact.f[q, BEFORE], K - q * contact.slots, S, force, za, zb)
+    share_out(contact, p, BEHIND, foot, scaled(-1.0, force))
+    share_out(contact, q, BEFORE, closest, force)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -452,7 +440,7 @@ def moved_closure(contact, p, q, number, closure, closing):
     now, jump, given = float(contact.count[STEP]), closure - contact.dt * closing, 0.0
     if contact.touched[number] == now - 1.0:
         jump, given = jump - contact.closed[number], contact.given[number]
-    if abs(jump) > _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[q]):
+    if abs(jump) > _JUMP * mean_thickness(contact, p, q):
         given = max(0.0, given + jump)
     given = min(given, closure)
     contact.touched[number], contact.closed[number], contact.given[number] = now, closure, given
@@ -466,7 +454,7 @@ def moved_closure8(contact, p, q, count, closure, closing, which):
     long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
     given = where(long_ago, 0.0, load(contact.given[0], q))
     jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
-    most = _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[p + 1])
+    most = _JUMP * mean_thickness(contact, p, p + 1)
     given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
     given = minimum(given, closure)
     masked_store(
@@ -481,17 +469,17 @@ def moved_closure8(contact, p, q, count, closure, closing, which):
 def press_points8(contact, p, row, j, q, count):
     """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points,
     that need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
-    x, s, S, thickness = (
-        contact.x,
-        contact.shape[p, STRIDE],
-        contact.shape[p + 1, STRIDE],
-        0.5 * (contact.thickness[p] + contact.thickness[p + 1]),
-    )
+    x = contact.x
+    s = contact.shape[p, STRIDE]
+    S = contact.shape[p + 1, STRIDE]
+    thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
-    i, wa, _, _ = weights_at(False, a, contact.shape[p, NI])
-    j0, wb, _, _ = weights_at(False, b, contact.shape[p, NJ])
-    k, lanes, all_of = contact.base[p] + i * s + j0, load(contact.lanes, 0), (1 << count) - 1
-    A, B = load(contact.closest_a, q), load(contact.closest_b, q)
+    foot = foot_at(contact, p, False, a, b)
+    _, _, k, wa, wb = foot
+    lanes = load(contact.lanes, 0)
+    all_of = (1 << count) - 1
+    A = load(contact.closest_a, q)
+    B = load(contact.closest_b, q)
     fit = whole8(contact, p, k + s + 1, q, all_of, count)
     n_a, n_b = contact.shape[p + 1, NI], contact.shape[p + 1, NJ]
     I, J = (
@@ -513,15 +501,10 @@ def press_points8(contact, p, row, j, q, count):
         spline_weights8(r, greater(I, 0.5)),
         spline_weights8(t, greater(J, 0.5)),
     )
-    X, X_a, X_b = surface_patch8(x[0], K, S, za, zb, da, db, tall)
-    Y, Y_a, Y_b = surface_patch8(x[1], K, S, za, zb, da, db, tall)
-    Z, Z_a, Z_b = surface_patch8(x[2], K, S, za, zb, da, db, tall)
-    w = (
-        point_mean8(x[0], k, s, wa, wb) - X,
-        point_mean8(x[1], k, s, wa, wb) - Y,
-        point_mean8(x[2], k, s, wa, wb) - Z,
-    )
-    slopes, weights = ((X_a, Y_a, Z_a), (X_b, Y_b, Z_b)), ((za, da, ca), (zb, db, cb))
+    weights = (za, da, ca), (zb, db, cb)
+    y, y_a, y_b = surface_patch8(x, K, S, weights, tall)
+    w = subtract(point_vector8(x, k, s, wa, wb), y)
+    slopes = y_a, y_b
     go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
@@ -546,22 +529,12 @@ def press_points8(contact, p, row, j, q, count):
         - _BERTH * thickness
     )
     if touching:
-        n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
+        n = scaled(-1.0 / distance, w)
         closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall
-        push8(
-            contact,
-            p,
-            (row // contact.points**2, j, i, j0),
-            k,
-            wa,
-            wb,
-            closest,
-            n,
-            thickness - distance,
-            touching,
-            q,
-            count,
-        )
+        element = contact.first_element[p] + row // contact.points**2 * contact.shape[p, NJ] + j
+        area = load(contact.area, element)
+        closure = thickness - distance
+        push8(contact, (p, foot), closest, area, n, closure, touching, (q, count))
         clear = 0.0
     return all_of & ~fit, clear
 
@@ -620,46 +593,45 @@ def within8(contact, p, A, B):
 
 
 @kernel(_nrt=False, forceinline=True)
-def push8(contact, p, at, k, wa, wb, closest, n, closure, touching, q, count):
-    """`push` between those of eight points of ply p and the next whose bits are set; arguments of the first."""
-    (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
-    s, S, which = contact.shape[p, STRIDE], contact.shape[p + 1, STRIDE], mask_from_bits(touching)
-    area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
-    v = (
-        point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
-        point_mean8(contact.v[1], k, s, wa, wb) - interpolate8(contact.v[1], K, S, za, zb, tall),
-        point_mean8(contact.v[2], k, s, wa, wb) - interpolate8(contact.v[2], K, S, za, zb, tall),
-    )
+def push8(contact, front, closest, area, n, closure, touching, points):
+    """`push` between those of eight points of a ply and the next whose bits are set.
+
+    front : the ply and the foot of the first point;  closest : the foot of the first closest point, and whether it has
+    four rows of nodes (`surface_kernels.interpolate_rows8`);  points : number of the first, how many there are
+    """
+    (p, (i, j, k, wa, wb)), (I, J, K, za, zb, tall), (q, count) = front, closest, points
+    s = contact.shape[p, STRIDE]
+    S = contact.shape[p + 1, STRIDE]
+    which = mask_from_bits(touching)
+    v_p = point_vector8(contact.v, k, s, wa, wb)
+    v = subtract(v_p, vector_at8(contact.v, K, S, za, zb, tall))
     closing = dot(n, v)
     closure = moved_closure8(contact, p, q, count, closure, closing, which)
     spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
-    force, row = (f * n[0], f * n[1], f * n[2]), contact.energy[p]
+    force = scaled(f, n)
+    row = contact.energy[p]
     if contact.friction > 0.0:
-        v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
-        speed = sqrt(dot(v, v))
+        sliding = subtract(v, scaled(closing, n))
+        speed = sqrt(dot(sliding, sliding))
         rub = minimum(contact.friction * f / maximum(speed, 1e-60), contact.stick_damping[p] * area)
         rub = where(which, rub, 0.0)
-        force = force[0] + rub * v[0], force[1] + rub * v[1], force[2] + rub * v[2]
+        force = add_scaled(force, rub, sliding)
         row[FRICTION] += contact.dt * reduce_add(rub * speed * speed)
     row[SPRING] += reduce_add(where(which, area * energy, 0.0))
     row[DEEPEST] = max(row[DEEPEST], reduce_max(where(which, closure, 0.0)))
     if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):
         return
-    nj, NJ_rear = contact.shape[p, NJ], contact.shape[p + 1, NJ]
-    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, min(j + WIDTH + 2, nj + 2))
-    extend_window(
-        contact.grid_window[p + 1, BEFORE],
-        I,
-        I + (4 if tall else 3),
-        max(J, -1),
-        min(J + WIDTH + 3, NJ_rear + 2),
-    )
-    wa, wb = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    ahead = contact.grid_window[p, BEHIND]
+    extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.shape[p, NJ] + 2))
+    behind = contact.grid_window[p + 1, BEFORE]
+    rows = 4 if tall else 3
+    last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
+    extend_window(behind, I, I + rows, max(J, -1), last)
+    wa = wa[0], wa[1], wa[2], 0.0
+    wb = wb[0], wb[1], wb[2], 0.0
+    k -= p * contact.slots
+    K -= (p + 1) * contact.slots
     for c in range(3):
-        scatter_to_points8(
-            contact.f[p, BEHIND, c], k - p * contact.slots, s, 0.0 - force[c], wa, wb
-        )
-        scatter8(
-            contact.f[p + 1, BEFORE, c], K - (p + 1) * contact.slots, S, force[c], za, zb, tall
-        )
+        scatter_to_points8(contact.f[p, BEHIND, c], k, s, 0.0 - force[c], wa, wb)
+        scatter8(contact.f[p + 1, BEFORE, c], K, S, force[c], za, zb, tall)

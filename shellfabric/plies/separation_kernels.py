@@ -5,27 +5,10 @@ A facet is a triangle of three nodes (columns of an array of places), or a bare 
 
 import math
 
+from shellfabric.cloth.vector_kernels import add_scaled, cross, difference, dot, nodal, scaled
 from shellfabric.jit.compile import kernel
 
 _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
-
-
-@kernel(_nrt=False, forceinline=True)
-def difference(x, a, b):
-    """The vector from node a to node b."""
-    return x[0, b] - x[0, a], x[1, b] - x[1, a], x[2, b] - x[2, a]
-
-
-@kernel(_nrt=False, forceinline=True)
-def dot(a, b):
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel(_nrt=False, forceinline=True)
-def cross(a, b):
-    """Vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -40,7 +23,7 @@ def to_face(x, p, a, b, c):
     along_u, along_v = dot(cross(r, v), n) / square, dot(cross(u, r), n) / square
     inside = along_u >= 0.0 and along_v >= 0.0 and along_u + along_v <= 1.0
     height = -dot(r, n) / square
-    return (height * n[0], height * n[1], height * n[2]), inside
+    return scaled(height, n), inside
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -54,7 +37,7 @@ def between_edges(x, a, b, c, d):
     if t < 0.0 or t > 1.0:
         t = min(max(t, 0.0), 1.0)
         s = min(max((ur + t * uv) / uu, 0.0), 1.0)
-    return r[0] + t * v[0] - s * u[0], r[1] + t * v[1] - s * u[1], r[2] + t * v[2] - s * u[2]
+    return add_scaled(add_scaled(r, t, v), -s, u)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -63,7 +46,7 @@ def span(x, nodes, first, n):
     low, high = 1e30, -1e30
     for i in range(first, first + 3):
         k = nodes[i]
-        along = n[0] * x[0, k] + n[1] * x[1, k] + n[2] * x[2, k]
+        along = dot(n, nodal(x, k))
         low, high = min(low, along), max(high, along)
     return low, high
 
@@ -79,7 +62,7 @@ def lower_bound(x, nodes):
         n = cross(difference(x, a, b), difference(x, a, c))
         size = math.sqrt(dot(n, n))
         if size > 0.0:
-            n = n[0] / size, n[1] / size, n[2] / size
+            n = scaled(1.0 / size, n)
             low, high = span(x, nodes, 0, n)
             other_low, other_high = span(x, nodes, 3, n)
             found = max(found, max(other_low - high, low - other_high))
@@ -99,7 +82,7 @@ def separation(x, nodes):
         if nodes[1] != nodes[2]:
             way, inside = to_face(x, nodes[3 + i], nodes[0], nodes[1], nodes[2])
             if inside and dot(way, way) < least:
-                least, best = dot(way, way), (-way[0], -way[1], -way[2])
+                least, best = dot(way, way), scaled(-1.0, way)
     for i in range(1 if nodes[1] == nodes[2] else 3):
         for j in range(1 if nodes[4] == nodes[5] else 3):
             way = between_edges(
@@ -110,5 +93,5 @@ def separation(x, nodes):
     size = math.sqrt(least)
     if size == 0.0:
         return 0.0, best
-    n = best[0] / size, best[1] / size, best[2] / size
+    n = scaled(1.0 / size, best)
     return span(x, nodes, 3, n)[0] - span(x, nodes, 0, n)[1], n

@@ -12,6 +12,8 @@ the weights 1 - f, f and 0 at a = i + f.
 
 import math
 
+from shellfabric.cloth.nodal_force_kernels import extend_window
+from shellfabric.cloth.spline_kernels import weighted_sum
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
 from shellfabric.plies.frame_kernels import NI, NJ, STRIDE
@@ -45,6 +47,31 @@ def facet_weights(a, n):
 def weights_at(is_facet, a, n):
     """`facet_weights` or `spline_weights`."""
     return facet_weights(a, n) if is_facet else spline_weights(a, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def foot_at(contact, p, torn, a, b):
+    """The foot (row, column, number, weights along a and b) of ply p at the place (a, b): the first of the three by
+    three nodes that shape the surface there, and the weights of these."""
+    i, wa, _, _ = weights_at(torn, a, contact.shape[p, NI])
+    j, wb, _, _ = weights_at(torn, b, contact.shape[p, NJ])
+    return i, j, contact.base[p] + i * contact.shape[p, STRIDE] + j, wa, wb
+
+
+@kernel(_nrt=False, forceinline=True)
+def vector_of(contact, x, p, foot):
+    """The vector x of the nodes, such as their places, at a foot of ply p."""
+    _, _, k, wa, wb = foot
+    return vector_at(x, k, contact.shape[p, STRIDE], wa, wb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_out(contact, p, side, foot, force):
+    """Share a force at a foot of ply p out to its nodes: the transpose of `vector_of`."""
+    i, j, k, wa, wb = foot
+    extend_window(contact.grid_window[p, side], i, i + 3, j, j + 3)
+    stride = contact.shape[p, STRIDE]
+    scatter(contact.f[p, side], k - p * contact.slots, stride, force, wa, wb)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -135,15 +162,9 @@ def select_nodes(moved, a, b, c):
 
 
 @kernel(_nrt=False, forceinline=True)
-def weighted_sum8(w, a, b, c, d):
-    """w0 a + w1 b + w2 c + w3 d"""
-    return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
-
-
-@kernel(_nrt=False, forceinline=True)
 def interpolate_row8(x, k, w):
-    """`weighted_sum8` of four nodes from number k on; the next of eight points begins a node further."""
-    return weighted_sum8(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
+    """`weighted_sum` of four nodes from number k on; the next of eight points begins a node further."""
+    return weighted_sum(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -164,23 +185,45 @@ def interpolate_rows8(x, k, s, w, tall):
 @kernel(_nrt=False, forceinline=True)
 def interpolate8(x, k, s, wa, wb, tall):
     """`interpolate` of eight points side by side, whose four by four nodes begin at the numbers k .. k + 7."""
-    return weighted_sum8(wa, *interpolate_rows8(x, k, s, wb, tall))
+    return weighted_sum(wa, *interpolate_rows8(x, k, s, wb, tall))
 
 
 @kernel(_nrt=False, forceinline=True)
-def surface_patch8(x, k, s, wa, wb, da, db, tall):
-    """(value, slope along a, slope along b) where `interpolate8` is."""
-    v, e = interpolate_rows8(x, k, s, wb, tall), interpolate_rows8(x, k, s, db, tall)
-    return weighted_sum8(wa, *v), weighted_sum8(da, *v), weighted_sum8(wa, *e)
+def vector_at8(x, k, s, wa, wb, tall):
+    """`interpolate8` of the three components of a vector."""
+    return (
+        interpolate8(x[0], k, s, wa, wb, tall),
+        interpolate8(x[1], k, s, wa, wb, tall),
+        interpolate8(x[2], k, s, wa, wb, tall),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def patch_component8(x, k, s, weights, tall):
+    """(value, slope along a, slope along b) where `interpolate8` is; weights : as of `second_slopes8`."""
+    (wa, da, _), (wb, db, _) = weights
+    v = interpolate_rows8(x, k, s, wb, tall)
+    e = interpolate_rows8(x, k, s, db, tall)
+    return weighted_sum(wa, *v), weighted_sum(da, *v), weighted_sum(wa, *e)
+
+
+@kernel(_nrt=False, forceinline=True)
+def surface_patch8(x, k, s, weights, tall):
+    """(place, slope along a, slope along b) of eight surface points, each a vector."""
+    x_0, x_a, x_b = patch_component8(x[0], k, s, weights, tall)
+    y_0, y_a, y_b = patch_component8(x[1], k, s, weights, tall)
+    z_0, z_a, z_b = patch_component8(x[2], k, s, weights, tall)
+    return (x_0, y_0, z_0), (x_a, y_a, z_a), (x_b, y_b, z_b)
 
 
 @kernel(_nrt=False, forceinline=True)
 def second_slopes8(x, k, s, weights, tall):
     """Second slopes (aa, ab, bb) where `interpolate8` is; weights : values, slopes, second slopes along a and b."""
     (wa, da, ca), (wb, db, cb) = weights
-    v, e = interpolate_rows8(x, k, s, wb, tall), interpolate_rows8(x, k, s, db, tall)
+    v = interpolate_rows8(x, k, s, wb, tall)
+    e = interpolate_rows8(x, k, s, db, tall)
     g = interpolate_rows8(x, k, s, cb, tall)
-    return weighted_sum8(ca, *v), weighted_sum8(da, *e), weighted_sum8(wa, *g)
+    return weighted_sum(ca, *v), weighted_sum(da, *e), weighted_sum(wa, *g)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -217,6 +260,16 @@ def point_mean8(x, k, s, wa, wb):
         )
         total = fma(wb[n], row, total)
     return total
+
+
+@kernel(_nrt=False, forceinline=True)
+def point_vector8(x, k, s, wa, wb):
+    """`point_mean8` of the three components of a vector."""
+    return (
+        point_mean8(x[0], k, s, wa, wb),
+        point_mean8(x[1], k, s, wa, wb),
+        point_mean8(x[2], k, s, wa, wb),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)

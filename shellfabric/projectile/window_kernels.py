@@ -4,6 +4,7 @@ import numpy as np
 
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cloth.nodal_force_kernels import include_rows
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
@@ -58,8 +59,7 @@ def move_window(state, const):
         state.contact_window[2 * c + 1] = (
             count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
         )
-    state.active_rows[0] = min(state.active_rows[0], max(state.contact_window[0] - 2, 0))
-    state.active_rows[1] = max(state.active_rows[1], min(state.contact_window[1] + 2, const.ni))
+    include_rows(state, const, state.contact_window[0] - 2, state.contact_window[1] + 2)
 
 
 @kernel()

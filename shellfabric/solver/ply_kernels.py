@@ -14,14 +14,13 @@ LLVM optimises anew, with each kernel that is compiled, all that it calls. The p
 place are therefore made part of their caller before anything is compiled (inline="always").
 """
 
-import numpy as np
-
 from shellfabric.cloth import (
     boundary_kernels,
     energy_kernels,
     failure_kernels,
     packing_kernels,
 )
+from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
@@ -147,13 +146,9 @@ def update_blocks(state, const, work, shared, me, count):
 
 @unit(later=True)
 def apply_backing_impulse(state, const):
-    """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
-    for c in range(3):
-        for k in range(
-            np.uint64(state.active_rows[0] * const.row_stride),
-            np.uint64((state.active_rows[1] + 1) * const.row_stride),
-        ):
-            state.v[c][k] += state.dt_over_mass[k] * state.f_block_cloth[c][k]
+    """Give the nodes the impulses of the backing block."""
+    window = (state.active_rows[0], state.active_rows[1] + 1, 0, const.row_stride)
+    give_impulses(state, const, state.f_block_cloth, window)
 
 
 @kernel(_nrt=False)

@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from shellfabric.cloth.nodal_force_kernels import give_impulses, keep_symmetry
+from shellfabric.cloth.vector_kernels import add, nodal
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
@@ -45,7 +47,7 @@ def fly(states, consts, stack):
     for p in range(len(states)):
         if stack.awake[p]:
             state, const = row_of(states, p), row_of(consts, p)
-            contact_kernels.apply_contact_impulse(state, const)
+            give_impulses(state, const, state.f_contact, state.nose_window)
             push_projectile(stack, const, p, state.f_contact_nose)
             force += axial_force(state, const)
     state, const = row_of(states, last), row_of(consts, last)
@@ -110,49 +112,30 @@ def predict_increments(state, const, contact, p):
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
     state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
-                if const.has_backing:
-                    state.dv_other[c][k] += state.f_block_cloth[c][k]
-    for side in range(2):
-        add_forces(state, const, contact.force[p, side])
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] *= state.dt_over_mass[k]
+    for i in range(i0, i1 + 1):
+        for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
+            k = np.uint64(m)
+            force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
+            if const.has_backing:
+                force = add(force, nodal(state.f_block_cloth, k))
+            for side in range(2):
+                force = add(force, nodal(contact.force[p, side], k))
+            for c in range(3):
+                state.dv_other[c][k] = state.dt_over_mass[k] * force[c]
                 state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
-    if const.mirror_x and i0 == 0:
-        for j in range(j0, j1 + 1):
-            state.dv_other[0][j] = 0.0
-    if const.mirror_y and j0 == 0:
-        for i in range(i0, i1 + 1):
-            state.dv_other[1][i * const.row_stride] = 0.0
+    keep_symmetry(const, state.dv_other, (i0, i1 + 1, j0, j1 + 1))
     # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for
     # its part along their normals
     f_x, f_y, f_z = state.f_contact_nose
-    f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
-    images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
-    state.force_scale[0] = (
-        0.25 * images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
-    )
-
-
-@kernel(_nrt=False)
-def add_forces(state, const, forces):
-    """Add a neighbour's forces to state.dv_other."""
-    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] += forces[c][k]
+    quarters = 0.25
+    if const.mirror_x:
+        f_x = 0.0
+        quarters *= 2.0
+    if const.mirror_y:
+        f_y = 0.0
+        quarters *= 2.0
+    force = math.sqrt(f_x**2 + f_y**2 + f_z**2)
+    state.force_scale[0] = quarters * force / const.points_per_side**2
 
 
 @kernel(_nrt=False)
