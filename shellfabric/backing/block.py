@@ -395,7 +395,10 @@ class Block:
         count, since = self._substeps
         if since % CHECK_INTERVAL == 0:
             # at first a step may take all of its bound, which is that of the block at rest
-            count = 1 if since == 0 else max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
+            if since == 0:
+                count = 1
+            else:
+                count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
         self._substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:
             raise self._unstable(
@@ -446,7 +449,8 @@ class Block:
 
     def _unstable(self, what, brick=None):
         """The error of a brick; without one, of that which bears the shortest step."""
-        brick = int(np.argmin(self._bounds())) if brick is None else brick
+        if brick is None:
+            brick = int(np.argmin(self._bounds()))
         places = 1e3 * self.x[self.bricks[brick]].mean(axis=0)
         where = "the block's brick at ({:.3g}, {:.3g}, {:.3g}) mm".format(*places)
         return UnstableError(what, where=where, when=f"after {1e6 * self.time:.4g} us")
@@ -499,7 +503,10 @@ class Block:
         """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x (axis 0) or y."""
         face = self.depth_map()
         i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
-        line = face[i:, j] if axis == 0 else face[i, j:]
+        if axis == 0:
+            line = face[i:, j]
+        else:
+            line = face[i, j:]
         return line[:, [axis, 2]]
 
     def depth_map(self) -> FloatArray:

@@ -42,7 +42,10 @@ def principal(A, n):
     """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes diagonal."""
     for c in range(3):
         for d in range(3):
-            n[c, d] = 1.0 if c == d else 0.0
+            if c == d:
+                n[c, d] = 1.0
+            else:
+                n[c, d] = 0.0
     for _ in range(SWEEPS):
         off = A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2
         if off <= 1e-30 * (A[0, 0] ** 2 + A[1, 1] ** 2 + A[2, 2] ** 2):
@@ -68,7 +71,8 @@ def principal(A, n):
                 for k in range(3):
                     a = n[k, p]
                     b = n[k, q]
-                    n[k, p], n[k, q] = cos * a - sin * b, sin * a + cos * b
+                    n[k, p] = cos * a - sin * b
+                    n[k, q] = sin * a + cos * b
 
 
 @kernel()
@@ -165,11 +169,10 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     inverse(F, Fi)
     if q > yields + H * alpha:
         step = flow_increment(q, G, yields + H * alpha, law, dt)
-        work = (
-            (yields + H * (alpha + 0.5 * step)) * step
-            if law[5] == 0.0
-            else (q - 3.0 * G * step) * step
-        )
+        if law[5] == 0.0:
+            work = (yields + H * (alpha + 0.5 * step)) * step
+        else:
+            work = (q - 3.0 * G * step) * step
         alpha += step
         keep = 1.0 - 3.0 * G * step / q
         d0 = keep * d0
@@ -214,7 +217,8 @@ def least_height(inverse, edges):
 @kernel()
 def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     """Forces of the bricks i along x: see `forces`."""
-    (_, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
+    _, ny, nz = counts
+    gradient, volume, twist, control, edges = rest
     metric, alpha, last, past, gone = history
     nodes = np.empty(8, np.int64)
     places = np.empty((8, 3))
@@ -222,7 +226,9 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     P = np.empty((3, 3))
     D = np.empty((3, 3))
     H = np.empty((4, 3))
-    per_time = 1.0 / dt if dt > 0.0 else 0.0
+    per_time = 0.0
+    if dt > 0.0:
+        per_time = 1.0 / dt
     for j in range(ny):
         for k in range(nz):
             m = (i * ny + j) * nz + k
@@ -291,7 +297,8 @@ def forces(counts, x, rest, law, dt, history, own, energy):
         past : (m, 2) [Pa] viscous pressure and stress q of the last call
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
-    (nx, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
+    nx, ny, nz = counts
+    gradient, volume, twist, control, edges = rest
     metric, alpha, last, past, gone = history
     for i in prange(nx):
         forces_slice(
@@ -310,7 +317,8 @@ def forces(counts, x, rest, law, dt, history, own, energy):
 @kernel()
 def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
-    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
+    nx, ny, nz = counts
+    mass, dashpot, free = nodes
     kinetic = lost = taken = ahead = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
@@ -354,7 +362,8 @@ def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what contacts,
         took from the nodes, added to; and what of the last that is after this instant, overwritten
     """
-    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
+    nx, ny, nz = counts
+    mass, dashpot, free = nodes
     for i in prange(nx + 1):
         move_slice(
             i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work

@@ -57,12 +57,10 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sum
     forces : outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
     sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
     """
-    (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = (
-        counts,
-        springs,
-        shape,
-        forces,
-    )
+    nx, ny, nz = counts
+    stiffness, damping = springs
+    form, numbers = shape
+    outer, drags = forces
     sums[:] = 0.0
     widest = numbers[1] * numbers[1]
     for i in range(nx + 1):
@@ -340,7 +338,9 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, f
     feet : (s, 4) int, nodes of the facet that each bears on; overwritten
     contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the nodes; overwritten
     """
-    (nx, ny, nz), (x, v, gone), (px, pv, stiffness, damping) = counts, block, points
+    nx, ny, nz = counts
+    x, v, gone = block
+    px, pv, stiffness, damping = points
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)
@@ -391,7 +391,9 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
     on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
     sums : (7,) CONTACT [J], overwritten
     """
-    (outer, drags), (force, drag_force), count = forces, on_points, columns.shape[0]
+    outer, drags = forces
+    force, drag_force = on_points
+    count = columns.shape[0]
     feet = np.empty((count, 4), np.int64)
     contacts = np.empty((count, 9))
     size = (count + SLICES - 1) // SLICES

@@ -169,7 +169,10 @@ class BackingCoupling:
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.const = const
         self.p = backing.points
-        self._turn = axes(panel.weave_angle) if panel.weave_angle else None
+        if panel.weave_angle:
+            self._turn = axes(panel.weave_angle)
+        else:
+            self._turn = None
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
         self.block = replace(backing, standoff=standoff, mirrors=panel.mirrors).block(const.dt)
@@ -197,7 +200,10 @@ class BackingCoupling:
         const = self.const
         block = self.block
         to = self._turn
-        back = None if self._turn is None else self._turn.T
+        if self._turn is None:
+            back = None
+        else:
+            back = self._turn.T
         position, velocity = (
             turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity)
         )

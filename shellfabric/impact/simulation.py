@@ -170,7 +170,9 @@ class ImpactSetup:
     @property
     def title(self) -> str:
         """The fabric with the number of its plies, or what the lay-up is made of."""
-        return f"{self.plies} x {self.name}" if self.plies > 1 and not self.lay_up else self.name
+        if self.plies > 1 and not self.lay_up:
+            return f"{self.plies} x {self.name}"
+        return self.name
 
     @property
     def name(self) -> str:
@@ -194,13 +196,17 @@ class ImpactSetup:
 
     def fabric_of(self, ply: int) -> Fabric:
         """The fabric of a ply, the first is 0."""
-        return self.lay_up[ply].fabric if self.lay_up else self.fabric
+        if self.lay_up:
+            return self.lay_up[ply].fabric
+        return self.fabric
 
     def angle_of(self, ply: int) -> float:
         """[rad] by which a ply, the first is 0, is turned."""
         if self.lay_up:
             return self.lay_up[ply].angle
-        return pi / 2 if self.stacking == "alternating" and ply % 2 == 1 else 0.0
+        if self.stacking == "alternating" and ply % 2 == 1:
+            return pi / 2
+        return 0.0
 
     def is_turned(self, ply: int) -> bool:
         """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its panel."""
@@ -223,7 +229,8 @@ class ImpactSetup:
     def opening_notes(self) -> tuple[str, ...]:
         """A line about each opening that differs from the given one by more than OPENING_ERROR, since its edges follow
         yarns."""
-        asked, found = np.broadcast_to(self.opening, 2), []
+        asked = np.broadcast_to(self.opening, 2)
+        found = []
         for name, held in self._held_openings():
             if np.abs(held / asked - 1).max() > OPENING_ERROR:
                 made, given = (
@@ -242,7 +249,9 @@ class ImpactSetup:
         for one in used.kinds:
             flat = one.panel(one.plain_table())
             for angle in sorted(angles):
-                panel = at_angle(flat, angle) if angle else flat
+                panel = flat
+                if angle:
+                    panel = at_angle(flat, angle)
                 yield panel.fabric.name, np.array(panel.held_opening)
 
     @property
@@ -269,7 +278,9 @@ class ImpactSetup:
         if self.elements_per_crossover is not None:
             return self.elements_per_crossover
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
-        return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
+        if self.grading is not None:
+            return 1
+        return min(max(1, ceil(needed)), MOST_ELEMENTS)
 
     @cached_property
     def meshed(self) -> ImpactSetup:
@@ -291,7 +302,9 @@ class ImpactSetup:
         clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
         if not clamped or self.projectile.roaming:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
-            return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
+            if self.plies == 1:
+                return self
+            return replace(self, elements_per_crossover=sides)
         return self.graded()
 
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
@@ -330,33 +343,43 @@ class ImpactSetup:
             for panel in plain
             for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
         ]
-        near, side = ceil(max(reaches) / count), Fraction(1, count)
+        near = ceil(max(reaches) / count)
+        side = Fraction(1, count)
         zones = []
         while side < longest:
             zones.append((float(near), float(side)))
             near = ceil(1.5 * near if side < 1 else 2 * near)
-            side = Fraction(1) if side < 1 and side.denominator % 2 else 2 * side
+            if side < 1 and side.denominator % 2:
+                side = Fraction(1)
+            else:
+                side = 2 * side
         return replace(self, grading=(*zones, (inf, float(longest))))
 
     @property
     def snapshots(self) -> int:
         """Snapshots of a run to the end time."""
-        return 0 if not self.snapshot_interval else round(self.end_time / self.snapshot_interval)
+        if not self.snapshot_interval:
+            return 0
+        return round(self.end_time / self.snapshot_interval)
 
     @property
     def sample_interval(self) -> float:
         """[s] between samples, which are as frequent as what is recorded."""
-        return (
-            min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
-        )
+        if self.history:
+            return min(self.audit_interval, self.history.interval)
+        return self.audit_interval
 
     def cell(self) -> CellModel | SurfaceCell:
         """The crossover's cell."""
         if self.surface is not None:
             return SurfaceCell(self.fabric, self.surface, self.cell_formulation)
-        reach, fabric = 1.0 if self.yarn_failure else UNFAILING, self.fabric
+        reach = UNFAILING
+        if self.yarn_failure:
+            reach = 1.0
+        fabric = self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
-            reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
+            reach = max(reach, *fabric.strain_rate.strength)
+            fabric = fabric.at_high_rate()
         return CellModel(
             fabric,
             self.laws,
@@ -380,12 +403,17 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)  # type: ignore[arg-type]
+        # type: ignore[arg-type]
+        if kept:
+            return table_cache.table(cell, self.table_size)
+        return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
         """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
         cell = self.cell()
-        return cell.table(11) if isinstance(cell, SurfaceCell) else CellTable.straight(cell)
+        if isinstance(cell, SurfaceCell):
+            return cell.table(11)
+        return CellTable.straight(cell)
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """One ply, of several the first, with its own table or one that a like set-up has filled.
@@ -416,7 +444,9 @@ class ImpactSetup:
         InputError : as `panel`, Pack and Pack.stacked
         """
         pack = self._pack(self.panel(table))
-        return pack if self.strength is None else with_strengths(pack, self.strength)
+        if self.strength is None:
+            return pack
+        return with_strengths(pack, self.strength)
 
     def _pack(self, panel):
         """The plies, of which `panel` is the first, with yarns that are all alike."""
@@ -589,7 +619,9 @@ def run(
     memory.check(made.plies, setup.snapshots)
     if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:
         raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-    solver, factor, kept = _solver(setup, made), 1.0, tuple(hooks)
+    solver = _solver(setup, made)
+    factor = 1.0
+    kept = tuple(hooks)
     if resume is not None:
         solver, factor = _resumed(setup, solver, resume)
     result = _followed(setup, solver, factor, kept)
@@ -601,7 +633,8 @@ def run(
 
 def _solver(setup, target):
     """The solver of a shot at `target`."""
-    velocity, interval = setup.strike_velocity, setup.sample_interval
+    velocity = setup.strike_velocity
+    interval = setup.sample_interval
     solver = PackSolver(target, velocity, setup.end_time, interval=interval)
     solver.history_request = setup.history
     return solver
@@ -653,7 +686,8 @@ def collect_result(
     panels = [panel for panel, _, _ in solver.parts]
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
-    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), setup.projectile.bar
+    clock = solver.const.dt * np.arange(1, len(fine) + 1)
+    bar = setup.projectile.bar
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
     deflection = plies["deflection"][:, -1]
     speed = dynamics.velocity(solver.state, solver.const, solver.bar)

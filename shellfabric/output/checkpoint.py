@@ -38,7 +38,8 @@ class Checkpoints(Every):
 
     def __init__(self, path: FilePath, interval: float, least_wall: float = 0.0) -> None:
         super().__init__(interval)
-        self.path, self.least_wall = path, least_wall
+        self.path = path
+        self.least_wall = least_wall
         self._next: float | None = None  # [s] of the clock
 
     def __call__(self, solver: ExplicitSolver) -> None:
@@ -94,7 +95,10 @@ def _restore(solver, file):
     for name in solver.counters:
         setattr(solver, name, file.attrs[name].item())
     ends = np.cumsum(file["chunks"][()])
-    solver.step_history[:] = np.split(file["steps"][()], ends[:-1]) if ends.size else []
+    if ends.size:
+        solver.step_history[:] = np.split(file["steps"][()], ends[:-1])
+    else:
+        solver.step_history[:] = []
     solver.snapshots[:] = [_snapshot(part) for _, part in sorted(file.get("snapshots", {}).items())]
 
 

@@ -75,7 +75,9 @@ class HistoryRequest:
         """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
         if self.plies is not None and max(self.plies) > count:
             raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
-        return range(count) if self.plies is None else [ply - 1 for ply in self.plies]
+        if self.plies is None:
+            return range(count)
+        return [ply - 1 for ply in self.plies]
 
 
 @dataclass(frozen=True)
@@ -180,7 +182,9 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
         count = lines.size - 1
         slack = 1e-9 * (lines[-1] - lines[0])
         for distance in getattr(measure, family):
-            place = abs(distance) if mirrored else distance
+            place = distance
+            if mirrored:
+                place = abs(distance)
             if not lines[0] - slack <= place <= lines[-1] + slack:
                 allowed = f"at most {1e3 * lines[-1]:.4g} mm from the impact point"
                 raise InputError(key=family, value=distance, allowed=allowed)
@@ -198,8 +202,14 @@ def _record(panel, c, state, chosen, sides, neighbours):
     ]
     parts = []
     for family, element, node in chosen:
-        along = np.s_[:, node] if family == "warp" else np.s_[node, :]
-        pulled = tension[:, element, 0] if family == "warp" else tension[element, :, 1]
+        if family == "warp":
+            along = np.s_[:, node]
+        else:
+            along = np.s_[node, :]
+        if family == "warp":
+            pulled = tension[:, element, 0]
+        else:
+            pulled = tension[element, :, 1]
         rest = panel.lines()[FAMILIES.index(family)]
         parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
     return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
@@ -279,7 +289,10 @@ def _unpacked(
     yarns = []
     for family, element, _ in rows(panel, measure):
         yarn = weave.yarns[FAMILIES.index(family)]
-        own, other = lines if family == "warp" else lines[::-1]
+        if family == "warp":
+            own, other = lines
+        else:
+            own, other = lines[::-1]
         offset = 0.5 * (other[element] + other[element + 1])
         X = 0.5 * (own[:-1] + own[1:])
         known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X

@@ -96,7 +96,10 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
-        nose = found[0].projectile_position if found else one.projectile_position
+        if found:
+            nose = found[0].projectile_position
+        else:
+            nose = one.projectile_position
         found.append(
             replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy())
         )
@@ -125,7 +128,8 @@ def deflection_profile(
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
     i, j = panel.nearest_lines
-    warp, weft = shot.nodes[:, j], shot.nodes[i, :]
+    warp = shot.nodes[:, j]
+    weft = shot.nodes[i, :]
     return (warp[:, :2] @ panel.axes[0], warp[:, 2]), (weft[:, :2] @ panel.axes[1], weft[:, 2])
 
 

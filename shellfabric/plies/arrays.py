@@ -37,7 +37,8 @@ def pack_contact(
         points, `first_element` (plies,) and `area` of all elements; `laws`, `law_step`
         (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
-    plies, own = len(consts), max(state.mass.size for state in states)
+    plies = len(consts)
+    own = max(state.mass.size for state in states)
     shape = np.array([(c.nj + 3, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts])
     slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
     base = np.arange(plies) * slots + shape[:, 0] + 1
@@ -47,8 +48,10 @@ def pack_contact(
     across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
-    none, none_of_grid = np.zeros((plies, 4), np.int64), np.zeros((plies, 2, 4), np.int64)
-    none[:, 0], none[:, 2] = shape[:, 1] + 1, shape[:, 2] + 1
+    none = np.zeros((plies, 4), np.int64)
+    none_of_grid = np.zeros((plies, 2, 4), np.int64)
+    none[:, 0] = shape[:, 1] + 1
+    none[:, 2] = shape[:, 2] + 1
     none_of_grid[:] = none[:, None]
     return PackContact(
         x=x,
@@ -102,7 +105,9 @@ def pack_contact(
 def _grids(consts, states, rest, shape, slots, base):
     """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the nodes (plies slots)."""
     nodes = len(consts) * slots
-    x, kick, mirror = np.zeros((3, nodes)), np.zeros(nodes), np.zeros(nodes, np.uint8)
+    x = np.zeros((3, nodes))
+    kick = np.zeros(nodes)
+    mirror = np.zeros(nodes, np.uint8)
     for p, (const, state, places) in enumerate(zip(consts, states, rest)):
         grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
         for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
@@ -122,7 +127,8 @@ def _grids(consts, states, rest, shape, slots, base):
 
 def _lists(entries, nodes, pairs):
     """Room for pairs of tiles, for near facets, and for rows of all these and of nodes at the planes of symmetry."""
-    rows, most = entries + 2 * nodes, 4 * (TALL + 1) * (WIDE + 1)
+    rows = entries + 2 * nodes
+    most = 4 * (TALL + 1) * (WIDE + 1)
     return {
         **_zeros("pair_tiles", pairs, 2, kind=np.int64),
         **_zeros("pair_due pair_seen", pairs),

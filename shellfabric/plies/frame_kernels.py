@@ -52,18 +52,23 @@ def mean_thickness(contact, p, q):
 @unit()
 def place(state, const, contact, p):
     """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of it is torn."""
-    c, s = contact.turns[p, 0], contact.turns[p, 1]
-    x, v, rest, width = contact.x, contact.v, contact.rest, const.row_stride
-    first, last = state.active_rows[0], state.active_rows[1]
+    c = contact.turns[p, 0]
+    s = contact.turns[p, 1]
+    x = contact.x
+    v = contact.v
+    rest = contact.rest
+    width = const.row_stride
+    first = state.active_rows[0]
+    last = state.active_rows[1]
     for i in range(first, last + 1):
         for j in range(0, width, WIDTH):
-            k, g, left = (
-                i * width + j,
-                contact.base[p] + i * contact.shape[p, STRIDE] + j,
-                width - j,
-            )
-            u_x, u_y = load(state.u[0], k), load(state.u[1], k)
-            v_x, v_y = load(state.v[0], k), load(state.v[1], k)
+            k = i * width + j
+            g = contact.base[p] + i * contact.shape[p, STRIDE] + j
+            left = width - j
+            u_x = load(state.u[0], k)
+            u_y = load(state.u[1], k)
+            v_x = load(state.v[0], k)
+            v_y = load(state.v[1], k)
             masked_store(x[0], g, load(rest[0], g) + (c * u_x - s * u_y), left)
             masked_store(x[1], g, load(rest[1], g) + (c * u_y + s * u_x), left)
             masked_store(x[2], g, load(rest[2], g) + load(state.u[2], k), left)
@@ -80,8 +85,10 @@ def place(state, const, contact, p):
 @kernel(_nrt=False)
 def place_ghosts(contact, x, p, first, last):
     """The ghosts of a vector x of the nodes of ply p, whose rows first .. last are new."""
-    base, stride = contact.base[p], contact.shape[p, STRIDE]
-    ni, nj = contact.shape[p, NI], contact.shape[p, NJ]
+    base = contact.base[p]
+    stride = contact.shape[p, STRIDE]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
     for c in range(3):
         for i in range(first, last + 1):
             g = base + i * stride
@@ -101,7 +108,9 @@ def place_ghosts(contact, x, p, first, last):
 def ghost(mirrored, normal, at, inside):
     """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the mirror plane."""
     if mirrored:
-        return -inside if normal else inside
+        if normal:
+            return -inside
+        return inside
     return 2.0 * at - inside
 
 
@@ -115,7 +124,8 @@ def look_at_torn(state, const, contact, p):
             flag = state.element_flag[k]
             if flag == 0:
                 continue
-            g, stride = contact.base[p] + i * contact.shape[p, STRIDE] + j, contact.shape[p, STRIDE]
+            g = contact.base[p] + i * contact.shape[p, STRIDE] + j
+            stride = contact.shape[p, STRIDE]
             contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[
                 g + stride + 1
             ] = 1
@@ -131,7 +141,8 @@ def hand_over(state, const, contact, p):
     """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a
     step's work of those of the last step, which are over, and half a step's of the new."""
     for side in range(2):
-        force, window = contact.force[p, side], contact.window[p, side]
+        force = contact.force[p, side]
+        window = contact.window[p, side]
         contact.work[p] -= half_step_work(state, const, force, window, True)
         take_from_ghosts(contact, p, side)
         take_from_nodes(contact, p, side)
@@ -142,9 +153,12 @@ def hand_over(state, const, contact, p):
 @kernel(_nrt=False)
 def take_from_ghosts(contact, p, side):
     """Hand the forces on ghosts to the nodes that they follow from, and widen the window of the grid to these."""
-    f, window = contact.f[p, side], contact.grid_window[p, side]
-    base, stride = contact.base[p] - p * contact.slots, contact.shape[p, STRIDE]
-    ni, nj = contact.shape[p, NI], contact.shape[p, NJ]
+    f = contact.f[p, side]
+    window = contact.grid_window[p, side]
+    base = contact.base[p] - p * contact.slots
+    stride = contact.shape[p, STRIDE]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
     if window[0] < 0:
         for g in range(base + window[2], base + window[3]):
             take_from_ghost(f, g - stride, stride, contact.shape[p, MIRROR_X], 0)
@@ -152,7 +166,8 @@ def take_from_ghosts(contact, p, side):
     if window[1] > ni + 1:
         for g in range(base + window[2], base + window[3]):
             take_from_ghost(f, g + (ni + 1) * stride, -stride, False, 0)
-        window[0], window[1] = min(window[0], ni - 1), ni + 1
+        window[0] = min(window[0], ni - 1)
+        window[1] = ni + 1
     if window[2] < 0:
         for i in range(window[0], window[1]):
             take_from_ghost(f, base + i * stride - 1, 1, contact.shape[p, MIRROR_Y], 1)
@@ -160,7 +175,8 @@ def take_from_ghosts(contact, p, side):
     if window[3] > nj + 1:
         for i in range(window[0], window[1]):
             take_from_ghost(f, base + i * stride + nj + 1, -1, False, 1)
-        window[2], window[3] = min(window[2], nj - 1), nj + 1
+        window[2] = min(window[2], nj - 1)
+        window[3] = nj + 1
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -178,22 +194,21 @@ def take_from_ghost(f, g, inwards, mirrored, normal):
 @kernel(_nrt=False)
 def take_from_nodes(contact, p, side):
     """Move the forces on the nodes of a grid to the nodal forces of the ply."""
-    f, force, window = contact.f[p, side], contact.force[p, side], contact.grid_window[p, side]
-    c, s, width, stride = (
-        contact.turns[p, 0],
-        contact.turns[p, 1],
-        contact.shape[p, NJ] + 1,
-        contact.shape[p, STRIDE],
-    )
+    f = contact.f[p, side]
+    force = contact.force[p, side]
+    window = contact.grid_window[p, side]
+    c = contact.turns[p, 0]
+    s = contact.turns[p, 1]
+    width = contact.shape[p, NJ] + 1
+    stride = contact.shape[p, STRIDE]
     none = broadcast(0.0)
     for i in range(window[0], window[1]):
         for j in range(window[2], window[3], WIDTH):
-            k, g, left = (
-                i * width + j,
-                contact.base[p] - p * contact.slots + i * stride + j,
-                window[3] - j,
-            )
-            f_x, f_y = load(f[0], g), load(f[1], g)
+            k = i * width + j
+            g = contact.base[p] - p * contact.slots + i * stride + j
+            left = window[3] - j
+            f_x = load(f[0], g)
+            f_y = load(f[1], g)
             masked_store(force[0], k, c * f_x + s * f_y, left)
             masked_store(force[1], k, c * f_y - s * f_x, left)
             masked_store(force[2], k, load(f[2], g), left)

@@ -65,11 +65,10 @@ def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
     value, low, high = (
         0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high")
     )
-    source = (
-        one.source
-        if one.source == other.source
-        else f"mean of two fabrics: {one.source}; {other.source}"
-    )
+    if one.source == other.source:
+        source = one.source
+    else:
+        source = f"mean of two fabrics: {one.source}; {other.source}"
     return PlyGap(value, low, high, source)
 
 
@@ -85,11 +84,15 @@ def _closure(fabric):
     try:
         if fabric.areal_density_measured is not None:
             gap = compression_gap(fabric.areal_density_measured)
-            low, high = one.low / one.value * gap, one.high / one.value * gap
+            low = one.low / one.value * gap
+            high = one.high / one.value * gap
             return PlyGap(gap, low, high, "assumed: pressure law of packs, thesis eqs. 5-1 to 5-4")
     except InputError:  # K'' of eq. 2-6 is not positive
         pass
-    thickness = fabric.weave.thickness if fabric.thickness is None else fabric.thickness
+    if fabric.thickness is None:
+        thickness = fabric.weave.thickness
+    else:
+        thickness = fabric.thickness
     gap, low, high = (share * thickness for share in (one.value, one.low, one.high))
     return PlyGap(
         gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm"

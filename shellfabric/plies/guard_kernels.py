@@ -24,7 +24,8 @@ from shellfabric.cloth.vector_kernels import dot, nodal
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-PLANE_X, PLANE_Y = -1, -2
+PLANE_X = -1
+PLANE_Y = -2
 SWEEPS = 30
 KEPT = 0.2  # share of the distance that stays
 NEAREST = 0.05  # thicknesses within which all of it does
@@ -41,18 +42,23 @@ def needed(distance, thickness):
 @kernel(_nrt=False, forceinline=True)
 def worst(y, nodes, n):
     """What is left between the facets of a row, and the two nodes that are to blame."""
-    low, high, a, b = 1e30, -1e30, nodes[0], nodes[3]
+    low = 1e30
+    high = -1e30
+    a = nodes[0]
+    b = nodes[3]
     for i in range(3):
         k = nodes[i]
         along = 0.0  # of a plane of symmetry
         if k >= 0:
             along = dot(n, nodal(y, k))
         if along > high:
-            high, a = along, k
+            high = along
+            a = k
         k = nodes[3 + i]
         along = dot(n, nodal(y, k))
         if along < low:
-            low, b = along, k
+            low = along
+            b = k
     return low - high, a, b
 
 
@@ -135,7 +141,9 @@ def join_violated(contact, rows):
         first = root_of(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
-                plane = 1 if nodes[i] == PLANE_X else 2
+                plane = 2
+                if nodes[i] == PLANE_X:
+                    plane = 1
                 contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | plane
                 continue
             other = root_of(contact, nodes[i])

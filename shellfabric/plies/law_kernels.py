@@ -18,7 +18,8 @@ from shellfabric.jit.simd import floor, gather_rows4, maximum, minimum, to_int32
 def law_at(table, step, closure):
     """(force [N], damping [N s/m], energy [J]) of a point at a closure [m], 0 or above."""
     cell = int(min(closure / step, table.shape[0] - 1.0))
-    rest, row = closure - cell * step, table[cell]
+    rest = closure - cell * step
+    row = table[cell]
     return row[0] + row[1] * rest, row[2], row[3] + (row[0] + 0.5 * row[1] * rest) * rest
 
 

@@ -28,7 +28,8 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     snapshots : how many are kept
     written : whether pictures and files are made of the results
     """
-    counts, backing = [ply.elements for ply in plies], plies[0].backing
+    counts = [ply.elements for ply in plies]
+    backing = plies[0].backing
     element = ELEMENT
     if len(plies) > 1:
         element = PACK
@@ -43,9 +44,13 @@ def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> 
     ------
     InputError : with the numbers of elements and both amounts of memory
     """
-    opening, backing = plies[0].opening, plies[0].backing
+    opening = plies[0].opening
+    backing = plies[0].backing
     content = f"{sum(ply.elements for ply in plies):,} elements"
     content += f" with a block of {prod(backing.count):,}" if backing else ""
     content += f" and {snapshots:,} snapshots" if snapshots else ""
-    value = opening if opening[0] != opening[1] else opening[0]
+    if opening[0] != opening[1]:
+        value = opening
+    else:
+        value = opening[0]
     memory.check(needed(plies, snapshots, written), content, "opening", value)

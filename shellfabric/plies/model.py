@@ -142,9 +142,14 @@ class Pack:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
         law = law or (ply_laws.default(ply.fabric) if plies > 1 else None)
         if gap is None:
-            gap = ply_gap(ply.fabric, law).value if plies > 1 else 0.0
+            gap = 0.0
+            if plies > 1:
+                gap = ply_gap(ply.fabric, law).value
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        laws = (law,) * (plies - 1) if law else ()
+        if law:
+            laws = (law,) * (plies - 1)
+        else:
+            laws = ()
         stack = tuple(both[n % 2] for n in range(plies))
         return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
 
@@ -187,7 +192,9 @@ class Pack:
     @classmethod
     def of(cls, target: Panel | Pack) -> Pack:
         """The pack itself, or that of a single ply."""
-        return target if isinstance(target, Pack) else cls((target,))
+        if isinstance(target, Pack):
+            return target
+        return cls((target,))
 
     @property
     def angles(self) -> tuple[float, ...]:
@@ -234,7 +241,8 @@ class Pack:
 
     def _foreseen(self, slots):
         """Room for what firm springs foresee; a nose of explicit ones has none."""
-        slots = slots if len(self.plies) > 1 else 0
+        if not (len(self.plies) > 1):
+            slots = 0
         return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
     @cached_property
@@ -256,7 +264,8 @@ class Pack:
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
-        count, shot = len(self.plies), self.plies[0].shot
+        count = len(self.plies)
+        shot = self.plies[0].shot
         stack = Stack(
             body=dynamics.rigid_body(),
             awake=np.zeros(count, np.bool_),
@@ -300,7 +309,9 @@ class Pack:
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
-        rest, points, knobs = [], self.contact.points, self.contact
+        rest = []
+        points = self.contact.points
+        knobs = self.contact
         for ply, z in zip(self.plies, self.places):
             x, y = ply.coordinates()
             nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
@@ -342,7 +353,9 @@ class Pack:
 
     def _in_step(self, ply):
         """A ply with the Courant factor that gives it the pack's time step."""
-        return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
+        if ply.time_step == self.time_step:
+            return ply
+        return _slower(ply, self.time_step)
 
     def _stick_damping(self, mass):
         """[N s/m] of a contact point."""
@@ -356,7 +369,9 @@ class Pack:
         Near the borders of zones, where the spline's places are not in proportion to distances, a guess; of points
         beside that ply the nearest place on its rim.
         """
-        front, rear, n = self.plies[p], self.plies[p + 1], self.contact.points
+        front = self.plies[p]
+        rear = self.plies[p + 1]
+        n = self.contact.points
         sub = (np.arange(n) + 0.5) / n
         along, across = (np.arange(count)[:, None] + sub for count in front.counts)
         lines = [
@@ -388,7 +403,8 @@ class Pack:
         ):
             return own / np.prod(front.spacing)
         wide = np.pad(other, 1, mode="edge")
-        (m, n), shifts = other.shape, [(a, b) for a in range(3) for b in range(3)]
+        m, n = other.shape
+        shifts = [(a, b) for a in range(3) for b in range(3)]
         least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)
         at = np.minimum(
             places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1

@@ -47,7 +47,8 @@ def tile_bounds(contact, t):
     """Ply of a tile, and its first and last rows and columns of nodes."""
     p = contact.tile_ply[t]
     i, j = divmod(t - contact.first_tile[p], contact.tiles_across[p])
-    ni, nj = contact.shape[p, NI], contact.shape[p, NJ]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
     return p, i * TALL, min((i + 1) * TALL, ni), j * WIDE, min((j + 1) * WIDE, nj)
 
 
@@ -56,12 +57,15 @@ def set_box(contact, t):
     """The box of a tile, into contact.box."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     for c in range(3):
-        low, high = 1e30, -1e30
+        low = 1e30
+        high = -1e30
         for i in range(i0, i1 + 1):
             k = contact.base[p] + i * contact.shape[p, STRIDE]
             for x in contact.x[c, k + j0 : k + j1 + 1]:
-                low, high = min(low, x), max(high, x)
-        contact.box[t, c], contact.box[t, 3 + c] = low, high
+                low = min(low, x)
+                high = max(high, x)
+        contact.box[t, c] = low
+        contact.box[t, 3 + c] = high
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -84,14 +88,17 @@ def boxes_apart(box, other):
 @unit()
 def list_tiles(contact):
     """Pairs of tiles of different plies that are within reach, and the order of the tiles along x."""
-    tiles, order = contact.travel.size, contact.order
+    tiles = contact.travel.size
+    order = contact.order
     for n in range(1, tiles):  # nearly in order already
-        t, m = order[n], n - 1
+        t = order[n]
+        m = n - 1
         while m >= 0 and contact.box[order[m], 0] > contact.box[t, 0]:
             order[m + 1] = order[m]
             m -= 1
         order[m + 1] = t
-    reach, found = _TILE_REACH * contact.thickest, 0
+    reach = _TILE_REACH * contact.thickest
+    found = 0
     for n in range(tiles):
         a = order[n]
         for m in range(n + 1, tiles):
@@ -105,10 +112,12 @@ def list_tiles(contact):
                 if found == contact.pair_due.size:
                     contact.guard[FAILED] = NO_ROOM
                     break
-                contact.pair_tiles[found, 0], contact.pair_tiles[found, 1] = a, b
+                contact.pair_tiles[found, 0] = a
+                contact.pair_tiles[found, 1] = b
                 contact.pair_due[found] = contact.pair_seen[found] = -1e30
                 found += 1
-    contact.count[PAIRS], contact.count[ENTRIES] = found, 0
+    contact.count[PAIRS] = found
+    contact.count[ENTRIES] = 0
     for t in range(tiles):
         contact.travel_then[t] = contact.travel[t]
 
@@ -139,7 +148,8 @@ def tiles_have_moved(contact):
 def mean_normal(contact, t):
     """Unit vector across the diagonals of a tile; 0 of one without any."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    s, k = contact.shape[p, STRIDE], contact.base[p]
+    s = contact.shape[p, STRIDE]
+    k = contact.base[p]
     u = difference(contact.x, k + i0 * s + j0, k + i1 * s + j1)
     v = difference(contact.x, k + i1 * s + j0, k + i0 * s + j1)
     n = cross(u, v)
@@ -153,12 +163,14 @@ def mean_normal(contact, t):
 def tile_span(contact, t, n):
     """The least and the largest of n.x over the nodes of a tile."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    low, high = 1e30, -1e30
+    low = 1e30
+    high = -1e30
     for i in range(i0, i1 + 1):
         k = contact.base[p] + i * contact.shape[p, STRIDE]
         for m in range(k + j0, k + j1 + 1):
             along = n[0] * contact.x[0, m] + n[1] * contact.x[1, m] + n[2] * contact.x[2, m]
-            low, high = min(low, along), max(high, along)
+            low = min(low, along)
+            high = max(high, along)
     return low, high
 
 
@@ -179,13 +191,11 @@ def tiles_apart(contact, a, b):
 def list_facets(contact, state, t, side):
     """The facets of a tile, into contact.facets[side]; their number."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    s, ni, nj, first, found = (
-        contact.shape[p, STRIDE],
-        contact.shape[p, NI],
-        contact.shape[p, NJ],
-        contact.base[p],
-        0,
-    )
+    s = contact.shape[p, STRIDE]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
+    first = contact.base[p]
+    found = 0
     for i in range(i0, i1):
         for j in range(j0, j1):
             g = first + i * s + j
@@ -196,7 +206,8 @@ def list_facets(contact, state, t, side):
         return found
     for i in range(i0, i1 + 1):
         for j in range(j0, j1 + 1):
-            g, k = first + i * s + j, i * (nj + 1) + j
+            g = first + i * s + j
+            k = i * (nj + 1) + j
             here = i < ni and j < nj and contact.dropped[g] == 0
             above = i > 0 and j < nj and contact.dropped[g - s] == 0
             before = j > 0 and i < ni and contact.dropped[g - 1] == 0
@@ -210,11 +221,17 @@ def list_facets(contact, state, t, side):
 @kernel(_nrt=False, forceinline=True)
 def add_facet(contact, side, found, a, b, c):
     """Put a facet and its box at place `found`; the next place."""
-    nodes, box = contact.facets[side, found], contact.facet_box[side, found]
-    nodes[0], nodes[1], nodes[2] = a, b, c
+    nodes = contact.facets[side, found]
+    box = contact.facet_box[side, found]
+    nodes[0] = a
+    nodes[1] = b
+    nodes[2] = c
     for r in range(3):
-        u, v, w = contact.x[r, a], contact.x[r, b], contact.x[r, c]
-        box[r], box[3 + r] = min(u, min(v, w)), max(u, max(v, w))
+        u = contact.x[r, a]
+        v = contact.x[r, b]
+        w = contact.x[r, c]
+        box[r] = min(u, min(v, w))
+        box[3 + r] = max(u, max(v, w))
     return found + 1
 
 
@@ -223,7 +240,8 @@ def list_near_facets(contact, m, first, second):
     """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = contact.pair_tiles[m]
     thickness = tiles_thickness(contact, a, b)
-    limit, found = guarded_distance(contact, a, b), contact.count[ENTRIES]
+    limit = guarded_distance(contact, a, b)
+    found = contact.count[ENTRIES]
     reach = limit + _REACH * thickness
     contact.pair_due[m] = contact.travel[a] + contact.travel[b] + _REACH * thickness
     for i in range(first):
@@ -237,7 +255,8 @@ def list_near_facets(contact, m, first, second):
                 return
             nodes = contact.entry_nodes[found]
             for r in range(3):
-                nodes[r], nodes[3 + r] = contact.facets[0, i, r], contact.facets[1, j, r]
+                nodes[r] = contact.facets[0, i, r]
+                nodes[3 + r] = contact.facets[1, j, r]
             apart = lower_bound(contact.x, nodes)
             if apart > reach:
                 continue
@@ -258,7 +277,8 @@ def add_row(contact, nodes, n, distance, thickness):
         contact.row_nodes[row, r] = nodes[r]
     for c in range(3):
         contact.row_normal[row, c] = n[c]
-    contact.row_need[row], contact.row_distance[row] = needed(distance, thickness), distance
+    contact.row_need[row] = needed(distance, thickness)
+    contact.row_distance[row] = distance
     contact.guard[LEAST] = min(contact.guard[LEAST], distance / thickness)
     contact.count[ROWS] = row + 1
 
@@ -268,7 +288,8 @@ def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
     thickness = tiles_thickness(contact, a, b)
-    nodes, limit = contact.entry_nodes[e], guarded_distance(contact, a, b)
+    nodes = contact.entry_nodes[e]
+    limit = guarded_distance(contact, a, b)
     apart = lower_bound(contact.x, nodes)
     if apart <= limit:
         apart, n = separation(contact.x, nodes)
@@ -285,7 +306,8 @@ def look_at_entry(contact, e):
 def look_at_planes(contact, t):
     """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can be."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    thickness, least = contact.thickness[p], 1e30
+    thickness = contact.thickness[p]
+    least = 1e30
     limit = max(NEAR * thickness, _FASTER * contact.way[t])
     for c in range(2):
         if not contact.shape[p, MIRROR_X + c]:
@@ -297,8 +319,13 @@ def look_at_planes(contact, t):
                     continue
                 x = contact.x[c, k]
                 if 0.0 < x <= limit:
-                    n = (1.0, 0.0, 0.0) if c == 0 else (0.0, 1.0, 0.0)
-                    plane = PLANE_X if c == 0 else PLANE_Y
+                    if c == 0:
+                        n = (1.0, 0.0, 0.0)
+                    else:
+                        n = (0.0, 1.0, 0.0)
+                    plane = PLANE_Y
+                    if c == 0:
+                        plane = PLANE_X
                     add_row(contact, (plane, plane, plane, k, k, k), n, x, thickness)
                 least = min(least, max(x - limit, 0.0))
     contact.plane_due[t] = contact.travel[t] + least
@@ -330,7 +357,8 @@ def list_neighbours(contact, now):
             continue
         contact.covered[front] = now
         if contact.holes[rear]:
-            contact.open[front], torn = now, True
+            contact.open[front] = now
+            torn = True
         apart = contact.pair_seen[m] + contact.clearance[front]
         if (
             contact.looked_at[front] != now
@@ -352,7 +380,9 @@ def list_neighbours(contact, now):
 def ordered(contact, m):
     """The tiles of pair m, that of the ply in front first."""
     a, b = contact.pair_tiles[m]
-    return (a, b) if contact.tile_ply[a] < contact.tile_ply[b] else (b, a)
+    if contact.tile_ply[a] < contact.tile_ply[b]:
+        return (a, b)
+    return (b, a)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -362,7 +392,8 @@ def add_pressed(contact, front, rear):
     if count == contact.pressed.shape[0]:
         contact.guard[FAILED] = NO_ROOM
         return
-    contact.pressed[count, 0], contact.pressed[count, 1] = front, rear
+    contact.pressed[count, 0] = front
+    contact.pressed[count, 1] = rear
     contact.count[PRESSED] = count + 1
 
 

@@ -67,7 +67,9 @@ def law_tables(
     densities : [kg/m2] of the lighter one of the two plies
     contact : PlyContact, of which factor on the stiffness and damping are taken
     """
-    cells = 1 if all(law.closure.size == 2 for law in laws) else _CELLS
+    cells = _CELLS
+    if all(law.closure.size == 2 for law in laws):
+        cells = 1
     tables = np.zeros((len(laws), cells + 1, 4))
     for table, law, area, density in zip(tables, laws, areas, densities):
         scaled = law.scaled(contact.stiffness)

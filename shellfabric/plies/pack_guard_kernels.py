@@ -34,7 +34,9 @@ def hold_apart(states, consts, contact):
             place(row_of(states, p), row_of(consts, p), contact, p)
             follow(row_of(states, p), row_of(consts, p), contact, p)
         for t in range(contact.travel.size):
-            contact.travel[t], contact.plane_due[t], contact.order[t] = 0.0, 0.0, t
+            contact.travel[t] = 0.0
+            contact.plane_due[t] = 0.0
+            contact.order[t] = t
     if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
         contact.count[near.REMAKE] = 0
         for t in range(contact.travel.size):
@@ -60,26 +62,31 @@ def count_work(states, consts, contact, let_go):
     """Count half of the work of the guard's forces: before their step, or after it, when they are taken away."""
     for p in range(len(states)):
         if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
-            state, const = row_of(states, p), row_of(consts, p)
-            force, window = contact.guard_force[p], contact.guard_window[p]
+            state = row_of(states, p)
+            const = row_of(consts, p)
+            force = contact.guard_force[p]
+            window = contact.guard_window[p]
             contact.guard[near.WORK] -= half_step_work(state, const, force, window, let_go)
 
 
 @unit()
 def follow(state, const, contact, p):
     """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way and contact.travel."""
-    s, across = const.row_stride, contact.tiles_across[p]
-    down, speed = (const.ni + near.TALL - 1) // near.TALL, contact.block_speed[p]
+    s = const.row_stride
+    across = contact.tiles_across[p]
+    down = (const.ni + near.TALL - 1) // near.TALL
+    speed = contact.block_speed[p]
     for i in range(down + 1):
-        begin, end = (
-            max(i * near.TALL, state.active_rows[0]),
-            min((i + 1) * near.TALL, state.active_rows[1] + 1),
-        )
+        begin = max(i * near.TALL, state.active_rows[0])
+        end = min((i + 1) * near.TALL, state.active_rows[1] + 1)
         for j in range(across + 1):
-            square, own = broadcast(0.0), head_mask(s - j * near.WIDE)
+            square = broadcast(0.0)
+            own = head_mask(s - j * near.WIDE)
             for row in range(begin, end if j * near.WIDE < s else begin):
                 k = row * s + j * near.WIDE
-                x, y, z = load(state.v[0], k), load(state.v[1], k), load(state.v[2], k)
+                x = load(state.v[0], k)
+                y = load(state.v[1], k)
+                z = load(state.v[2], k)
                 square = maximum(square, where(own, x * x + y * y + z * z, 0.0))
             speed[i * (across + 1) + j] = reduce_max(square)
     for i in range(down):
@@ -102,7 +109,9 @@ def look_at_tiles(states, contact):
             continue
         near.refresh_box(contact, a)
         near.refresh_box(contact, b)
-        apart, p, q = near.tiles_apart(contact, a, b), contact.tile_ply[a], contact.tile_ply[b]
+        apart = near.tiles_apart(contact, a, b)
+        p = contact.tile_ply[a]
+        q = contact.tile_ply[b]
         limit = near.guarded_distance(contact, a, b)
         if apart > limit:
             contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
@@ -198,7 +207,8 @@ def give_forces(contact):
     """The impulses as forces of a step, in the frames of the plies."""
     for m in range(contact.count[near.NODES]):
         g = contact.node_list[m]
-        p, k = g // contact.slots, own_number(contact, g)
+        p = g // contact.slots
+        k = own_number(contact, g)
         x, y, z = scaled(1.0 / contact.dt, column(contact.impulse, 0, g))
         if x != 0.0 or y != 0.0 or z != 0.0:
             f_x, f_y = turned(contact.turns[p], x, y)

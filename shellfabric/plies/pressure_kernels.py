@@ -106,7 +106,8 @@ def press(contact, me, count):
     for p in range(me, contact.failures.size, count):
         contact.energy[p, SPRING] = 0.0
     for n in range(contact.count[PRESSED]):
-        tile, p = contact.pressed[n, 0], contact.tile_ply[contact.pressed[n, 0]]
+        tile = contact.pressed[n, 0]
+        p = contact.tile_ply[contact.pressed[n, 0]]
         if contact.tile_ply[contact.pressed[n, 1]] == p + 1 and p % count == me:
             press_tile(contact, tile, p)
 
@@ -115,8 +116,10 @@ def press(contact, me, count):
 def press_others(contact):
     """Forces between plies that are no neighbours."""
     for n in range(contact.count[PRESSED]):
-        tile, other = contact.pressed[n, 0], contact.pressed[n, 1]
-        p, q = contact.tile_ply[tile], contact.tile_ply[other]
+        tile = contact.pressed[n, 0]
+        other = contact.pressed[n, 1]
+        p = contact.tile_ply[tile]
+        q = contact.tile_ply[other]
         if q != p + 1:
             press_through_hole(contact, tile, other, p, q)
 
@@ -126,18 +129,23 @@ def press_tile(contact, tile, p):
     """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do not touch is from
     that, into contact.clearance."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
-    points, nj, clearance = contact.points**2, contact.shape[p, NJ], _FAR
+    points = contact.points**2
+    nj = contact.shape[p, NJ]
+    clearance = _FAR
     for row in range(i0 * points, i1 * points):
-        q, count = contact.first_point[p] + row * nj + j0, j1 - j0
+        q = contact.first_point[p] + row * nj + j0
+        count = j1 - j0
         left = (1 << count) - 1
         if contact.side_by_side[p]:
             left, clear = press_points8(contact, p, row, j0, q, count)
             clearance = min(clearance, clear)
         for lane in range(count if left else 0):
             if (left >> lane) & 1:
-                a, b = contact.closest_a[q + lane], contact.closest_b[q + lane]
+                a = contact.closest_a[q + lane]
+                b = contact.closest_b[q + lane]
                 a, b, clear = press_point(contact, p, p + 1, row, j0 + lane, a, b, -1)
-                contact.closest_a[q + lane], contact.closest_b[q + lane] = a, b
+                contact.closest_a[q + lane] = a
+                contact.closest_b[q + lane] = b
                 clearance = min(clearance, clear)
     contact.clearance[tile] = max(clearance, 0.0)
 
@@ -147,7 +155,9 @@ def press_through_hole(contact, tile, other, p, q):
     """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
-    points, s, S = contact.points**2, contact.shape[p, STRIDE], contact.shape[q, STRIDE]
+    points = contact.points**2
+    s = contact.shape[p, STRIDE]
+    S = contact.shape[q, STRIDE]
     thickness = mean_thickness(contact, p, q)
     reach = (thickness + contact.longest) ** 2
     for i in range(i0, i1):
@@ -155,7 +165,9 @@ def press_through_hole(contact, tile, other, p, q):
             g = contact.base[p] + i * s + j
             if contact.dropped[g]:
                 continue
-            nearest, a, b = reach, 0.0, 0.0
+            nearest = reach
+            a = 0.0
+            b = 0.0
             for m in range(m0, m1):
                 for n in range(n0, n1):
                     k = contact.base[q] + m * S + n
@@ -166,7 +178,9 @@ def press_through_hole(contact, tile, other, p, q):
                         max(height_over(contact, g, s, k, S), height_over(contact, k, S, g, s))
                         <= thickness
                     ):
-                        nearest, a, b = dot(u, u), m + 0.5, n + 0.5
+                        nearest = dot(u, u)
+                        a = m + 0.5
+                        b = n + 0.5
             for m in range(points if nearest < reach else 0):
                 press_point(contact, p, q, i * points + m, j, a, b, other)
 
@@ -177,21 +191,29 @@ def height_over(contact, g, s, k, S):
     x = contact.x
     n = cross(difference(x, g, g + s + 1), difference(x, g + s, g + 1))
     size = math.sqrt(dot(n, n))
-    low, high, least, most = 0.0, 0.0, _FAR, -_FAR
+    low = 0.0
+    high = 0.0
+    least = _FAR
+    most = -_FAR
     for corner in (g + 1, g + s, g + s + 1):
         along = dot(n, difference(x, g, corner))
-        low, high = min(low, along), max(high, along)
+        low = min(low, along)
+        high = max(high, along)
     for corner in (k, k + 1, k + S, k + S + 1):
         along = dot(n, difference(x, g, corner))
-        least, most = min(least, along), max(most, along)
-    return max(least - high, low - most) / size if size > 0.0 else 0.0
+        least = min(least, along)
+        most = max(most, along)
+    if size > 0.0:
+        return max(least - high, low - most) / size
+    return 0.0
 
 
 @kernel(_nrt=False, forceinline=True)
 def place_of_point(contact, row, j):
     """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one point an element."""
     points = contact.points
-    i, m = row // points**2, row % points**2
+    i = row // points**2
+    m = row % points**2
     return i + (m // points + 0.5) / points, j + (m % points + 0.5) / points
 
 
@@ -203,7 +225,11 @@ def newton_step(w, slopes, second, thickness):
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa, ab, bb
     """
     y_a, y_b = slopes
-    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
+    aa = dot(y_a, y_a)
+    ab = dot(y_a, y_b)
+    bb = dot(y_b, y_b)
+    r_a = dot(y_a, w)
+    r_b = dot(y_b, w)
     square = aa * bb - ab * ab
     if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
         return (r_a / aa if aa > 0.0 else 0.0), 0.0, False
@@ -211,14 +237,15 @@ def newton_step(w, slopes, second, thickness):
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = thickness * thickness * square > apart
     if near:
-        curved_aa, curved_ab, curved_bb = (
-            aa - dot(w, second[0]),
-            ab - dot(w, second[1]),
-            bb - dot(w, second[2]),
-        )
+        curved_aa = aa - dot(w, second[0])
+        curved_ab = ab - dot(w, second[1])
+        curved_bb = bb - dot(w, second[2])
         curved = curved_aa * curved_bb - curved_ab * curved_ab
         if curved > 0.1 * square and curved_aa > 0.0:
-            aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
+            aa = curved_aa
+            ab = curved_ab
+            bb = curved_bb
+            square = curved
     return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, near
 
 
@@ -228,7 +255,8 @@ def bounded_step(w, slopes, step, place, low, high):
     y_a, y_b = slopes
     a = min(max(step[0], low[0] - place[0]), high[0] - place[0])
     b = min(max(step[1], low[1] - place[1]), high[1] - place[1])
-    bb, aa = dot(y_b, y_b), dot(y_a, y_a)
+    bb = dot(y_b, y_b)
+    aa = dot(y_a, y_a)
     if a != step[0] and bb > 0.0:
         b = min(max((dot(y_b, w) - a * dot(y_a, y_b)) / bb, low[1] - place[1]), high[1] - place[1])
     elif b != step[1] and aa > 0.0:
@@ -239,7 +267,8 @@ def bounded_step(w, slopes, step, place, low, high):
 @kernel(_nrt=False, forceinline=True)
 def offset_after(w, slopes, second, a, b):
     """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
-    (y_a, y_b), (y_aa, y_ab, y_bb) = slopes, second
+    y_a, y_b = slopes
+    y_aa, y_ab, y_bb = second
     along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
     along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
     return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
@@ -308,8 +337,16 @@ def closest_point(contact, q, x, a, b, thickness):
     """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of x from it,
     the nodes about the last place that was looked at and their weights (of `push`), whether the search has ended. An
     offset of _FAR if there is no fabric."""
-    S, searched, far = contact.shape[q, STRIDE], False, (_FAR, _FAR, _FAR)
-    w, I, J, K, za, zb, torn = far, 0, 0, 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False
+    S = contact.shape[q, STRIDE]
+    searched = False
+    far = (_FAR, _FAR, _FAR)
+    w = far
+    I = 0
+    J = 0
+    K = 0
+    za = (0.0, 0.0, 0.0)
+    zb = (0.0, 0.0, 0.0)
+    torn = False
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
         if torn and not searched and has_dropped(contact, q, a, b):
@@ -320,10 +357,12 @@ def closest_point(contact, q, x, a, b, thickness):
         I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
         J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
         K = contact.base[q] + I * S + J
-        y, y_a = vector_at(contact.x, K, S, za, zb), vector_at(contact.x, K, S, da, zb)
+        y = vector_at(contact.x, K, S, za, zb)
+        y_a = vector_at(contact.x, K, S, da, zb)
         w = subtract(x, y)
         slopes = y_a, vector_at(contact.x, K, S, za, db)
-        y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
+        y_aa = vector_at(contact.x, K, S, ca, zb)
+        y_ab = vector_at(contact.x, K, S, da, db)
         second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
         low, high = bounds(contact, q, torn, I, J)
@@ -335,8 +374,10 @@ def closest_point(contact, q, x, a, b, thickness):
             searched = True
             continue
         ended = max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
-        go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
-        a, b = a + go, b + turn
+        go = min(max(go, -_LONGEST), _LONGEST)
+        turn = min(max(turn, -_LONGEST), _LONGEST)
+        a = a + go
+        b = b + turn
         if torn:
             w, closest = on_facet(contact, q, x, (a, b), (I, J))
             return (a, b), w, closest, False
@@ -350,7 +391,8 @@ def closest_point(contact, q, x, a, b, thickness):
 @kernel(_nrt=False, forceinline=True)
 def on_facet(contact, q, x, place, facet):
     """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of `push`)."""
-    (a, b), (i, j) = place, facet
+    a, b = place
+    i, j = facet
     za = 1.0 - (a - i), a - i, 0.0
     zb = 1.0 - (b - j), b - j, 0.0
     foot = i, j, contact.base[q] + i * contact.shape[q, STRIDE] + j, za, zb
@@ -374,10 +416,8 @@ def touches_next(contact, p, row, j, x):
 @kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
     """Whether the element of ply p at the place (a, b) is no fabric any more."""
-    i, j = (
-        min(max(int(a), 0), contact.shape[p, NI] - 1),
-        min(max(int(b), 0), contact.shape[p, NJ] - 1),
-    )
+    i = min(max(int(a), 0), contact.shape[p, NI] - 1)
+    j = min(max(int(b), 0), contact.shape[p, NJ] - 1)
     return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
@@ -394,10 +434,12 @@ def bounds(contact, p, torn, i, j):
     of torn fabric."""
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
-    low_a, low_b = (
-        (-0.5 if contact.shape[p, MIRROR_X] else 0.0),
-        (-0.5 if contact.shape[p, MIRROR_Y] else 0.0),
-    )
+    low_a = 0.0
+    if contact.shape[p, MIRROR_X]:
+        low_a = -0.5
+    low_b = 0.0
+    if contact.shape[p, MIRROR_Y]:
+        low_b = -0.5
     return (low_a, low_b), (float(contact.shape[p, NI]), float(contact.shape[p, NJ]))
 
 
@@ -413,7 +455,8 @@ def push(contact, front, rear, area, n, closure, number):
     closure : [m]
     number : of the point, of `given`
     """
-    (p, foot), (q, closest) = front, rear
+    p, foot = front
+    q, closest = rear
     v_p = vector_of(contact, contact.v, p, foot)
     v = subtract(v_p, vector_of(contact, contact.v, q, closest))
     closing = dot(n, v)
@@ -437,13 +480,18 @@ def push(contact, front, rear, area, n, closure, number):
 @kernel(_nrt=False, forceinline=True)
 def moved_closure(contact, p, q, number, closure, closing):
     """The closure [m] of a point less what no motion has made of it: what it had when first seen, and what jumps."""
-    now, jump, given = float(contact.count[STEP]), closure - contact.dt * closing, 0.0
+    now = float(contact.count[STEP])
+    jump = closure - contact.dt * closing
+    given = 0.0
     if contact.touched[number] == now - 1.0:
-        jump, given = jump - contact.closed[number], contact.given[number]
+        jump = jump - contact.closed[number]
+        given = contact.given[number]
     if abs(jump) > _JUMP * mean_thickness(contact, p, q):
         given = max(0.0, given + jump)
     given = min(given, closure)
-    contact.touched[number], contact.closed[number], contact.given[number] = now, closure, given
+    contact.touched[number] = now
+    contact.closed[number] = closure
+    contact.given[number] = given
     return closure - given
 
 
@@ -481,26 +529,24 @@ def press_points8(contact, p, row, j, q, count):
     A = load(contact.closest_a, q)
     B = load(contact.closest_b, q)
     fit = whole8(contact, p, k + s + 1, q, all_of, count)
-    n_a, n_b = contact.shape[p + 1, NI], contact.shape[p + 1, NJ]
-    I, J = (
-        floor(minimum(maximum(A + 0.5, 0.0), float(n_a))),
-        floor(minimum(maximum(B + 0.5, 0.0), float(n_b))),
-    )
+    n_a = contact.shape[p + 1, NI]
+    n_b = contact.shape[p + 1, NJ]
+    I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
+    J = floor(minimum(maximum(B + 0.5, 0.0), float(n_b)))
     chosen = mask_from_bits(fit)
-    I0, J0 = (
-        -reduce_max(where(chosen, 0.0 - I, -_FAR)),
-        -reduce_max(where(chosen, lanes - J, -_FAR)),
-    )
+    I0 = -reduce_max(where(chosen, 0.0 - I, -_FAR))
+    J0 = -reduce_max(where(chosen, lanes - J, -_FAR))
     if fit == 0:
         return all_of, _FAR
     K = contact.base[p + 1] + (int(I0) - 1) * S + int(J0) - 1
-    r, t, I, J = A - I, B - J, I - I0, J - lanes - J0
+    r = A - I
+    t = B - J
+    I = I - I0
+    J = J - lanes - J0
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
-    (za, da, ca), (zb, db, cb) = (
-        spline_weights8(r, greater(I, 0.5)),
-        spline_weights8(t, greater(J, 0.5)),
-    )
+    za, da, ca = spline_weights8(r, greater(I, 0.5))
+    zb, db, cb = spline_weights8(t, greater(J, 0.5))
     weights = (za, da, ca), (zb, db, cb)
     y, y_a, y_b = surface_patch8(x, K, S, weights, tall)
     w = subtract(point_vector8(x, k, s, wa, wb), y)
@@ -508,7 +554,8 @@ def press_points8(contact, p, row, j, q, count):
     go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
-    A, B = A + go, B + turn
+    A = A + go
+    B = B + turn
     fit &= within8(contact, p + 1, A, B)
     masked_store(
         contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count
@@ -544,20 +591,29 @@ def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
     """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes of the surface,
     which points are near, as bits, and which are fit still."""
     y_a, y_b = slopes
-    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
-    square, none = aa * bb - ab * ab, broadcast(0.0)
+    aa = dot(y_a, y_a)
+    ab = dot(y_a, y_b)
+    bb = dot(y_b, y_b)
+    r_a = dot(y_a, w)
+    r_b = dot(y_b, w)
+    square = aa * bb - ab * ab
+    none = broadcast(0.0)
     fit &= movemask(greater(square, 1e-12 * (aa * bb)))
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = fit & movemask(greater(thickness * thickness * square, apart))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
         second = second_of8(x, K, S, weights, tall)
-        c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        c_aa = aa - dot(w, second[0])
+        c_ab = ab - dot(w, second[1])
+        c_bb = bb - dot(w, second[2])
         curved = c_aa * c_bb - c_ab * c_ab
         sure = mask_from_bits(
             near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0))
         )
-        aa, ab, bb = where(sure, c_aa, aa), where(sure, c_ab, ab), where(sure, c_bb, bb)
+        aa = where(sure, c_aa, aa)
+        ab = where(sure, c_ab, ab)
+        bb = where(sure, c_bb, bb)
         square = where(sure, curved, square)
     return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
 
@@ -599,7 +655,9 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     front : the ply and the foot of the first point;  closest : the foot of the first closest point, and whether it has
     four rows of nodes (`surface_kernels.interpolate_rows8`);  points : number of the first, how many there are
     """
-    (p, (i, j, k, wa, wb)), (I, J, K, za, zb, tall), (q, count) = front, closest, points
+    p, (i, j, k, wa, wb) = front
+    I, J, K, za, zb, tall = closest
+    q, count = points
     s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
     which = mask_from_bits(touching)
@@ -625,7 +683,9 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     ahead = contact.grid_window[p, BEHIND]
     extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.shape[p, NJ] + 2))
     behind = contact.grid_window[p + 1, BEFORE]
-    rows = 4 if tall else 3
+    rows = 3
+    if tall:
+        rows = 4
     last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
     wa = wa[0], wa[1], wa[2], 0.0

@@ -15,12 +15,15 @@ _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
 def to_face(x, p, a, b, c):
     """The vector from node p to its foot on the plane of a triangle, and whether that is within the triangle; at its
     edges the distances of edges are as small."""
-    u, v, r = difference(x, a, b), difference(x, a, c), difference(x, a, p)
+    u = difference(x, a, b)
+    v = difference(x, a, c)
+    r = difference(x, a, p)
     n = cross(u, v)
     square = dot(n, n)
     if square == 0.0:
         return r, False
-    along_u, along_v = dot(cross(r, v), n) / square, dot(cross(u, r), n) / square
+    along_u = dot(cross(r, v), n) / square
+    along_v = dot(cross(u, r), n) / square
     inside = along_u >= 0.0 and along_v >= 0.0 and along_u + along_v <= 1.0
     height = -dot(r, n) / square
     return scaled(height, n), inside
@@ -29,10 +32,18 @@ def to_face(x, p, a, b, c):
 @kernel(_nrt=False, forceinline=True)
 def between_edges(x, a, b, c, d):
     """The shortest vector from the edge of nodes a and b to that of c and d."""
-    u, v, r = difference(x, a, b), difference(x, c, d), difference(x, a, c)
-    uu, uv, vv, ur, vr = dot(u, u), dot(u, v), dot(v, v), dot(u, r), dot(v, r)
+    u = difference(x, a, b)
+    v = difference(x, c, d)
+    r = difference(x, a, c)
+    uu = dot(u, u)
+    uv = dot(u, v)
+    vv = dot(v, v)
+    ur = dot(u, r)
+    vr = dot(v, r)
     det = uu * vv - uv * uv
-    s = min(max((ur * vv - uv * vr) / det, 0.0), 1.0) if det > _PARALLEL * uu * vv else 0.0
+    s = 0.0
+    if det > _PARALLEL * uu * vv:
+        s = min(max((ur * vv - uv * vr) / det, 0.0), 1.0)
     t = (s * uv - vr) / vv
     if t < 0.0 or t > 1.0:
         t = min(max(t, 0.0), 1.0)
@@ -43,11 +54,13 @@ def between_edges(x, a, b, c, d):
 @kernel(_nrt=False, forceinline=True)
 def span(x, nodes, first, n):
     """The least and the largest of n.x over the three nodes from number `first` on."""
-    low, high = 1e30, -1e30
+    low = 1e30
+    high = -1e30
     for i in range(first, first + 3):
         k = nodes[i]
         along = dot(n, nodal(x, k))
-        low, high = min(low, along), max(high, along)
+        low = min(low, along)
+        high = max(high, along)
     return low, high
 
 
@@ -56,7 +69,9 @@ def lower_bound(x, nodes):
     """A distance [m] that two facets are apart at least, by the planes of both: 0 where these say nothing."""
     found = 0.0
     for first in (0, 3):
-        a, b, c = nodes[first], nodes[first + 1], nodes[first + 2]
+        a = nodes[first]
+        b = nodes[first + 1]
+        c = nodes[first + 2]
         if b == c:
             continue
         n = cross(difference(x, a, b), difference(x, a, c))
@@ -73,23 +88,27 @@ def lower_bound(x, nodes):
 def separation(x, nodes):
     """Of the facets nodes[:3] and nodes[3:]: width [m] of the widest slab between them, and its direction, a unit
     vector from the first to the second. The width is not above 0 where they touch or cross."""
-    least, best = 1e60, (0.0, 0.0, 0.0)
+    least = 1e60
+    best = (0.0, 0.0, 0.0)
     for i in range(3):
         if nodes[4] != nodes[5]:
             way, inside = to_face(x, nodes[i], nodes[3], nodes[4], nodes[5])
             if inside and dot(way, way) < least:
-                least, best = dot(way, way), way
+                least = dot(way, way)
+                best = way
         if nodes[1] != nodes[2]:
             way, inside = to_face(x, nodes[3 + i], nodes[0], nodes[1], nodes[2])
             if inside and dot(way, way) < least:
-                least, best = dot(way, way), scaled(-1.0, way)
+                least = dot(way, way)
+                best = scaled(-1.0, way)
     for i in range(1 if nodes[1] == nodes[2] else 3):
         for j in range(1 if nodes[4] == nodes[5] else 3):
             way = between_edges(
                 x, nodes[i], nodes[(i + 1) % 3], nodes[3 + j], nodes[3 + (j + 1) % 3]
             )
             if dot(way, way) < least:
-                least, best = dot(way, way), way
+                least = dot(way, way)
+                best = way
     size = math.sqrt(least)
     if size == 0.0:
         return 0.0, best

@@ -26,7 +26,8 @@ def spline_weights(a, n):
     """Weights of three nodes of a line of n elements at the place a: (first node, values, slopes, second slopes)."""
     i = min(max(int(a + 0.5), 0), n)
     r = a - i
-    low, high = 0.5 - r, 0.5 + r
+    low = 0.5 - r
+    high = 0.5 + r
     return (
         i - 1,
         (0.5 * low * low, 0.75 - r * r, 0.5 * high * high),
@@ -46,7 +47,9 @@ def facet_weights(a, n):
 @kernel(_nrt=False, forceinline=True)
 def weights_at(is_facet, a, n):
     """`facet_weights` or `spline_weights`."""
-    return facet_weights(a, n) if is_facet else spline_weights(a, n)
+    if is_facet:
+        return facet_weights(a, n)
+    return spline_weights(a, n)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -79,17 +82,16 @@ def is_torn(contact, p, a, b):
     """Whether a torn element is among those that shape the spline of ply p at the place (a, b)."""
     if contact.failures[p] == 0:
         return False
-    i, j = (
-        min(max(int(a + 0.5), 0), contact.shape[p, NI]),
-        min(max(int(b + 0.5), 0), contact.shape[p, NJ]),
-    )
+    i = min(max(int(a + 0.5), 0), contact.shape[p, NI])
+    j = min(max(int(b + 0.5), 0), contact.shape[p, NJ])
     return contact.torn[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate(x, k, s, wa, wb):
     """Sum of wa wb x over three by three nodes from number k on."""
-    m, o = k + s, k + 2 * s
+    m = k + s
+    o = k + 2 * s
     low = wb[0] * x[k] + wb[1] * x[k + 1] + wb[2] * x[k + 2]
     middle = wb[0] * x[m] + wb[1] * x[m + 1] + wb[2] * x[m + 2]
     high = wb[0] * x[o] + wb[1] * x[o + 1] + wb[2] * x[o + 2]
@@ -119,26 +121,32 @@ def scatter(f, k, s, force, wa, wb):
 def nearest_place(contact, p, a, b, x, y, z):
     """Of the middles of the quarters of the elements about the place (a, b) that have not eroded, the place of that
     nearest to the point (x, y, z); (a, b) if there is none."""
-    ni, nj, s = contact.shape[p, NI], contact.shape[p, NJ], contact.shape[p, STRIDE]
-    i0, j0 = min(max(int(a), 0), ni - 1), min(max(int(b), 0), nj - 1)
-    least, found_a, found_b = 1e30, a, b
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
+    s = contact.shape[p, STRIDE]
+    i0 = min(max(int(a), 0), ni - 1)
+    j0 = min(max(int(b), 0), nj - 1)
+    least = 1e30
+    found_a = a
+    found_b = b
     for i in range(max(i0 - _SEARCHED, 0), min(i0 + _SEARCHED + 1, ni)):
         for j in range(max(j0 - _SEARCHED, 0), min(j0 + _SEARCHED + 1, nj)):
             k = contact.base[p] + i * s + j
             if contact.dropped[k]:
                 continue
             for m in range(4):
-                f, g = 0.25 + 0.5 * (m & 1), 0.25 + 0.5 * (m >> 1)
+                f = 0.25 + 0.5 * (m & 1)
+                g = 0.25 + 0.5 * (m >> 1)
                 square = 0.0
                 for c, at in enumerate((x, y, z)):
                     u = contact.x[c]
-                    low, high = (
-                        u[k] + g * (u[k + 1] - u[k]),
-                        u[k + s] + g * (u[k + s + 1] - u[k + s]),
-                    )
+                    low = u[k] + g * (u[k + 1] - u[k])
+                    high = u[k + s] + g * (u[k + s + 1] - u[k + s])
                     square += (low + f * (high - low) - at) ** 2
                 if square < least:
-                    least, found_a, found_b = square, i + f, j + g
+                    least = square
+                    found_a = i + f
+                    found_b = j + g
     return found_a, found_b
 
 
@@ -146,7 +154,8 @@ def nearest_place(contact, p, a, b, x, y, z):
 def spline_weights8(r, moved):
     """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points that are `moved`
     are the last three, of the others the first three. Returns (values, slopes, second slopes)."""
-    low, high = 0.5 - r, 0.5 + r
+    low = 0.5 - r
+    high = 0.5 + r
     values = select_nodes(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
     return (
         values,
@@ -240,7 +249,8 @@ def scatter8(f, k, s, force, wa, wb, tall):
 def scatter_row8(f, k, force, w):
     """Share eight forces out to four nodes each, those of the next a node further: summed up in two registers."""
     none = broadcast(0.0)
-    low, high = shift_in_prev(none, force * w[3]), shift_in_prev(force * w[3], none)
+    low = shift_in_prev(none, force * w[3])
+    high = shift_in_prev(force * w[3], none)
     low = low + force * w[2]
     low, high = shift_in_prev(none, low), shift_in_prev(low, high)
     low = low + force * w[1]

@@ -69,7 +69,8 @@ class Bar:
         InputError : a mass that the solid cylinder has not, or that the bore cannot leave
         """
         source = round_projectile()
-        material = load("steel") if material is None else material
+        if material is None:
+            material = load("steel")
         mass, diameter, length, bore = (
             source[key] if value is None else value
             for key, value in (
@@ -88,7 +89,10 @@ class Bar:
             raise InputError(
                 key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg"
             )
-        sections = ((length - depth, full), (depth, tube)) if depth > 0 else ((length, full),)
+        if depth > 0:
+            sections = ((length - depth, full), (depth, tube))
+        else:
+            sections = ((length, full),)
         return cls(sections, material, **changes)
 
     @classmethod

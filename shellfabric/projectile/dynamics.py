@@ -73,7 +73,9 @@ def history(t: FloatArray, fine: FloatArray, row: Any, bar: Bar) -> BarHistory:
 
 def columns(bar: Bar | None) -> tuple[str, ...]:
     """Names of the columns of the history of a projectile: of a bar, or of a rigid one."""
-    return RIGID if bar is None else BAR
+    if bar is None:
+        return RIGID
+    return BAR
 
 
 def make_row(bar: Bar, share: float, dt: float, velocity: float) -> bar_kernels.BarRow:

@@ -173,7 +173,9 @@ class Projectile:
         """The bar along the axis; None for a rigid body."""
         if isinstance(self.body, Bar):
             return self.body
-        return self.steel_bar() if self.body == "elastic_bar" else None
+        if self.body == "elastic_bar":
+            return self.steel_bar()
+        return None
 
     def steel_bar(self) -> Bar:
         """The bored steel cylinder of this mass, diameter and length.
@@ -259,7 +261,9 @@ class Projectile:
     def form(self) -> FloatArray:
         """(n,) the numbers that `sdf_kernels` needs of the shape, at least 4."""
         values = SHAPES[self.shape][1](self)
-        return values if self.solid is not None else np.array([*values, *[0.0] * (4 - len(values))])
+        if self.solid is not None:
+            return values
+        return np.array([*values, *[0.0] * (4 - len(values))])
 
     @property
     def shoulder(self) -> float:
@@ -271,8 +275,12 @@ class Projectile:
         """[m] smallest radius that fabric is bent round by the nose."""
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
-        tip = self.tip_radius if self.shape == "cone" else None
-        return self.edge_radius if tip is None else min(self.edge_radius, tip)
+        tip = None
+        if self.shape == "cone":
+            tip = self.tip_radius
+        if tip is None:
+            return self.edge_radius
+        return min(self.edge_radius, tip)
 
     def seen_from(self, angle: float) -> Projectile:
         """The same shot in a frame that is turned by `angle` [rad] about the panel's normal."""
@@ -299,7 +307,9 @@ class Projectile:
     @property
     def frame(self) -> FloatArray:
         """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it, and rolled."""
-        lean, (c, s) = self.obliquity + self.yaw, (cos(self.azimuth), sin(self.azimuth))
+        lean = self.obliquity + self.yaw
+        c = cos(self.azimuth)
+        s = sin(self.azimuth)
         away = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)])
         beside = np.array([-s, c, 0.0])
         turn = self.roll - self.azimuth
@@ -310,7 +320,10 @@ class Projectile:
     def distance(self, point: FloatArray | Sequence[float]) -> tuple[float, FloatArray]:
         """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin; and its gradient."""
         frame = self.frame
-        length = inf if self.length is None else self.length
+        if self.length is None:
+            length = inf
+        else:
+            length = self.length
         depth, *normal = sdf_kernels.distance(
             self.number,
             *(frame @ np.asarray(point)),
@@ -351,11 +364,17 @@ class Projectile:
         set_back : [m] along the axis
         rise, around : rays from the side to the tip, and in a ring
         """
-        end = (
-            2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
-        )
-        length = inf if self.shape == "sphere" else end
-        deep = self.radius if self.solid is None else min(self.radius, 0.5 * end)
+        if self.shape == "sphere":
+            end = 2 * self.radius
+        else:
+            end = min(self.length or inf, 6 * self.radius)
+        length = end
+        if self.shape == "sphere":
+            length = inf
+        if self.solid is None:
+            deep = self.radius
+        else:
+            deep = min(self.radius, 0.5 * end)
         slopes = np.linspace(0, 0.5 * pi, rise)
         depths = np.linspace(deep, end - deep, rise // 5)
         # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back

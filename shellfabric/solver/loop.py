@@ -55,9 +55,15 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
     """
     several = len(states) > 1
     # threads share the plies of a pack, or the blocks of a single ply: part `part` of `parts`
-    first = me if several else 0
-    part = 0 if several else me
-    parts = 1 if several else count
+    first = 0
+    if several:
+        first = me
+    part = me
+    if several:
+        part = 0
+    parts = count
+    if several:
+        parts = 1
     if me == 0:
         begin(states, consts, works)
     made = 0
@@ -66,7 +72,10 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
     before = internal_work(states, contact)
     while True:
         if me == 0:
-            shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
+            if made < history.shape[0] and reason == RUNNING:
+                shared[STOP] = 0
+            else:
+                shared[STOP] = 1
             if shared[STOP] == 0:
                 if several:
                     # places after the step follow from forces that are all known by now
@@ -82,7 +91,9 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             const = row_of(consts, p)
             work = row_of(works, p)
             # a ply of a pack is one thread's own, which waits for nobody in it
-            gate = work.barrier if several else shared
+            gate = shared
+            if several:
+                gate = work.barrier
             if several:
                 if not wakes(state, const, contact, stack, p):
                     continue

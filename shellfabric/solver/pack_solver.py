@@ -128,7 +128,10 @@ class PackSolver(ExplicitSolver):
         self.bar = self._make_bar()
         self.modules = tuple(forces.given(state.modules) for state in self.states)
         several = len(pack.plies) > 1
-        self.contact = pack.plies_contact(self.consts, self.states) if several else None
+        if several:
+            self.contact = pack.plies_contact(self.consts, self.states)
+        else:
+            self.contact = None
         self._name_energies(several)
         self._begin_run()
 
@@ -144,7 +147,10 @@ class PackSolver(ExplicitSolver):
         return bar
 
     def _name_energies(self, several):
-        between = BETWEEN_PLIES if several else ()
+        if several:
+            between = BETWEEN_PLIES
+        else:
+            between = ()
         self.energy_names = (*ENERGIES, *self._further_energies, *between, "error")
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
@@ -163,16 +169,23 @@ class PackSolver(ExplicitSolver):
 
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
-        pack, plies = self.pack, len(self.parts)
+        pack = self.pack
+        plies = len(self.parts)
         self._plies = Rows(self.states), Rows(self.consts)
         self._works = [Rows(pack.works())]
         compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
         self.share = self.panel.share
-        most = plies if plies > 1 else np.inf  # threads that can share the work
+        # threads that can share the work
+        if plies > 1:
+            most = plies
+        else:
+            most = np.inf
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile.bar))
-        self.ply_samples, self.history_request, self.histories = [], None, []
+        self.ply_samples = []
+        self.history_request = None
+        self.histories = []
         self.backing = None
         self.perforated_samples = 0
         self.run_steps(
@@ -223,7 +236,9 @@ class PackSolver(ExplicitSolver):
     @property
     def held_apart(self) -> int:
         """[-] impulses that kept plies from passing through each other."""
-        return int(self.contact.guard[near_kernels.IMPULSES]) if self.contact else 0
+        if self.contact:
+            return int(self.contact.guard[near_kernels.IMPULSES])
+        return 0
 
     @property
     def steps(self) -> int:
@@ -251,30 +266,32 @@ class PackSolver(ExplicitSolver):
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
-        return (
-            list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
-            if self.contact
-            else []
-        )
+        if self.contact:
+            return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
+        return []
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
         several plies, or before a block, also of what is in front, and of what is behind.
         """
         state = self.parts[ply][2]
-        nose, nothing, forces = (
-            state.f_contact[2],
-            0 * state.f_contact[2],
-            self.neighbour_forces(ply),
-        )
-        rear = nothing if self.backing is None else -state.f_block_cloth[2]
+        nose = state.f_contact[2]
+        nothing = 0 * state.f_contact[2]
+        forces = self.neighbour_forces(ply)
+        if self.backing is None:
+            rear = nothing
+        else:
+            rear = -state.f_block_cloth[2]
         if not forces:
-            return [nose] if self.backing is None else [nose, nothing, rear]
+            if self.backing is None:
+                return [nose]
+            return [nose, nothing, rear]
         return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
-        state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)
+        state = self.parts[ply][2]
+        neighbours = self.neighbour_forces(ply)
         if not neighbours:
             return state
         total = [force.copy() for force in state.f_contact]
@@ -314,7 +331,10 @@ class PackSolver(ExplicitSolver):
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
         *projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
         total = plies.sum(axis=0)
-        block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
+        if self.backing:
+            block = self.backing.energies()
+        else:
+            block = np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
@@ -387,7 +407,9 @@ class PackSolver(ExplicitSolver):
         """See ExplicitSolver."""
         row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
-        return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
+        if len(self.parts) == 1:
+            return place
+        return f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
         """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose.
@@ -408,7 +430,10 @@ class PackSolver(ExplicitSolver):
         through = all(
             passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
         )
-        self.perforated_samples = self.perforated_samples + 1 if through else 0
+        if through:
+            self.perforated_samples = self.perforated_samples + 1
+        else:
+            self.perforated_samples = 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED
 
@@ -418,7 +443,8 @@ class PackSolver(ExplicitSolver):
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue
-            nose, zone = state.projectile_position, panel.first_zone()
+            nose = state.projectile_position
+            zone = panel.first_zone()
             if not grading.covers(zone, panel.lines(), nose, panel.reach(), panel.mirrors):
                 x, y = 1e3 * nose[:2]
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
@@ -468,7 +494,9 @@ class PackSolver(ExplicitSolver):
 
     def checkpoint_extra(self) -> dict[str, Any]:
         """See ExplicitSolver."""
-        return self.backing.block.arrays() if self.backing else {}
+        if self.backing:
+            return self.backing.block.arrays()
+        return {}
 
     def restore_extra(self, arrays: Mapping[str, Any]) -> None:
         """See ExplicitSolver."""

@@ -54,7 +54,8 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
     # work of the forces that is neither stored nor lost, of either form
     unstored = np.zeros(2)
     unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
-    contact, slip = state.contact_energy, state.slip_energy
+    contact = state.contact_energy
+    slip = state.slip_energy
     return np.array(
         [
             out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
@@ -92,7 +93,8 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn makes no second one
     of it, a plane along it does.
     """
-    shape, total = (const.ni + 1, const.row_stride), 0.0
+    shape = (const.ni + 1, const.row_stride)
+    total = 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
         broken = state.failed[family] != 0
         edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[

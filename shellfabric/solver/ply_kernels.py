@@ -66,22 +66,33 @@ def stored_energy(state, const, low, high):
 @kernel(_nrt=False, inline="always")
 def find_failures(state, const, work):
     """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
-    first, last, per = state.active_rows[0], state.active_rows[1], const.rows_per_block
-    count, low, high = 0, const.ni, 0
+    first = state.active_rows[0]
+    last = state.active_rows[1]
+    per = const.rows_per_block
+    count = 0
+    low = const.ni
+    high = 0
     for block in range(first // per, (last + per - 1) // per):
         if not failure_kernels.may_fail(const, state, block):
             continue
-        begin, end = max(first, block * per), min(last, (block + 1) * per)
-        near, far = max(first, begin - const.mean_reach), min(last, end + const.mean_reach)
+        begin = max(first, block * per)
+        end = min(last, (block + 1) * per)
+        near = max(first, begin - const.mean_reach)
+        far = min(last, end + const.mean_reach)
         element_kernels.refresh_tensions(state, const, near // per, (far + per - 1) // per, work)
-        rows = end + 1 if end == const.ni else end  # of weft edges
+        # of weft edges
+        rows = end
+        if end == const.ni:
+            rows = end + 1
         failing = failure_kernels.find_failures(const, state, 0, begin, end)
         failing += failure_kernels.find_failures(const, state, 1, begin, rows)
         state.warm_blocks[block] = False
         for i in range(begin, rows):
             state.warm_blocks[block] |= state.warm_rows[0, i] or state.warm_rows[1, i]
         if failing > 0:
-            low, high, count = min(low, begin), end, count + failing
+            low = min(low, begin)
+            high = end
+            count = count + failing
     return count, low, high
 
 
@@ -93,16 +104,19 @@ def apply_failure(state, const, work):
         return
     per = const.rows_per_block
     # a failure changes what its neighbours store, two rows away at most
-    low, high = max(low - 3, 0), min(high + 3, const.ni)
+    low = max(low - 3, 0)
+    high = min(high + 3, const.ni)
     stored, sheared = stored_energy(state, const, low, high)
     worked, damped = failure_kernels.half_step_work(const, state, low, high)
     failure_kernels.break_edges(const, state, 0, low, high)
     failure_kernels.break_edges(const, state, 1, low, high)
     state.counter[FAILURES] += count
-    first, last = state.active_rows[0], state.active_rows[1]
+    first = state.active_rows[0]
+    last = state.active_rows[1]
     for block in range(first // per, (last + per - 1) // per):
         if state.block_damage[block] == REDO:
-            start, end = max(first, block * per), min(last, (block + 1) * per)
+            start = max(first, block * per)
+            end = min(last, (block + 1) * per)
             element_kernels.element_forces(state, const, block, start, end, work)
             state.block_damage[block] = DAMAGED
     now_stored, now_sheared = stored_energy(state, const, low, high)
@@ -122,11 +136,12 @@ def update_blocks(state, const, work, shared, me, count):
     which its neighbours need too, are moved before all.
     """
     first, last = thread_range(state, const, me, count)
-    low, high = (
-        max(state.active_rows[0], first * const.rows_per_block),
-        min(state.active_rows[1], last * const.rows_per_block),
-    )
-    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
+    low = max(state.active_rows[0], first * const.rows_per_block)
+    high = min(state.active_rows[1], last * const.rows_per_block)
+    # the node rows are low .. end - 1
+    end = high
+    if me == count - 1:
+        end = high + 1
     done = min(low + 2, end)
     tail = max(end - 2, done)
     if first < last:
@@ -134,10 +149,8 @@ def update_blocks(state, const, work, shared, me, count):
         move_rows(state, const, tail, end)
     barrier_wait(shared, count)
     for block in range(first, last):
-        begin, stop = (
-            max(low, block * const.rows_per_block),
-            min(high, (block + 1) * const.rows_per_block),
-        )
+        begin = max(low, block * const.rows_per_block)
+        stop = min(high, (block + 1) * const.rows_per_block)
         ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead

@@ -43,14 +43,17 @@ def push_projectile(stack, const, p, force):
 def fly(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
     motion."""
-    last, force = len(states) - 1, 0.0
+    last = len(states) - 1
+    force = 0.0
     for p in range(len(states)):
         if stack.awake[p]:
-            state, const = row_of(states, p), row_of(consts, p)
+            state = row_of(states, p)
+            const = row_of(consts, p)
             give_impulses(state, const, state.f_contact, state.nose_window)
             push_projectile(stack, const, p, state.f_contact_nose)
             force += axial_force(state, const)
-    state, const = row_of(states, last), row_of(consts, last)
+    state = row_of(states, last)
+    const = row_of(consts, last)
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
         push_projectile(stack, const, last, state.f_block_nose)
@@ -60,7 +63,8 @@ def fly(states, consts, stack):
         call_module(stack.body.cell[0], stack.body.own[0], first, row_of(consts, 0), 0, 0, 1)
     const = row_of(consts, 0)
     for p in range(len(states)):
-        velocity, of_first = row_of(states, p).projectile_velocity, stack.projectile_velocity
+        velocity = row_of(states, p).projectile_velocity
+        of_first = stack.projectile_velocity
         if p > 0:
             velocity[0], velocity[1] = turned(stack.turns[p], of_first[0], of_first[1])
             velocity[2] = of_first[2]
@@ -99,7 +103,8 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
     """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.touch`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
-            state, const = row_of(states, p), row_of(consts, p)
+            state = row_of(states, p)
+            const = row_of(consts, p)
             predict_increments(state, const, contact, p)
             ply_kernels.nose_contact(state, const, row_of(works, p))
             if state.f_contact_nose[2] == 0.0:
@@ -184,11 +189,9 @@ def record_step(state, const, stack, force, row):
 def note(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
     stack.counter[STEP] += 1
-    first, const, last = (
-        row_of(states, 0),
-        row_of(consts, 0),
-        row_of(states, len(states) - 1),
-    )
+    first = row_of(states, 0)
+    const = row_of(consts, 0)
+    last = row_of(states, len(states) - 1)
     force = 0.0
     for p in range(len(states)):
         force += stack.f_contact_nose[p, 2]
@@ -204,7 +207,8 @@ def note(states, consts, stack, row):
     if speed <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
-    failed, pushed = False, False
+    failed = False
+    pushed = False
     for p in range(len(states)):
         failed |= stack.ply_counters[p, FAILURES] > 0
         pushed |= stack.f_contact_nose[p, 2] != 0.0 or row_of(states, p).f_block_nose[2] != 0.0
@@ -214,8 +218,13 @@ def note(states, consts, stack, row):
             if window_kernels.cloth_ahead_of_nose(row_of(states, p), row_of(consts, p)):
                 idle = False
                 break
-    stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
-    return PERFORATED if stack.counter[IDLE] >= const.perforation_delay_steps else RUNNING
+    if idle:
+        stack.counter[IDLE] = stack.counter[IDLE] + 1
+    else:
+        stack.counter[IDLE] = 0
+    if stack.counter[IDLE] >= const.perforation_delay_steps:
+        return PERFORATED
+    return RUNNING
 
 
 @kernel(_nrt=False)
