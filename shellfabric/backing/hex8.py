@@ -1,4 +1,5 @@
-"""Geometry of eight-node bricks with one integration point, once, at rest: what `brick_kernels` needs of each."""
+"""Geometry of eight-node bricks with one integration point, once, at rest: what `brick_kernels`
+needs of each."""
 
 from __future__ import annotations
 
@@ -46,9 +47,11 @@ class Bricks:
 
     @classmethod
     def of(cls, corners: FloatArray) -> Bricks:
-        """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either hand.
+        """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either
+        hand.
 
-        The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which is exact for them.
+        The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which
+        is exact for them.
         """
         volume = np.zeros(len(corners))
         gradient = np.zeros((len(corners), 8, 3))

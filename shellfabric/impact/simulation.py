@@ -77,42 +77,51 @@ class ImpactSetup:
     strike_velocity : [m/s] along the projectile's line of flight
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
-    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique
+        weave
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
+        `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
     impact_point : [m] from the middle of the opening, along its two sides
     symmetry : "quarter", "half" or "whole"
-    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
+    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or
+        None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
-    elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
-        as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
+    elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is
+        none 1, or as many as put an element's longer side within ELEMENT_SIDE of the projectile's
+        radius, at most MOST_ELEMENTS
     cell_model, cell_formulation, crossover_gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
-    surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
-    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
-        strength of the cell's
+    surface : ResponseSurface to make the cell from instead of laws, or None; see
+        surface_cell.SurfaceCell
+    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 %
+        of the yarn's strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
-    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
-        rate of the fabric's `strain_rate`
-    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
+    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is
+        that of the highest rate of the fabric's `strain_rate`
+    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their
+        failure strain
     backing : Backing, the block behind the fabric, or None
-    history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
+    history : histories.HistoryRequest, what to record along yarns and at the edges; None for
+        nothing
     numerics : Numerics
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
-    contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes its defaults
-    lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and `laws`, `plies` is their
-        number, and stacking and ply_gap are not used. Empty for plies that are
+    contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes
+        its defaults
+    lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and
+        `laws`, `plies` is their number, and stacking and ply_gap are not used. Empty for plies that
+        are
 
     Raises
     ------
-    InputError : a lay-up of another number of plies, or of cells from a response surface; yarns that differ in strength
-        and do not fail, or of a part of the panel
+    InputError : a lay-up of another number of plies, or of cells from a response surface; yarns
+        that differ in strength and do not fail, or of a part of the panel
     """
 
     fabric: Fabric
@@ -209,7 +218,8 @@ class ImpactSetup:
         return 0.0
 
     def is_turned(self, ply: int) -> bool:
-        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its panel."""
+        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its
+        panel."""
         return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
 
     @property
@@ -218,7 +228,8 @@ class ImpactSetup:
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
     def _mesh_notes(self):
-        """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
+        """A line where the default mesh is as coarse as the weave, since the projectile may leave a
+        finer zone."""
         given = self.grading or self.elements_per_crossover or self.plies > 1
         if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
             return ()
@@ -227,8 +238,8 @@ class ImpactSetup:
 
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
-        """A line about each opening that differs from the given one by more than OPENING_ERROR, since its edges follow
-        yarns."""
+        """A line about each opening that differs from the given one by more than OPENING_ERROR,
+        since its edges follow yarns."""
         asked = np.broadcast_to(self.opening, 2)
         found = []
         for name, held in self._held_openings():
@@ -256,7 +267,8 @@ class ImpactSetup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of opening and mesh, a line each; nothing of a set-up that is refused when it is run."""
+        """What has to be known of opening and mesh, a line each; nothing of a set-up that is
+        refused when it is run."""
         try:
             return (*self.opening_notes, *self._mesh_notes())
         except InputError:
@@ -264,7 +276,8 @@ class ImpactSetup:
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
-        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
+        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply
+        first."""
         found = [replace(self, plies=1, lay_up=())]
         for ply in self.lay_up:
             one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
@@ -284,12 +297,14 @@ class ImpactSetup:
 
     @cached_property
     def meshed(self) -> ImpactSetup:
-        """The set-up with the mesh that is used: the given one, or the default, which follows from the failure length.
+        """The set-up with the mesh that is used: the given one, or the default, which follows from
+        the failure length.
 
-        As far as anything can come under the projectile an element is at most RESOLVED failure lengths long, and no
-        longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
-        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone
-        (oblique or yawed, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
+        As far as anything can come under the projectile an element is at most RESOLVED failure
+        lengths long, and no longer than `resolved_elements_per_crossover` allows, with
+        MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
+        to two crossovers. Where the projectile may leave the first zone (oblique or yawed, or with
+        edges that are not clamped) all elements are alike: one to a crossover, of packs
         PACK_ELEMENTS.
 
         Raises
@@ -394,7 +409,8 @@ class ImpactSetup:
 
         Parameters
         ----------
-        kept : whether to take it from the user's cache folder, and to keep it there (`cell.table_cache`)
+        kept : whether to take it from the user's cache folder, and to keep it there
+            (`cell.table_cache`)
 
         Raises
         ------
@@ -409,7 +425,8 @@ class ImpactSetup:
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
-        """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
+        """A coarse table, of straight yarns where it is no response surface's: for the geometry of
+        a panel alone."""
         cell = self.cell()
         if isinstance(cell, SurfaceCell):
             return cell.table(11)
@@ -481,32 +498,39 @@ class ImpactSetup:
 
 @dataclass(frozen=True)
 class ImpactResult:
-    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
+    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever
+    the symmetry.
 
     Parameters
     ----------
     setup : what was run
     target : Pack, of one ply or several
-    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
-        longer moves along the panel's normal, though it may slide on
-    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile
+        has stopped when it no longer moves along the panel's normal, though it may slide on
+    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has
+        stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
-    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (PackSolver)
+    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point
+        of the projectile
+    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
+        (PackSolver)
     deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
-    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less the energy at the
-        start
+    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
+        the energy at the start
     plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
-    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time [s], and its place at
-        rest along warp and weft from the impact point [m]; NaN but for the tension where there was none
+    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
+        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
+        tension where there was none
     deepest, held_apart : (plies - 1,) and [-] see PackSolver
-    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
+        the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
     projectile_position : (3,) [m] position of its nose at the end
     last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
     snapshots : tuple of such tuples
-    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing was to be recorded
+    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing
+        was to be recorded
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
@@ -587,7 +611,8 @@ class ImpactResult:
 
     @property
     def reactions(self) -> dict[str, FloatArray]:
-        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point, of all plies."""
+        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact
+        point, of all plies."""
         return {family: self.plies[f"reaction_{family}"].sum(axis=1) for family in ("warp", "weft")}
 
 
@@ -599,16 +624,18 @@ def run(
     table: CellTable | None = None,
     target: Pack | None = None,
 ) -> ImpactResult:
-    """Run an impact; once more with a shorter step if the first run loses too much to its length (`guards`).
+    """Run an impact; once more with a shorter step if the first run loses too much to its length
+    (`guards`).
 
     Parameters
     ----------
     setup : ImpactSetup
     hooks : called as hook(solver) after every audit
-    resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
-        for bit
+    resume : path of a checkpoint of the same set-up to go on from; the result is that of the
+        uninterrupted run, bit for bit
     table : CellTable that a set-up of the same cell has filled, or None
-    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes it
+    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes
+        it
 
     Raises
     ------
@@ -641,7 +668,8 @@ def _solver(setup, target):
 
 
 def _resumed(setup, solver, path):
-    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step that follows it."""
+    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step
+    that follows it."""
     try:
         checkpoint.read(solver, path)
     except InputError as problem:
@@ -665,7 +693,8 @@ def _followed(setup, solver, factor, hooks):
 
 
 def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
-    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had computed.
+    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had
+    computed.
 
     Raises
     ------

@@ -1,8 +1,9 @@
-"""Checkpoints of a run as HDF5, written whole or not at all; a resumed run goes on bit for bit. Needs h5py.
+"""Checkpoints of a run as HDF5, written whole or not at all; a resumed run goes on bit for bit.
+Needs h5py.
 
-What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`, `checkpoint_extra` and
-`counters`, its step history and its snapshots. A checkpoint carries digests of all that determines the run and its
-records, the code among it, and is refused by any other run.
+What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`,
+`checkpoint_extra` and `counters`, its step history and its snapshots. A checkpoint carries digests
+of all that determines the run and its records, the code among it, and is refused by any other run.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ class Checkpoints(Every):
     Parameters
     ----------
     path, interval : of the file, and [s]
-    least_wall : [s] of wall time from the first sample, and from each checkpoint, in which no other is written
+    least_wall : [s] of wall time from the first sample, and from each checkpoint, in which no other
+        is written
     """
 
     def __init__(self, path: FilePath, interval: float, least_wall: float = 0.0) -> None:
@@ -103,7 +105,8 @@ def _restore(solver, file):
 
 
 def _arrays(solver):
-    """(name, array) of the arrays that are kept: of a row what its table says, the rest follows from the run."""
+    """(name, array) of the arrays that are kept: of a row what its table says, the rest follows
+    from the run."""
     for group, value in solver.checkpoint_arrays().items():
         if isinstance(value, Row):
             for name in value.kept():

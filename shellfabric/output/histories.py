@@ -1,12 +1,15 @@
-"""Histories along chosen yarns and at the edges: recorded while a run goes on, nothing else being kept.
+"""Histories along chosen yarns and at the edges: recorded while a run goes on, nothing else being
+kept.
 
-A yarn is one row of elements along warp or weft, chosen by its distance from the impact point. Recorded at every
-instant are the tension in its elements, where its nodes are along its own direction, and how far they are deflected;
-at each edge of the panel the force of the fabric on the nodes there, which where they are held is the reaction; of a
-ply in a pack, with the force of its neighbours on these nodes.
+A yarn is one row of elements along warp or weft, chosen by its distance from the impact point.
+Recorded at every instant are the tension in its elements, where its nodes are along its own
+direction, and how far they are deflected; at each edge of the panel the force of the fabric on the
+nodes there, which where they are held is the reaction; of a ply in a pack, with the force of its
+neighbours on these nodes.
 
-A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it; `unpack` gives it back
-its names. Of a pack the same is recorded of every ply, or of the plies that are named.
+A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it;
+`unpack` gives it back its names. Of a pack the same is recorded of every ply, or of the plies that
+are named.
 """
 
 from __future__ import annotations
@@ -50,7 +53,8 @@ class HistoryRequest:
 
     Raises
     ------
-    InputError : an interval that is not positive, a distance that is not a number, plies that are no numbers of plies
+    InputError : an interval that is not positive, a distance that is not a number, plies that are
+        no numbers of plies
     """
 
     interval: float = 1e-6
@@ -72,7 +76,8 @@ class HistoryRequest:
             )
 
     def chosen(self, count: int) -> Sequence[int]:
-        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
+        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has
+        not."""
         if self.plies is not None and max(self.plies) > count:
             raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
         if self.plies is None:
@@ -124,8 +129,8 @@ class Histories:
     ----------
     t : (samples,) [s]
     yarns : tuple of YarnHistory
-    edges : {name of EDGES: (samples, 2)} [N] force of the fabric on an edge of the whole panel: pull inwards, and lift
-        along the flight of the projectile
+    edges : {name of EDGES: (samples, 2)} [N] force of the fabric on an edge of the whole panel:
+        pull inwards, and lift along the flight of the projectile
     """
 
     t: np.ndarray
@@ -216,7 +221,8 @@ def _record(panel, c, state, chosen, sides, neighbours):
 
 
 def _edge_forces(state, sides, neighbours):
-    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other plies add there."""
+    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other
+    plies add there."""
     forces = np.empty((4, 2))
     for number, (nodes, weights, normal) in enumerate(sides):
         nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
@@ -230,9 +236,9 @@ def _edge_forces(state, sides, neighbours):
 def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
-    A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
-    Where the edge is a staircase (`boundary.stepped`) its sides are the held nodes, each with the side of the opening
-    that it is nearest to.
+    A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to
+    each of its sides. Where the edge is a staircase (`boundary.stepped`) its sides are the held
+    nodes, each with the side of the opening that it is nearest to.
     """
     shape = tuple(n + 1 for n in panel.counts)
     numbers = np.arange(shape[0] * shape[1]).reshape(shape)
@@ -254,7 +260,8 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
 
 
 def _stepped_sides(panel):
-    """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase for an edge."""
+    """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase
+    for an edge."""
     c, s = axes(panel.weave_angle)[0]
     x, y = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
     nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
@@ -266,7 +273,8 @@ def _stepped_sides(panel):
 def unpack(
     recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest
 ) -> tuple[Histories, ...]:
-    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
+    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been
+    followed."""
     table = np.array(recording)
     at = 1
 

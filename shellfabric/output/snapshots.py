@@ -1,4 +1,5 @@
-"""What is read off a panel: its shape, tensions, failed yarns, contact pressures, and the pyramid of its back face."""
+"""What is read off a panel: its shape, tensions, failed yarns, contact pressures, and the pyramid
+of its back face."""
 
 from __future__ import annotations
 
@@ -25,15 +26,16 @@ class Snapshot:
     t : [s]
     nose_position : [m] foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
-    nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is in; those beyond the
-        edge of the opening on it (`boundary.shown`)
+    nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is
+        in; those beyond the edge of the opening on it (`boundary.shown`)
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
-    pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
-        (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
-        positive where pressed
+    pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`:
+        from the projectile (k = 1); in a pack or before a block (k = 3) also from the ply in front
+        and from the ply or block behind, all positive where pressed
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
-    failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn segments
+    failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn
+        segments
     """
 
     t: float
@@ -91,7 +93,8 @@ def _stacked(panel, arrays):
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
-    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at rest."""
+    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
+    rest."""
     found: list[Snapshot] = []
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
@@ -107,13 +110,15 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
 
 
 def failures(c: Any, state: Any) -> BoolArray:
-    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
+    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
+    constants."""
     flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
     return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
 
 
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
-    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of their intact parts."""
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
+    their intact parts."""
     warp, weft = (
         (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
         for part, T in zip(state.intact_fraction, state.T)
@@ -126,7 +131,8 @@ def yarn_tensions(c: Any, state: Any) -> FloatArray:
 def deflection_profile(
     panel: Panel, shot: Snapshot
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
+    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z))
+    [m]."""
     i, j = panel.nearest_lines
     warp = shot.nodes[:, j]
     weft = shot.nodes[i, :]
@@ -134,7 +140,8 @@ def deflection_profile(
 
 
 def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:
-    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
+    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share`
+    of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
     return tuple(

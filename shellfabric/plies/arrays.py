@@ -33,9 +33,9 @@ def pack_contact(
     rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
-    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and `closest_b` of all
-        points, `first_element` (plies,) and `area` of all elements; `laws`, `law_step`
-        (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
+    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and
+        `closest_b` of all points, `first_element` (plies,) and `area` of all elements; `laws`,
+        `law_step` (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
     plies = len(consts)
     own = max(state.mass.size for state in states)
@@ -77,7 +77,8 @@ def pack_contact(
         tiles_across=across,
         order=np.arange(tiles),
         lanes=np.arange(float(WIDTH)),
-        # pairs of tiles, of facets, rows, nodes of these, steps, whether all lists are to be made, tiles that press
+        # pairs of tiles, of facets, rows, nodes of these, steps, whether all lists are to be made,
+        # tiles that press
         count=np.array([0, 0, 0, 0, 1, 1, 0]),
         guard=np.array([0.0, 0.0, NEAR, 0.0]),
         **of_points,
@@ -103,7 +104,8 @@ def pack_contact(
 
 
 def _grids(consts, states, rest, shape, slots, base):
-    """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the nodes (plies slots)."""
+    """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the
+    nodes (plies slots)."""
     nodes = len(consts) * slots
     x = np.zeros((3, nodes))
     kick = np.zeros(nodes)
@@ -126,7 +128,8 @@ def _grids(consts, states, rest, shape, slots, base):
 
 
 def _lists(entries, nodes, pairs):
-    """Room for pairs of tiles, for near facets, and for rows of all these and of nodes at the planes of symmetry."""
+    """Room for pairs of tiles, for near facets, and for rows of all these and of nodes at the
+    planes of symmetry."""
     rows = entries + 2 * nodes
     most = 4 * (TALL + 1) * (WIDE + 1)
     return {

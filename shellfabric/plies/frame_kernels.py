@@ -1,13 +1,16 @@
-"""Places, velocities and forces of the nodes of all plies in one frame, that of the first ply, for their contact.
+"""Places, velocities and forces of the nodes of all plies in one frame, that of the first ply, for
+their contact.
 
-The arrays of a ply (`panel.arrays.State`) are in its own frame: displacements, x along its first family of yarns. Here
-the nodes of ply p are those of a grid with a ring of ghosts about it: node (i, j) has the number
+The arrays of a ply (`panel.arrays.State`) are in its own frame: displacements, x along its first
+family of yarns. Here the nodes of ply p are those of a grid with a ring of ghosts about it: node
+(i, j) has the number
 
     base[p] + i stride + j,     i = -1 ... ni + 1,  j = -1 ... nj + 1
 
-A ghost is the mirror image of the node beyond a plane of symmetry, and goes straight on, 2 x_0 - x_1, at an edge. With
-it the surface of a ply (`plies.surface_kernels`) has no special case at its sides. Forces on ghosts are handed back to
-the nodes that they follow from. A turn is (c, s), cosine and sine of the angle from the first frame to that of a ply.
+A ghost is the mirror image of the node beyond a plane of symmetry, and goes straight on, 2 x_0 -
+x_1, at an edge. With it the surface of a ply (`plies.surface_kernels`) has no special case at its
+sides. Forces on ghosts are handed back to the nodes that they follow from. A turn is (c, s), cosine
+and sine of the angle from the first frame to that of a ply.
 """
 
 import numpy as np
@@ -51,7 +54,8 @@ def mean_thickness(contact, p, q):
 
 @unit()
 def place(state, const, contact, p):
-    """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of it is torn."""
+    """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of
+    it is torn."""
     c = contact.turns[p, 0]
     s = contact.turns[p, 1]
     x = contact.x
@@ -106,7 +110,8 @@ def place_ghosts(contact, x, p, first, last):
 
 @kernel(_nrt=False, forceinline=True)
 def ghost(mirrored, normal, at, inside):
-    """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the mirror plane."""
+    """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the
+    mirror plane."""
     if mirrored:
         if normal:
             return -inside
@@ -116,8 +121,9 @@ def ghost(mirrored, normal, at, inside):
 
 @kernel(_nrt=False)
 def look_at_torn(state, const, contact, p):
-    """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more: those without a yarn
-    of either family, eroded ones, and those that join pieces which have parted."""
+    """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more:
+    those without a yarn of either family, eroded ones, and those that join pieces which have
+    parted."""
     for i in range(const.ni):
         for j in range(const.nj):
             k = np.uint64(i * const.row_stride + j)
@@ -138,8 +144,9 @@ def look_at_torn(state, const, contact, p):
 
 @unit()
 def hand_over(state, const, contact, p):
-    """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a
-    step's work of those of the last step, which are over, and half a step's of the new."""
+    """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own
+    frame; half a step's work of those of the last step, which are over, and half a step's of the
+    new."""
     for side in range(2):
         force = contact.force[p, side]
         window = contact.window[p, side]
@@ -152,7 +159,8 @@ def hand_over(state, const, contact, p):
 
 @kernel(_nrt=False)
 def take_from_ghosts(contact, p, side):
-    """Hand the forces on ghosts to the nodes that they follow from, and widen the window of the grid to these."""
+    """Hand the forces on ghosts to the nodes that they follow from, and widen the window of the
+    grid to these."""
     f = contact.f[p, side]
     window = contact.grid_window[p, side]
     base = contact.base[p] - p * contact.slots
@@ -181,7 +189,8 @@ def take_from_ghosts(contact, p, side):
 
 @kernel(_nrt=False, forceinline=True)
 def take_from_ghost(f, g, inwards, mirrored, normal):
-    """Hand the force on ghost g to the nodes one and two steps inwards; the transpose of `ghost`."""
+    """Hand the force on ghost g to the nodes one and two steps inwards; the transpose of
+    `ghost`."""
     for c in range(3):
         if mirrored:
             f[c, g + 2 * inwards] += -f[c, g] if c == normal else f[c, g]
@@ -221,8 +230,8 @@ def take_from_nodes(contact, p, side):
 
 @unit("flag", force="3, n", window="4 int64")
 def apply_impulses(state, const, force, window):
-    """Give a ply the impulses of contact forces of others; widen its window of active rows to them. Whether there are
-    any."""
+    """Give a ply the impulses of contact forces of others; widen its window of active rows to them.
+    Whether there are any."""
     if window[1] <= window[0]:
         return False
     give_impulses(state, const, force, window)

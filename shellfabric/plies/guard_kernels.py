@@ -1,23 +1,27 @@
-"""The guard: facets of different plies that are near each other stay on their sides of a plane between them.
+"""The guard: facets of different plies that are near each other stay on their sides of a plane
+between them.
 
-A row of the guard has two facets A and B, with the distance d [m] at the beginning of a step and the direction n from A
-to B. With x the places of their nodes and y those after the step by all forces, and t the thickness,
+A row of the guard has two facets A and B, with the distance d [m] at the beginning of a step and
+the direction n from A to B. With x the places of their nodes and y those after the step by all
+forces, and t the thickness,
 
     min n.y_b - max n.y_a >= need,      need = max(0.2 d, min(d, 0.05 t))
 
-A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as large as stops
-them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or SWEEPS times. The nodes of rows
-that do not hold then move as one, with the mean of their momentum, and so do those of rows that this violates. An
-impulse that left no more than `need` would leave every row of a stack at its limit, which the next impulse violates:
-sweeps would not end, and whole stacks would move as one, which takes energy that no two facets have had between them.
+A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as
+large as stops them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or
+SWEEPS times. The nodes of rows that do not hold then move as one, with the mean of their momentum,
+and so do those of rows that this violates. An impulse that left no more than `need` would leave
+every row of a stack at its limit, which the next impulse violates: sweeps would not end, and whole
+stacks would move as one, which takes energy that no two facets have had between them.
 
-At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end on those of a slab
-of width `need`: in between too, as nodes move straight. No motion satisfies every row. So each impulse, and each
-cluster, is a projection, in the norm of the kinetic energy, on a set that holds it: the energy never grows, and a
-solution exists. Impulses are equal and opposite, but for those of planes of symmetry.
+At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end
+on those of a slab of width `need`: in between too, as nodes move straight. No motion satisfies
+every row. So each impulse, and each cluster, is a projection, in the norm of the kinetic energy, on
+a set that holds it: the energy never grows, and a solution exists. Impulses are equal and opposite,
+but for those of planes of symmetry.
 
-A plane of symmetry, beyond which are the images of the plies, is a row with PLANE_X or PLANE_Y for the nodes of A. A
-node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
+A plane of symmetry, beyond which are the images of the plies, is a row with PLANE_X or PLANE_Y for
+the nodes of A. A node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
 """
 
 from shellfabric.cloth.vector_kernels import dot, nodal
@@ -64,7 +68,8 @@ def worst(y, nodes, n):
 
 @kernel(_nrt=False, forceinline=True)
 def mobility(contact, k, n):
-    """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is held."""
+    """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is
+    held."""
     if k < 0:
         return 0.0
     free = 1.0
@@ -87,9 +92,11 @@ def push(contact, k, n, impulse):
 
 @unit("integer; flag")
 def project(contact, rows, nodes):
-    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them, in contact.y.
+    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them,
+    in contact.y.
 
-    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether all rows hold)
+    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether
+        all rows hold)
     """
     given = 0
     for _ in range(SWEEPS):
@@ -157,7 +164,8 @@ def join_violated(contact, rows):
 
 @kernel(_nrt=False)
 def move_clusters(contact, nodes):
-    """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot move along."""
+    """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot
+    move along."""
     for m in range(nodes):
         for c in range(_FIXED):
             contact.cluster[contact.node_list[m], c] = 0.0

@@ -1,7 +1,9 @@
-"""Memory of a run of one ply or several, estimated from the numbers of its elements before any of its arrays is made.
+"""Memory of a run of one ply or several, estimated from the numbers of its elements before any of
+its arrays is made.
 
-The bytes are of resident memory: growth of the peak beyond that of a small panel, per element, of whole panels of S-720
-of two sizes in each case (tests/shellfabric/impact/test_memory.py repeats one of them).
+The bytes are of resident memory: growth of the peak beyond that of a small panel, per element, of
+whole panels of S-720 of two sizes in each case (tests/shellfabric/impact/test_memory.py repeats one
+of them).
 """
 
 from __future__ import annotations

@@ -1,17 +1,21 @@
 """A pack: plies behind each other in one opening, with a gap between each two.
 
-Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
-section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp called weft: the shell does not see
-which yarn is on top, and each ply has its own grid. A ply at any other angle has its grid in a frame of its own, in
-which the opening is oblique (`panel.boundary`) and the projectile comes from elsewhere.
+Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a
+right angle (thesis section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp
+called weft: the shell does not see which yarn is on top, and each ply has its own grid. A ply at
+any other angle has its grid in a frame of its own, in which the opening is oblique
+(`panel.boundary`) and the projectile comes from elsewhere.
 
-Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
+Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the
+gap apart (erratum E-35). By default it is what tests of packs close and the law of the contact does
+not (`gap.ply_gap`).
 
-Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the same on every mesh.
-The nose presses on half a ply of solid fibre: twice the stiffness of two half plies.
+Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the
+same on every mesh. The nose presses on half a ply of solid fibre: twice the stiffness of two half
+plies.
 
-Time step. All plies share the shortest of their steps, or a shorter one for the contact (`PlyContact`).
+Time step. All plies share the shortest of their steps, or a shorter one for the contact
+(`PlyContact`).
 """
 
 from __future__ import annotations
@@ -50,15 +54,18 @@ class Pack:
 
     Parameters
     ----------
-    plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see `stacked`
+    plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see
+        `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
     friction : [-] Coulomb's coefficient between plies
-    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
+    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of
+        their fabrics
 
     Raises
     ------
-    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or as `friction.check`
+    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or
+        as `friction.check`
     """
 
     plies: tuple[Panel, ...]
@@ -166,7 +173,8 @@ class Pack:
 
         Parameters
         ----------
-        plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is turned
+        plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is
+            turned
         gaps : [m] between each two; None takes that of `gap.gap_between`
         contact, friction : as of a Pack
 
@@ -203,7 +211,8 @@ class Pack:
 
     @cached_property
     def turns(self) -> FloatArray:
-        """(plies, 2) cosine and sine of the angles from the frame of the first ply to those of the plies."""
+        """(plies, 2) cosine and sine of the angles from the frame of the first ply to those of the
+        plies."""
         angles = np.array(self.angles) - self.angles[0]
         return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -364,10 +373,11 @@ class Pack:
         )
 
     def _first_places(self, p):
-        """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie on the next at rest.
+        """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie
+        on the next at rest.
 
-        Near the borders of zones, where the spline's places are not in proportion to distances, a guess; of points
-        beside that ply the nearest place on its rim.
+        Near the borders of zones, where the spline's places are not in proportion to distances, a
+        guess; of points beside that ply the nearest place on its rim.
         """
         front = self.plies[p]
         rear = self.plies[p + 1]
@@ -386,9 +396,9 @@ class Pack:
         )
 
     def _areas(self, p, places):
-        """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its smallest: its own, or
-        what its points have where elements of another grid behind it are smaller, whose nodes' mass would bear no
-        stiffer spring.
+        """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its
+        smallest: its own, or what its points have where elements of another grid behind it are
+        smaller, whose nodes' mass would bear no stiffer spring.
 
         places : of `_first_places`
         """
@@ -421,7 +431,8 @@ def _slower(ply, step):
 
 
 def turned(panel: Panel) -> Panel:
-    """The same panel with its fabric turned by a right angle; opening and edges stay where they are.
+    """The same panel with its fabric turned by a right angle; opening and edges stay where they
+    are.
 
     Raises
     ------
@@ -453,12 +464,13 @@ def turned(panel: Panel) -> Panel:
 
 
 def at_angle(panel: Panel, angle: float) -> Panel:
-    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges stay.
+    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges
+    stay.
 
     Raises
     ------
-    InputError : as `turned`; an angle that is not one of half a turn; edges that are not clamped, or a model that is
-        not whole, of any but a right angle
+    InputError : as `turned`; an angle that is not one of half a turn; edges that are not clamped,
+        or a model that is not whole, of any but a right angle
     """
     if not -pi / 2 < angle <= pi / 2:
         raise InputError(key="angle", value=angle, allowed="above -pi/2 and at most pi/2")

@@ -1,18 +1,21 @@
-"""Which tiles and facets of different plies are near each other, in lists that are remade after a motion.
+"""Which tiles and facets of different plies are near each other, in lists that are remade after a
+motion.
 
-A tile is TALL by WIDE elements of a ply. Its travel is the sum over steps of the largest way of its nodes, with the way
-that they would make in the coming step. What is `gap` [m] apart is looked at again when the travels of both its tiles
-have grown by gap - near [m] together: it cannot have come nearer than `near` before. That holds of pairs of tiles, of
-pairs of facets of these, and of a tile and a plane of symmetry; and with the thickness for `near`, of tiles whose
-points may press on each other (`plies.pressure_kernels`).
+A tile is TALL by WIDE elements of a ply. Its travel is the sum over steps of the largest way of its
+nodes, with the way that they would make in the coming step. What is `gap` [m] apart is looked at
+again when the travels of both its tiles have grown by gap - near [m] together: it cannot have come
+nearer than `near` before. That holds of pairs of tiles, of pairs of facets of these, and of a tile
+and a plane of symmetry; and with the thickness for `near`, of tiles whose points may press on each
+other (`plies.pressure_kernels`).
 
     pairs of tiles   all whose boxes are within _TILE_REACH thicknesses; found anew when a tile has come that far
     pairs of facets  of tiles that no plane divides: all whose boxes are within _REACH thicknesses; found anew likewise
     rows             those that are nearer than `near`, or could meet in the coming step, for the guard
                      (`plies.guard_kernels`)
 
-An element is two triangles where it has yarns of both families and has not eroded, and, once torn, is not drawn out to
-more than twice its size. What has ceased to be one never is one again. Yarns beside no such element are bare.
+An element is two triangles where it has yarns of both families and has not eroded, and, once torn,
+is not drawn out to more than twice its size. What has ceased to be one never is one again. Yarns
+beside no such element are bare.
 """
 
 import math
@@ -87,7 +90,8 @@ def boxes_apart(box, other):
 
 @unit()
 def list_tiles(contact):
-    """Pairs of tiles of different plies that are within reach, and the order of the tiles along x."""
+    """Pairs of tiles of different plies that are within reach, and the order of the tiles along
+    x."""
     tiles = contact.travel.size
     order = contact.order
     for n in range(1, tiles):  # nearly in order already
@@ -130,14 +134,16 @@ def tiles_thickness(contact, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def guarded_distance(contact, a, b):
-    """[m] within which facets of two tiles have to stay on their sides: they could meet in the coming step."""
+    """[m] within which facets of two tiles have to stay on their sides: they could meet in the
+    coming step."""
     thickness = tiles_thickness(contact, a, b)
     return max(NEAR * thickness, _FASTER * (contact.way[a] + contact.way[b]))
 
 
 @kernel(_nrt=False, forceinline=True)
 def tiles_have_moved(contact):
-    """Whether a tile has come so far that pairs may have come within reach that are not in the list."""
+    """Whether a tile has come so far that pairs may have come within reach that are not in the
+    list."""
     furthest = 0.0
     for t in range(contact.travel.size):
         furthest = max(furthest, contact.travel[t] + contact.way[t] - contact.travel_then[t])
@@ -237,7 +243,8 @@ def add_facet(contact, side, found, a, b, c):
 
 @unit()
 def list_near_facets(contact, m, first, second):
-    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
+    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they
+    can be near."""
     a, b = contact.pair_tiles[m]
     thickness = tiles_thickness(contact, a, b)
     limit = guarded_distance(contact, a, b)
@@ -304,7 +311,8 @@ def look_at_entry(contact, e):
 
 @unit()
 def look_at_planes(contact, t):
-    """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can be."""
+    """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can
+    be."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     thickness = contact.thickness[p]
     least = 1e30
@@ -333,8 +341,8 @@ def look_at_planes(contact, t):
 
 @unit()
 def list_pressed(contact):
-    """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch through a hole, into
-    contact.pressed."""
+    """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch
+    through a hole, into contact.pressed."""
     contact.count[STEP] += 1
     contact.count[PRESSED] = 0
     torn = list_neighbours(contact, contact.count[STEP])
@@ -348,8 +356,9 @@ def list_pressed(contact):
 
 @unit("flag")
 def list_neighbours(contact, now):
-    """List the tiles that may touch the next ply, by how far they were from it when last looked at; mark those that
-    have a tile of the next ply behind them, and those behind which one has a hole. Whether there are holes."""
+    """List the tiles that may touch the next ply, by how far they were from it when last looked at;
+    mark those that have a tile of the next ply behind them, and those behind which one has a hole.
+    Whether there are holes."""
     torn = False
     for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
@@ -399,8 +408,8 @@ def add_pressed(contact, front, rear):
 
 @kernel(_nrt=False, forceinline=True)
 def may_touch(contact, m, front, rear):
-    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a hole, or nothing, of
-    the next ply, and they are within the thickness."""
+    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a
+    hole, or nothing, of the next ply, and they are within the thickness."""
     if contact.covered[front] == contact.count[STEP] and contact.open[front] != contact.count[STEP]:
         return False
     travel = contact.travel[front] + contact.travel[rear]

@@ -1,8 +1,8 @@
 """The guard of a pack (`plies.guard_kernels`): in each step, before its forces have acted.
 
-Places after the step are predicted from all forces that will act in it. The impulses are given as forces that act in
-this step alone. Their work is half a step's on the velocities before it, and half a step's on those after it, as that
-of all forces is.
+Places after the step are predicted from all forces that will act in it. The impulses are given as
+forces that act in this step alone. Their work is half a step's on the velocities before it, and
+half a step's on those after it, as that of all forces is.
 """
 
 import math
@@ -28,7 +28,8 @@ from shellfabric.state import unit
 
 @unit()
 def hold_apart(states, consts, contact):
-    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of their work."""
+    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of
+    their work."""
     if contact.count[near.REMAKE]:
         for p in range(len(states)):
             place(row_of(states, p), row_of(consts, p), contact, p)
@@ -59,7 +60,8 @@ def hold_apart(states, consts, contact):
 
 @unit()
 def count_work(states, consts, contact, let_go):
-    """Count half of the work of the guard's forces: before their step, or after it, when they are taken away."""
+    """Count half of the work of the guard's forces: before their step, or after it, when they are
+    taken away."""
     for p in range(len(states)):
         if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
             state = row_of(states, p)
@@ -71,7 +73,8 @@ def count_work(states, consts, contact, let_go):
 
 @unit()
 def follow(state, const, contact, p):
-    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way and contact.travel."""
+    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way
+    and contact.travel."""
     s = const.row_stride
     across = contact.tiles_across[p]
     down = (const.ni + near.TALL - 1) // near.TALL
@@ -102,7 +105,8 @@ def follow(state, const, contact, p):
 
 @kernel(_nrt=False)
 def look_at_tiles(states, contact):
-    """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane of symmetry."""
+    """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane
+    of symmetry."""
     for m in range(contact.count[near.PAIRS]):
         a, b = contact.pair_tiles[m]
         if contact.pair_due[m] > farthest(contact, a, b):
@@ -133,8 +137,8 @@ def farthest(contact, a, b):
 
 @kernel(_nrt=False)
 def look_at_facets(contact):
-    """Rows of the guard of all listed pairs of facets that are near; the others stay in the list for as long as it is
-    known when they can be."""
+    """Rows of the guard of all listed pairs of facets that are near; the others stay in the list
+    for as long as it is known when they can be."""
     kept = 0
     for e in range(contact.count[near.ENTRIES]):
         m = contact.entry_pair[e]

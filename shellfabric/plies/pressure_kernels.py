@@ -1,31 +1,35 @@
 """Pressure and friction between plies, point by point, from where they are now.
 
-Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of
-a ply behind it that is closest to x, d their distance, t the mean thickness of both plies, v the velocity of x over y:
+Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the
+point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
+of both plies, v the velocity of x over y:
 
     n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
 
-with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
-limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
-rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
-or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
-fabric does not contract much below it (`cloth.packing_kernels`).
+with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields
+at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their
+weights in x, f n + g on those of the rear ply by their weights in y: the sum vanishes to the last
+digits. The distance has no sign. So no point has a side, or a past: what keeps plies from passing
+through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
+contract much below it (`cloth.packing_kernels`).
 
-Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies come to meet through
-a hole, each at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v
-beyond _JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is
-remembered.
+Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
+come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
+a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`moved_closure`),
+until the point has left. It is the one thing that is remembered.
 
-Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
-the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
+Closest points. The search begins at the place of the last step, or of the nearest node, and takes
+Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
+its end is, to second order,
 
     w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b
 
-Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may touch. Most are
-computed eight at once: points with the same place in neighbouring elements are side by side, and so are their closest
-points, to within a node, where plies lie at one angle. Eight of them lie over four rows of four nodes each, that of the
-next a node further. What needs more than a formula (torn fabric, sides, folds, plies at other angles) is computed one
-at a time. Plies that are no neighbours meet where the ply behind the first has a hole.
+Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may
+touch. Most are computed eight at once: points with the same place in neighbouring elements are side
+by side, and so are their closest points, to within a node, where plies lie at one angle. Eight of
+them lie over four rows of four nodes each, that of the next a node further. What needs more than a
+formula (torn fabric, sides, folds, plies at other angles) is computed one at a time. Plies that are
+no neighbours meet where the ply behind the first has a hole.
 """
 
 import math
@@ -90,7 +94,8 @@ from shellfabric.plies.surface_kernels import (
 )
 from shellfabric.state import unit
 
-# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose element was dropped
+# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose
+# element was dropped
 SPRING, DEEPEST, FRICTION, LOST = range(4)
 _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
@@ -126,8 +131,8 @@ def press_others(contact):
 
 @unit()
 def press_tile(contact, tile, p):
-    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do not touch is from
-    that, into contact.clearance."""
+    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do
+    not touch is from that, into contact.clearance."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     points = contact.points**2
     nj = contact.shape[p, NJ]
@@ -152,7 +157,8 @@ def press_tile(contact, tile, p):
 
 @unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
-    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
+    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not
+    touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
     points = contact.points**2
@@ -187,7 +193,8 @@ def press_through_hole(contact, tile, other, p, q):
 
 @kernel(_nrt=False, forceinline=True)
 def height_over(contact, g, s, k, S):
-    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its plane."""
+    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its
+    plane."""
     x = contact.x
     n = cross(difference(x, g, g + s + 1), difference(x, g + s, g + 1))
     size = math.sqrt(dot(n, n))
@@ -210,7 +217,8 @@ def height_over(contact, g, s, k, S):
 
 @kernel(_nrt=False, forceinline=True)
 def place_of_point(contact, row, j):
-    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one point an element."""
+    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one
+    point an element."""
     points = contact.points
     i = row // points**2
     m = row % points**2
@@ -219,10 +227,11 @@ def place_of_point(contact, row, j):
 
 @kernel(_nrt=False, forceinline=True)
 def newton_step(w, slopes, second, thickness):
-    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of Gauss and Newton beyond
-    it, and where there is no other. Whether it is within.
+    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of
+    Gauss and Newton beyond it, and where there is no other. Whether it is within.
 
-    w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa, ab, bb
+    w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
+        ab, bb
     """
     y_a, y_b = slopes
     aa = dot(y_a, y_a)
@@ -251,7 +260,8 @@ def newton_step(w, slopes, second, thickness):
 
 @kernel(_nrt=False, forceinline=True)
 def bounded_step(w, slopes, step, place, low, high):
-    """A step that keeps to low .. high from `place`; where it is cut along one axis, the best along the other."""
+    """A step that keeps to low .. high from `place`; where it is cut along one axis, the best along
+    the other."""
     y_a, y_b = slopes
     a = min(max(step[0], low[0] - place[0]), high[0] - place[0])
     b = min(max(step[1], low[1] - place[1]), high[1] - place[1])
@@ -266,7 +276,8 @@ def bounded_step(w, slopes, step, place, low, high):
 
 @kernel(_nrt=False, forceinline=True)
 def offset_after(w, slopes, second, a, b):
-    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
+    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to
+    second order."""
     y_a, y_b = slopes
     y_aa, y_ab, y_bb = second
     along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
@@ -276,8 +287,8 @@ def offset_after(w, slopes, second, a, b):
 
 @unit("3 numbers", a="number", b="number")
 def press_point(contact, p, q, row, j, a, b, tile):
-    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
-    how far the point is from touching [m].
+    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b)
+    on: its place, and how far the point is from touching [m].
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
@@ -310,7 +321,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
 @kernel(_nrt=False, forceinline=True)
 def slot_of(p, q):
-    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for the next ply."""
+    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for
+    the next ply."""
     if q == p + 1:
         return 0
     return 1 + (q - p - 2) % (SLOTS - 1)
@@ -318,7 +330,8 @@ def slot_of(p, q):
 
 @kernel(_nrt=False)
 def point_energy(contact, p, i, j, number):
-    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last touched."""
+    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last
+    touched."""
     area = contact.area[contact.first_element[p] + i * contact.shape[p, NJ] + j]
     closure = contact.closed[number] - contact.given[number]
     return area * law_at(contact.laws[p], contact.law_step[p], closure)[2]
@@ -334,9 +347,9 @@ def held_energy(contact, p, i, j, number):
 
 @kernel(_nrt=False, forceinline=True)
 def closest_point(contact, q, x, a, b, thickness):
-    """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of x from it,
-    the nodes about the last place that was looked at and their weights (of `push`), whether the search has ended. An
-    offset of _FAR if there is no fabric."""
+    """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of
+    x from it, the nodes about the last place that was looked at and their weights (of `push`),
+    whether the search has ended. An offset of _FAR if there is no fabric."""
     S = contact.shape[q, STRIDE]
     searched = False
     far = (_FAR, _FAR, _FAR)
@@ -390,7 +403,8 @@ def closest_point(contact, q, x, a, b, thickness):
 
 @kernel(_nrt=False, forceinline=True)
 def on_facet(contact, q, x, place, facet):
-    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of `push`)."""
+    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of
+    `push`)."""
     a, b = place
     i, j = facet
     za = 1.0 - (a - i), a - i, 0.0
@@ -430,8 +444,8 @@ def is_in_tile(contact, tile, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def bounds(contact, p, torn, i, j):
-    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); in the facet (i, j) alone
-    of torn fabric."""
+    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); in the
+    facet (i, j) alone of torn fabric."""
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
     low_a = 0.0
@@ -479,7 +493,8 @@ def push(contact, front, rear, area, n, closure, number):
 
 @kernel(_nrt=False, forceinline=True)
 def moved_closure(contact, p, q, number, closure, closing):
-    """The closure [m] of a point less what no motion has made of it: what it had when first seen, and what jumps."""
+    """The closure [m] of a point less what no motion has made of it: what it had when first seen,
+    and what jumps."""
     now = float(contact.count[STEP])
     jump = closure - contact.dt * closing
     given = 0.0
@@ -497,7 +512,8 @@ def moved_closure(contact, p, q, number, closure, closing):
 
 @kernel(_nrt=False, forceinline=True)
 def moved_closure8(contact, p, q, count, closure, closing, which):
-    """`moved_closure` on the next ply of those of eight points from number q on that are `which`."""
+    """`moved_closure` on the next ply of those of eight points from number q on that are
+    `which`."""
     now = float(contact.count[STEP])
     long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
     given = where(long_ago, 0.0, load(contact.given[0], q))
@@ -515,8 +531,9 @@ def moved_closure8(contact, p, q, count, closure, closing, which):
 
 @kernel(_nrt=False, forceinline=True)
 def press_points8(contact, p, row, j, q, count):
-    """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points,
-    that need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
+    """`press_point` of those of `count` points from number q on, which begin in the j-th element of
+    a row of points, that need no more than the formulas: (those left, as bits, how far the nearest
+    of the others is from touching)."""
     x = contact.x
     s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
@@ -588,8 +605,8 @@ def press_points8(contact, p, row, j, q, count):
 
 @kernel(_nrt=False, forceinline=True)
 def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
-    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes of the surface,
-    which points are near, as bits, and which are fit still."""
+    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes
+    of the surface, which points are near, as bits, and which are fit still."""
     y_a, y_b = slopes
     aa = dot(y_a, y_a)
     ab = dot(y_a, y_b)
@@ -629,8 +646,8 @@ def second_of8(x, K, S, weights, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def whole8(contact, p, node, q, fit, count):
-    """Those of eight points from number q on, as bits, that are not beside torn fabric of either ply; node : the
-    nearest to the first point."""
+    """Those of eight points from number q on, as bits, that are not beside torn fabric of either
+    ply; node : the nearest to the first point."""
     if contact.failures[p] > 0:
         fit &= movemask(equal_bytes(contact.torn, node, 0))
     if contact.failures[p + 1] > 0:

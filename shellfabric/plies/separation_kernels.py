@@ -1,6 +1,7 @@
 """Distance of two facets, and the direction across the gap between them.
 
-A facet is a triangle of three nodes (columns of an array of places), or a bare yarn, whose last node is given twice.
+A facet is a triangle of three nodes (columns of an array of places), or a bare yarn, whose last
+node is given twice.
 """
 
 import math
@@ -13,8 +14,8 @@ _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
 
 @kernel(_nrt=False, forceinline=True)
 def to_face(x, p, a, b, c):
-    """The vector from node p to its foot on the plane of a triangle, and whether that is within the triangle; at its
-    edges the distances of edges are as small."""
+    """The vector from node p to its foot on the plane of a triangle, and whether that is within the
+    triangle; at its edges the distances of edges are as small."""
     u = difference(x, a, b)
     v = difference(x, a, c)
     r = difference(x, a, p)
@@ -66,7 +67,8 @@ def span(x, nodes, first, n):
 
 @kernel(_nrt=False, forceinline=True)
 def lower_bound(x, nodes):
-    """A distance [m] that two facets are apart at least, by the planes of both: 0 where these say nothing."""
+    """A distance [m] that two facets are apart at least, by the planes of both: 0 where these say
+    nothing."""
     found = 0.0
     for first in (0, 3):
         a = nodes[first]
@@ -86,8 +88,9 @@ def lower_bound(x, nodes):
 
 @kernel(_nrt=False)
 def separation(x, nodes):
-    """Of the facets nodes[:3] and nodes[3:]: width [m] of the widest slab between them, and its direction, a unit
-    vector from the first to the second. The width is not above 0 where they touch or cross."""
+    """Of the facets nodes[:3] and nodes[3:]: width [m] of the widest slab between them, and its
+    direction, a unit vector from the first to the second. The width is not above 0 where they touch
+    or cross."""
     least = 1e60
     best = (0.0, 0.0, 0.0)
     for i in range(3):

@@ -1,13 +1,15 @@
-"""The surfaces of plies, as their contact sees them (`plies.pressure_kernels`), on the grids of `plies.frame_kernels`.
+"""The surfaces of plies, as their contact sees them (`plies.pressure_kernels`), on the grids of
+`plies.frame_kernels`.
 
-Whole fabric is the biquadratic B-spline whose control points are the nodes. Its tangent plane turns without a jump; it
-goes through the middle of every element with the slopes that the element has there. With a the place along the first
-axis in elements, i the nearest node and r = a - i, the weights of three nodes are
+Whole fabric is the biquadratic B-spline whose control points are the nodes. Its tangent plane turns
+without a jump; it goes through the middle of every element with the slopes that the element has
+there. With a the place along the first axis in elements, i the nearest node and r = a - i, the
+weights of three nodes are
 
     B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
 
-Of torn fabric some of these nodes may be adrift: there the surface is the bilinear facet of the element itself, with
-the weights 1 - f, f and 0 at a = i + f.
+Of torn fabric some of these nodes may be adrift: there the surface is the bilinear facet of the
+element itself, with the weights 1 - f, f and 0 at a = i + f.
 """
 
 import math
@@ -23,7 +25,8 @@ _SEARCHED = 1  # elements about a closest point among which it is looked for bes
 
 @kernel(_nrt=False, forceinline=True)
 def spline_weights(a, n):
-    """Weights of three nodes of a line of n elements at the place a: (first node, values, slopes, second slopes)."""
+    """Weights of three nodes of a line of n elements at the place a: (first node, values, slopes,
+    second slopes)."""
     i = min(max(int(a + 0.5), 0), n)
     r = a - i
     low = 0.5 - r
@@ -54,8 +57,8 @@ def weights_at(is_facet, a, n):
 
 @kernel(_nrt=False, forceinline=True)
 def foot_at(contact, p, torn, a, b):
-    """The foot (row, column, number, weights along a and b) of ply p at the place (a, b): the first of the three by
-    three nodes that shape the surface there, and the weights of these."""
+    """The foot (row, column, number, weights along a and b) of ply p at the place (a, b): the first
+    of the three by three nodes that shape the surface there, and the weights of these."""
     i, wa, _, _ = weights_at(torn, a, contact.shape[p, NI])
     j, wb, _, _ = weights_at(torn, b, contact.shape[p, NJ])
     return i, j, contact.base[p] + i * contact.shape[p, STRIDE] + j, wa, wb
@@ -119,8 +122,8 @@ def scatter(f, k, s, force, wa, wb):
 
 @kernel(_nrt=False)
 def nearest_place(contact, p, a, b, x, y, z):
-    """Of the middles of the quarters of the elements about the place (a, b) that have not eroded, the place of that
-    nearest to the point (x, y, z); (a, b) if there is none."""
+    """Of the middles of the quarters of the elements about the place (a, b) that have not eroded,
+    the place of that nearest to the point (x, y, z); (a, b) if there is none."""
     ni = contact.shape[p, NI]
     nj = contact.shape[p, NJ]
     s = contact.shape[p, STRIDE]
@@ -152,8 +155,9 @@ def nearest_place(contact, p, a, b, x, y, z):
 
 @kernel(_nrt=False, forceinline=True)
 def spline_weights8(r, moved):
-    """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points that are `moved`
-    are the last three, of the others the first three. Returns (values, slopes, second slopes)."""
+    """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points
+    that are `moved` are the last three, of the others the first three. Returns (values, slopes,
+    second slopes)."""
     low = 0.5 - r
     high = 0.5 + r
     values = select_nodes(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
@@ -172,14 +176,15 @@ def select_nodes(moved, a, b, c):
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate_row8(x, k, w):
-    """`weighted_sum` of four nodes from number k on; the next of eight points begins a node further."""
+    """`weighted_sum` of four nodes from number k on; the next of eight points begins a node
+    further."""
     return weighted_sum(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
 
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate_rows8(x, k, s, w, tall):
-    """`interpolate_row8` along each of four lines, of which the last counts where some points are `moved` to it:
-    `tall`."""
+    """`interpolate_row8` along each of four lines, of which the last counts where some points are
+    `moved` to it: `tall`."""
     last = broadcast(0.0)
     if tall:
         last = interpolate_row8(x, k + 3 * s, w)
@@ -193,7 +198,8 @@ def interpolate_rows8(x, k, s, w, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate8(x, k, s, wa, wb, tall):
-    """`interpolate` of eight points side by side, whose four by four nodes begin at the numbers k .. k + 7."""
+    """`interpolate` of eight points side by side, whose four by four nodes begin at the numbers k
+    .. k + 7."""
     return weighted_sum(wa, *interpolate_rows8(x, k, s, wb, tall))
 
 
@@ -209,7 +215,8 @@ def vector_at8(x, k, s, wa, wb, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def patch_component8(x, k, s, weights, tall):
-    """(value, slope along a, slope along b) where `interpolate8` is; weights : as of `second_slopes8`."""
+    """(value, slope along a, slope along b) where `interpolate8` is; weights : as of
+    `second_slopes8`."""
     (wa, da, _), (wb, db, _) = weights
     v = interpolate_rows8(x, k, s, wb, tall)
     e = interpolate_rows8(x, k, s, db, tall)
@@ -227,7 +234,8 @@ def surface_patch8(x, k, s, weights, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def second_slopes8(x, k, s, weights, tall):
-    """Second slopes (aa, ab, bb) where `interpolate8` is; weights : values, slopes, second slopes along a and b."""
+    """Second slopes (aa, ab, bb) where `interpolate8` is; weights : values, slopes, second slopes
+    along a and b."""
     (wa, da, ca), (wb, db, cb) = weights
     v = interpolate_rows8(x, k, s, wb, tall)
     e = interpolate_rows8(x, k, s, db, tall)
@@ -247,7 +255,8 @@ def scatter8(f, k, s, force, wa, wb, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def scatter_row8(f, k, force, w):
-    """Share eight forces out to four nodes each, those of the next a node further: summed up in two registers."""
+    """Share eight forces out to four nodes each, those of the next a node further: summed up in two
+    registers."""
     none = broadcast(0.0)
     low = shift_in_prev(none, force * w[3])
     high = shift_in_prev(force * w[3], none)
@@ -262,7 +271,8 @@ def scatter_row8(f, k, force, w):
 
 @kernel(_nrt=False, forceinline=True)
 def point_mean8(x, k, s, wa, wb):
-    """`interpolate` at eight points side by side whose weights of three by three nodes are alike."""
+    """`interpolate` at eight points side by side whose weights of three by three nodes are
+    alike."""
     total = broadcast(0.0)
     for n in range(3):
         row = fma(

@@ -1,8 +1,9 @@
 """The projectile as an elastic-plastic bar along its axis.
 
-The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the dimensions of the bore are not
-given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
-about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
+The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the dimensions
+of the bore are not given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the
+mass requires. Tip and tail then swing about the centre of mass with the period of the first
+free-free mode, 2 L / c for a bar of one section.
 
 In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.move_bar`).
 """
@@ -97,10 +98,11 @@ class Bar:
 
     @classmethod
     def full(cls, **changes: Any) -> Bar:
-        """The cylinder of the thesis without a bore: density and modulus so much less that mass and wave speed are its
-        own.
+        """The cylinder of the thesis without a bore: density and modulus so much less that mass and
+        wave speed are its own.
 
-        Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum E-37).
+        Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum
+        E-37).
         """
         source = round_projectile()
         steel = load("steel")

@@ -14,8 +14,8 @@ next to where it is loaded, whatever its length; this growth alone spreads the f
 tip, and the bar's momentum grows by force times time, both exactly.
 
 In a run the bar is a module of the projectile (`state.Body`): `move_bar` is its unit, `BarRow`
-its row. The projectile moves rigidly across its axis. What contact sees is the tip: its place, and as
-its velocity its advance over the step divided by the step.
+its row. The projectile moves rigidly across its axis. What contact sees is the tip: its place, and
+as its velocity its advance over the step divided by the step.
 """
 
 import math

@@ -22,7 +22,8 @@ PREDICTED = (
 def constants(
     points: int, mass: float, dt: float, penalty: float, damping: float
 ) -> dict[str, Any]:
-    """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
+    """Constants of the points, by the names that the kernels know; an explicit spring
+    (`implicit_factor` 0).
 
     Parameters
     ----------
@@ -48,7 +49,8 @@ def constants(
 def contact_state(
     near: Sequence[int], points: int, shares: FloatArray, friction: float
 ) -> dict[str, Any]:
-    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
+    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the
+    kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
     return {
         "last_contact_force": np.zeros((count, shares.shape[2])),
@@ -60,8 +62,8 @@ def contact_state(
 
 
 def scratch(*consts: Any) -> Scratch:
-    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns, one element and
-    eight of its points."""
+    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns,
+    one element and eight of its points."""
     columns = max(const.window_limits[3] - const.window_limits[2] for const in consts) + 3
     room = max(const.shape_functions.shape[2] for const in consts)
     return Scratch(**Scratch.zeros(columns=columns, points=room))

@@ -1,23 +1,28 @@
-"""Contact of the fabric with a rigid projectile: penalty on a signed distance, over points of a smooth surface.
+"""Contact of the fabric with a rigid projectile: penalty on a signed distance, over points of a
+smooth surface.
 
-The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its axis along z. A
-projectile whose axis is tilted has a frame of its own, into which positions are rotated, and normals back out of it.
-Every element carries p x p points x = sum N_i x_i of the surface of `spline_kernels`. A point with distance < 0 has
+The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its
+axis along z. A projectile whose axis is tilted has a frame of its own, into which positions are
+rotated, and normals back out of it. Every element carries p x p points x = sum N_i x_i of the
+surface of `spline_kernels`. A point with distance < 0 has
 
     f = max(0, -k distance - c n.(v - v_p)) n
 
-and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile gets its opposite.
-Where yarns have failed, k and c are those of what is left of the two next to a point.
+and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile
+gets its opposite. Where yarns have failed, k and c are those of what is left of the two next to a
+point.
 
-In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step:
-with the depth d and the velocity v at which the point will approach by all other forces than the nose's,
+In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the
+end of the step: with the depth d and the velocity v at which the point will approach by all other
+forces than the nose's,
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
 
-m = s / (A s) is the mass that a point moves, forces f accelerating the points by A f. s is the force of a step ago
-and besides, on every point, the nose's force on the ply over the points of an element (without the second part the
-load hops from point to point as fabric slides round the rim). The largest eigenvalue of m A is 1 (Perron); up to 4/3
-is stable for any k. Derivation, and why the surface is smooth: docs/theory-panel.md, "Contact with the projectile".
+m = s / (A s) is the mass that a point moves, forces f accelerating the points by A f. s is the
+force of a step ago and besides, on every point, the nose's force on the ply over the points of an
+element (without the second part the load hops from point to point as fabric slides round the rim).
+The largest eigenvalue of m A is 1 (Perron); up to 4/3 is stable for any k. Derivation, and why the
+surface is smooth: docs/theory-panel.md, "Contact with the projectile".
 """
 
 import math
@@ -39,7 +44,8 @@ from shellfabric.projectile.window_kernels import (
 )
 from shellfabric.state import Scratch, unit
 
-# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole fabric so far
+# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole
+# fabric so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 # first rows of work.point_data: of vectors with three components, but for OUTSIDE
@@ -48,13 +54,14 @@ PLACE, VELOCITY, OUTSIDE, AHEAD, PUSHED = 0, 3, 6, 7, 10
 
 @unit("2 numbers", work=Scratch)
 def contact_forces(state, const, work):
-    """Contact forces at the present positions, into state.f_contact; the force on the projectile into
-    state.f_contact_nose.
+    """Contact forces at the present positions, into state.f_contact; the force on the projectile
+    into state.f_contact_nose.
 
-    The elements of the block of rows and columns state.contact_window, which lies in const.window_limits, are looked
-    at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact has taken in since the
-    last call (spring and damper: half a step's of the old nodal forces and of the new, on the same velocities, so that
-    nothing is left out where the fabric fails) and the energy in its springs.
+    The elements of the block of rows and columns state.contact_window, which lies in
+    const.window_limits, are looked at, unless eroded: what no yarn holds is out of contact. Returns
+    the work that the contact has taken in since the last call (spring and damper: half a step's of
+    the old nodal forces and of the new, on the same velocities, so that nothing is left out where
+    the fabric fails) and the energy in its springs.
     """
     before = half_step_work(state, const, state.f_contact, state.nose_window, True)
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
@@ -67,7 +74,8 @@ def contact_forces(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def contact_window(state, const, work):
-    """Contact of the elements in the window: (half a step's work that it takes in, spring energy) [J]."""
+    """Contact of the elements in the window: (half a step's work that it takes in, spring energy)
+    [J]."""
     i0, i1, j0, j1 = window_bounds(state)
     across = const.window_limits[3] - const.window_limits[2]
     state.contact_energy[FRICTION_SPRING] = 0.0
@@ -112,7 +120,8 @@ def reset_element(state, const, e):
 def contact_element(state, const, i, j, e, work):
     """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
 
-    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
+    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with
+    one by one.
     """
     at = work.point_data
     x = work.node_position
@@ -178,8 +187,8 @@ def store_node(values, k, vector):
 
 @unit(work=Scratch)
 def gather_velocities(state, const, i, j, work):
-    """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the forces on them,
-    work.node_force."""
+    """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the
+    forces on them, work.node_force."""
     work.node_force[:] = 0.0
     for m in range(4):
         for n in range(4):
@@ -197,7 +206,8 @@ def gather_velocities(state, const, i, j, work):
 
 @unit("2 numbers", shares="8, points", work=Scratch)
 def contact_point(state, const, i, j, e, number, m, shares, work):
-    """Contact of one point of an element, whose position and velocity are in column m of work.point_data."""
+    """Contact of one point of an element, whose position and velocity are in column m of
+    work.point_data."""
     at = work.point_data
     law = const.point_law
     last = state.last_contact_force[e]
@@ -271,9 +281,11 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
 
 @kernel(forceinline=True)
 def implicit_penalty_force(const, stiffness, damping, depth, away, gave, before, usual):
-    """Implicit penalty force [N] on a point at the distance `depth` [m] with predicted opening velocity `away` [m/s].
+    """Implicit penalty force [N] on a point at the distance `depth` [m] with predicted opening
+    velocity `away` [m/s].
 
-    before, gave : force on the point a step ago, and by what that and those on its neighbours have sped it up
+    before, gave : force on the point a step ago, and by what that and those on its neighbours have
+        sped it up
     usual : force that every point is taken to have besides
     """
     both = damping + stiffness * const.dt

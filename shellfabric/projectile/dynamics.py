@@ -47,9 +47,9 @@ class BarHistory:
 
     @property
     def swing(self) -> float:
-        """[s] period in which tip and tail swing against each other: of the strongest frequency of the difference of
-        their velocities, between a third of the bar's first and three times it. NaN of a history of under three
-        periods."""
+        """[s] period in which tip and tail swing against each other: of the strongest frequency of
+        the difference of their velocities, between a third of the bar's first and three times it.
+        NaN of a history of under three periods."""
         t = self.t
         apart = self.tip_velocity - self.tail_velocity
         if t.size < 2 or t[-1] < 3 * self.period:

@@ -1,13 +1,14 @@
 """Coulomb friction between the fabric and the projectile, at the points where they touch.
 
-A point that sticks is held by a spring of the contact's own stiffness k, with its damping c, along the surface; what
-the spring could hold beyond the friction mu f it lets slip (Coulomb's law regularised by an elastic slip, as the
-penalty regularises the gap). With g the elastic slip and v the velocity of the fabric over the projectile, both along
-the surface,
+A point that sticks is held by a spring of the contact's own stiffness k, with its damping c, along
+the surface; what the spring could hold beyond the friction mu f it lets slip (Coulomb's law
+regularised by an elastic slip, as the penalty regularises the gap). With g the elastic slip and v
+the velocity of the fabric over the projectile, both along the surface,
 
     t = -(k g + c v),    where |t| > mu f:   t := mu f t / |t|,  g := -t / k.
 
-Stiffness and damping being those of the contact, the time step bears it as it bears that; there is no knob.
+Stiffness and damping being those of the contact, the time step bears it as it bears that; there is
+no knob.
 """
 
 import math
@@ -30,7 +31,8 @@ def friction_force(stuck, limit, spring, dt, normal, v):
 
     Returns
     -------
-    force on the fabric, energy [J] taken in over the step (trapezoid rule), energy that the spring holds
+    force on the fabric, energy [J] taken in over the step (trapezoid rule), energy that the spring
+    holds
     """
     k, c = spring
     taken = -0.5 * dt * dot(three(stuck, 3), v)

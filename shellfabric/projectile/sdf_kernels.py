@@ -1,12 +1,14 @@
 """Shapes of the projectile: signed distances with their gradients, in the frame of the projectile.
 
-The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are convex and exact: behind
-their noses cylinders of radius R, without an end or, where a length L is given, with a flat end whose edge is rounded
-by rho. Each is written as a body K grown by a ball of radius rho, which is what rounds its edges, so that
+The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are
+convex and exact: behind their noses cylinders of radius R, without an end or, where a length L is
+given, with a flat end whose edge is rounded by rho. Each is written as a body K grown by a ball of
+radius rho, which is what rounds its edges, so that
 
     distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
 
-is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The gradient is of length 1.
+is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The
+gradient is of length 1.
 
     FLAT        disc with a rounded edge
     HEMISPHERE  ball of radius R in front of the cylinder
@@ -67,9 +69,11 @@ def hemisphere(r, z, R):
 
 @unit("3 numbers", later=True, r="number", z="number", R="number", rho="number", form="n")
 def cone(r, z, R, rho, form):
-    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its gradient.
+    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its
+    gradient.
 
-    The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part the plane.
+    The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part
+    the plane.
     """
     tip = form[0]
     sine = form[1]
@@ -93,8 +97,8 @@ def cone(r, z, R, rho, form):
 def on_ellipse(t, y, a, b):
     """Point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at least 0.
 
-    Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there: Newton's method
-    from its left climbs to it without overshooting.
+    Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there:
+    Newton's method from its left climbs to it without overshooting.
     """
     y = max(y, 1e-12 * b)  # on the long axis inside the evolute the nearest point is no more unique
     low = max(-b * b + b * y, -a * a + a * t)
@@ -111,13 +115,15 @@ def on_ellipse(t, y, a, b):
 
 @kernel()
 def nearest_rim(x, y, z, radius, strip, sine, cosine):
-    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and flat of a chisel."""
+    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and
+    flat of a chisel."""
     # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
     r = math.sqrt(x * x + y * y)
     e_x = min(radius * x / r if r > 0.0 else 0.0, strip)
     e_y = math.sqrt(radius * radius - e_x * e_x)
     arc = (x - e_x) ** 2 + (y - e_y) ** 2 + z * z
-    # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the cylinder
+    # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the
+    # cylinder
     t = max(cosine * x - sine * (z - strip * sine / cosine), 0.0)
     f_t, f_y = on_ellipse(t, y, radius / cosine, radius)
     f_x = max(f_t * cosine, strip)
@@ -135,8 +141,9 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
 def chisel(x, y, z, R, rho, form):
     """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
 
-    K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest point is that of the
-    prism between the planes, if the cylinder holds it; or that of the cylinder, if the planes hold it; or on the rim.
+    K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest
+    point is that of the prism between the planes, if the cylinder holds it; or that of the
+    cylinder, if the planes hold it; or on the rim.
     """
     strip = form[0]
     sine = form[1]
@@ -188,7 +195,8 @@ def chisel(x, y, z, R, rho, form):
 
 @kernel()
 def b_spline(t):
-    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and their slopes."""
+    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and
+    their slopes."""
     a = 1.0 - t
     w = (
         a * a * a / 6.0,
@@ -262,8 +270,8 @@ def sampled(x, y, z, form):
 def distance(shape, x, y, z, R, rho, length, form):
     """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
 
-    The body that ends is the one without an end cut by a flat nose that faces back. Of two distances to convex bodies
-    on one cylinder the larger is exact.
+    The body that ends is the one without an end cut by a flat nose that faces back. Of two
+    distances to convex bodies on one cylinder the larger is exact.
     """
     if shape == STL:
         return sampled(x, y, z, form)
@@ -300,7 +308,8 @@ def distance(shape, x, y, z, R, rho, length, form):
 
 @entry()
 def trace(shape, R, rho, length, form, points, directions):
-    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its distance each time."""
+    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its
+    distance each time."""
     for m in range(points.shape[0]):
         for _ in range(200):
             x = points[m, 0]

@@ -1,4 +1,5 @@
-"""The contact window: the elements that the projectile can touch, their erosion, and what lies ahead of the nose."""
+"""The contact window: the elements that the projectile can touch, their erosion, and what lies
+ahead of the nose."""
 
 import numpy as np
 
@@ -22,7 +23,8 @@ def window_bounds(state):
 
 @kernel()
 def reachable_nodes(state, const):
-    """First and last row, and column, of the nodes that contact forces can reach: one beyond those of the elements."""
+    """First and last row, and column, of the nodes that contact forces can reach: one beyond those
+    of the elements."""
     i0, i1, j0, j1 = window_bounds(state)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
@@ -31,11 +33,12 @@ def reachable_nodes(state, const):
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
 
-    The body lies between its nose and the place where its axis is at const.body_depth below the panel; about that the
-    window leaves const.draw_in_reach, by which fabric may be drawn in besides the body's own width, and what the edges
-    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Fabric
-    from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed. On a graded panel the window stays in the first zone, and so does the projectile
+    The body lies between its nose and the place where its axis is at const.body_depth below the
+    panel; about that the window leaves const.draw_in_reach, by which fabric may be drawn in besides
+    the body's own width, and what the edges have slipped. Nothing bounds how far a yarn that has
+    failed is drawn in: then the window is the whole panel. Fabric from beyond would be found by the
+    window's next row when it is an edge radius deep, on springs that nobody has squeezed. On a
+    graded panel the window stays in the first zone, and so does the projectile
     (`PackSolver.guard_model`).
     """
     torn = False
@@ -72,8 +75,8 @@ def move_window(state, const):
 
 @kernel()
 def erode(state, const, i, j):
-    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap that they left is
-    wider than const.erosion_gap_ratio. Erosion is permanent."""
+    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap
+    that they left is wider than const.erosion_gap_ratio. Erosion is permanent."""
     k = np.uint64(i * const.row_stride + j)
     row = np.uint64(const.row_stride)
     one = np.uint64(1)
@@ -101,7 +104,8 @@ def erode(state, const, i, j):
 
 @kernel()
 def intact_at_point(state, const, k, s, t):
-    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
+    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to
+    it."""
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
     row = np.uint64(const.row_stride)
@@ -122,7 +126,8 @@ def intact_at_point(state, const, k, s, t):
 
 @unit("flag", later=True)
 def cloth_ahead_of_nose(state, const):
-    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
+    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
+    radius."""
     i0, i1, j0, j1 = window_bounds(state)
     for i in range(i0, i1):
         for j in range(j0, j1):

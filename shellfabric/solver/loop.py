@@ -1,13 +1,14 @@
 """The time loop: explicit steps of the plies of a run and of their projectile.
 
 All forces of a step are known before it begins: from them the guard of a pack finds what keeps the
-plies from passing through each other in it. Several threads can share the work, of a pack by its plies,
-of a single ply by its blocks of rows. They wait for each other in between. No two write to the same
-place, so that results do not depend on their number; what involves all plies at once is one thread's.
+plies from passing through each other in it. Several threads can share the work, of a pack by its
+plies, of a single ply by its blocks of rows. They wait for each other in between. No two write to
+the same place, so that results do not depend on their number; what involves all plies at once is
+one thread's.
 
-States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend
-on the number of plies. Plies of one grid share their scratch; those of another have their own, since
-its idle slots must stay at rest.
+States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not
+depend on the number of plies. Plies of one grid share their scratch; those of another have their
+own, since its idle slots must stay at rest.
 """
 
 from shellfabric.jit.barrier import STOP, barrier_wait
@@ -40,16 +41,17 @@ from shellfabric.solver.stack_kernels import (
 
 @entry(nogil=True, _nrt=False)
 def advance(states, consts, contact, stack, works, history, shared, me, count, allowed):
-    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows.
+    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has
+    rows.
 
     states, consts, works : of the plies, each a list
     contact : PackContact; of a single ply one without points
     stack : what the plies share
-    history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it after
-        each; of a bar (steps, 9), see `stack_kernels.record_step`
+    history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it
+        after each; of a bar (steps, 9), see `stack_kernels.record_step`
     shared : see `barrier.barrier_wait`
-    allowed : [J] energy exchange, the sum over steps of the change of `internal_work`, after which CHECK
-        ends the call: no energy error can exceed the energy exchanged
+    allowed : [J] energy exchange, the sum over steps of the change of `internal_work`, after which
+        CHECK ends the call: no energy error can exceed the energy exchanged
 
     Returns (steps made, RUNNING or the reason to end) of thread 0.
     """

@@ -1,9 +1,9 @@
 """The explicit solver of a panel: of one ply, or of a pack of several.
 
-The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one behind the last ply,
-have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there.
-The results are the same to the last bit with any number of threads: each has the nodes and elements of some blocks, in
-each step the same for all.
+The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one
+behind the last ply, have theirs. Several plies have the work done on the contact between them
+besides, and the work of the friction there. The results are the same to the last bit with any
+number of threads: each has the nodes and elements of some blocks, in each step the same for all.
 """
 
 from __future__ import annotations
@@ -76,27 +76,32 @@ class PackSolver(ExplicitSolver):
     Attributes
     ----------
     pack : Pack, of one ply too
-    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
+    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile
+        meets them
     panel, const, state : of the first ply
-    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
+    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of
+        a single ply
     bar : bar_kernels.BarRow of a projectile that is a bar, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
-        of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest
-        way of a yarn's end out of its clamp
-    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
-        of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
+    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
+        `push` is the force of the nose on it, `deflection` the largest of its fabric
+        (`ply_audit.deflection`), `energy` what it moves with, stores and has lost, the peaks its
+        highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest way of a yarn's end
+        out of its clamp
+    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the
+        modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     samples : of the whole panel, forces summed over plies
     snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     monitor : quality.Monitor, what the quality indicators need besides the result
-    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the run
+    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
+        run
     after_stop : [s] for which the run goes on before a block after the projectile has turned back
 
     Raises
     ------
-    InputError : a strike velocity, end time or interval that is not positive, or more elements than memory holds
+    InputError : a strike velocity, end time or interval that is not positive, or more elements than
+        memory holds
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
@@ -221,7 +226,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def deepest(self) -> FloatArray:
-        """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean thickness of two."""
+        """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean
+        thickness of two."""
         if self.contact is None:
             return np.zeros(0)
         means = np.convolve(self.contact.thickness, (0.5, 0.5), "valid")
@@ -229,7 +235,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def step_loss(self) -> float:
-        """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the strike energy."""
+        """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the
+        strike energy."""
         both = self.sample("error") - self.sample("yarn_snap")
         return float(np.abs(both).max() / self.strike_energy)
 
@@ -265,14 +272,16 @@ class PackSolver(ExplicitSolver):
             raise
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
-        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
+        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of
+        a single ply."""
         if self.contact:
             return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
         return []
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
-        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
-        several plies, or before a block, also of what is in front, and of what is behind.
+        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it:
+        of the projectile; of several plies, or before a block, also of what is in front, and of
+        what is behind.
         """
         state = self.parts[ply][2]
         nose = state.f_contact[2]
@@ -301,8 +310,9 @@ class PackSolver(ExplicitSolver):
         return state._replace(f_contact=tuple(total))
 
     def contact_energies(self) -> tuple[float, ...]:
-        """[J] taken in by the contact between plies, of which it holds or damps the first and has lost the second with
-        dropped elements; by the friction there and by collisions of plies, in the guard; () of a single ply."""
+        """[J] taken in by the contact between plies, of which it holds or damps the first and has
+        lost the second with dropped elements; by the friction there and by collisions of plies, in
+        the guard; () of a single ply."""
         if self.contact is None:
             return ()
         rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
@@ -349,7 +359,8 @@ class PackSolver(ExplicitSolver):
         return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on
+        the nose [N]."""
         rows = []
         self._held = [
             held(state, const) if state.counter[FAILURES] else None
@@ -375,8 +386,9 @@ class PackSolver(ExplicitSolver):
 
     @property
     def contact_force(self) -> FloatArray:
-        """(n,) [N] along the normal on the whole projectile against its flight, from plies and block: the mean over the
-        steps since the sample before, 0 at the first. The sum of force times interval is the momentum lost.
+        """(n,) [N] along the normal on the whole projectile against its flight, from plies and
+        block: the mean over the steps since the sample before, 0 at the first. The sum of force
+        times interval is the momentum lost.
 
         A sample's velocity stands at its step, half of whose force has acted by then.
         """
@@ -412,7 +424,8 @@ class PackSolver(ExplicitSolver):
         return f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
-        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose.
+        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead
+        of the nose.
 
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
@@ -438,8 +451,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; the guard of a pack
-        holds."""
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone;
+        the guard of a pack holds."""
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue

@@ -4,14 +4,16 @@ Velocities stand at half steps, everything else at whole ones:
 
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
 
-The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of `panel.element_kernels`.
-The order of a step is that of `loop.advance`.
+The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of
+`panel.element_kernels`. The order of a step is that of `loop.advance`.
 
-The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
-pair of them for each array of the state would cost as much as a hundred elements in every block.
+The kernels that hand the state on allocate nothing and are compiled without numba's reference
+counts (_nrt=False): a pair of them for each array of the state would cost as much as a hundred
+elements in every block.
 
-LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that are called from one
-place are therefore made part of their caller before anything is compiled (inline="always").
+LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that
+are called from one place are therefore made part of their caller before anything is compiled
+(inline="always").
 """
 
 from shellfabric.cloth import (
@@ -40,7 +42,8 @@ KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other
 
 @kernel(_nrt=False)
 def module_force(state, const, m, first, last, acting):
-    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if `acting`."""
+    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if
+    `acting`."""
     table = state.modules
     if table.cell[m] == 0:
         return 0.0
@@ -49,7 +52,8 @@ def module_force(state, const, m, first, last, acting):
 
 @kernel(_nrt=False)
 def other_forces(state, const, first, last, acting):
-    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if `acting`."""
+    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if
+    `acting`."""
     total = 0.0
     for m in range(state.modules.cell.size):
         total += module_force(state, const, m, first, last, acting)
@@ -129,11 +133,12 @@ def apply_failure(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def update_blocks(state, const, work, shared, me, count):
-    """Update the active nodes and compute the active element forces, block by block while they are in cache.
+    """Update the active nodes and compute the active element forces, block by block while they are
+    in cache.
 
-    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
-    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
-    which its neighbours need too, are moved before all.
+    The blocks are fixed, whatever the window and the number of threads, and so is what is found in
+    them. The node rows that the elements of a block need are moved first: its own, and one beyond.
+    Those at the ends of a thread's blocks, which its neighbours need too, are moved before all.
     """
     first, last = thread_range(state, const, me, count)
     low = max(state.active_rows[0], first * const.rows_per_block)
@@ -182,8 +187,9 @@ def break_yarns(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def touch(state, const, work):
-    """The nose's forces, but where they are to be computed after those of the other plies, which implicit springs
-    depend on (see `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
+    """The nose's forces, but where they are to be computed after those of the other plies, which
+    implicit springs depend on (see `projectile.contact_kernels`): as long as the nose pushes.
+    Returns whether they are."""
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
@@ -229,10 +235,11 @@ def initial_forces(state, const, work):
 
 @entry(nogil=True)
 def energies(state, const, out):
-    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis, of the modules
-    (bending, packing, ...).
+    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis,
+    of the modules (bending, packing, ...).
 
-    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
+    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a
+    linear system.
     """
     out[:] = 0.0
     for m in range(state.modules.cell.size):

@@ -1,9 +1,9 @@
 """What the plies of a run share in a step: the projectile, impulses on each other, reasons to end.
 
-The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
-each ply, counted from the ply's own plane at rest; where plies lie at other angles each has place and
-velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
-pushes on it. The order of a step is that of `loop.advance`.
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept
+for each ply, counted from the ply's own plane at rest; where plies lie at other angles each has
+place and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped
+until something pushes on it. The order of a step is that of `loop.advance`.
 """
 
 import math
@@ -41,8 +41,8 @@ def push_projectile(stack, const, p, force):
 
 @unit()
 def fly(states, consts, stack):
-    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
-    motion."""
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then
+    the projectile's own motion."""
     last = len(states) - 1
     force = 0.0
     for p in range(len(states)):
@@ -74,7 +74,8 @@ def fly(states, consts, stack):
 
 @kernel(_nrt=False)
 def wakes(state, const, contact, stack, p):
-    """Give ply p the impulses of the others and of the guard; whether anything has acted on it yet."""
+    """Give ply p the impulses of the others and of the guard; whether anything has acted on it
+    yet."""
     pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
     for side in range(2):
         pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
@@ -100,7 +101,8 @@ def press_plies(states, consts, contact, shared, me, count):
 
 @kernel(_nrt=False)
 def implicit_nose_contact(states, consts, contact, stack, works, me, count):
-    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.touch`)."""
+    """The nose's forces on those of one thread's plies that wait for the others' (see
+    `ply_kernels.touch`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
             state = row_of(states, p)
@@ -113,9 +115,9 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
 
 @unit(later=True)
 def predict_increments(state, const, contact, p):
-    """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
-    what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
-    state.force_scale."""
+    """By what all other forces will speed up the nodes of ply p that the nose can push, into
+    state.dv_other, and by what the nose's own of a step ago have, into state.dv_contact; the nose's
+    force shared out to one element, into state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for i in range(i0, i1 + 1):
         for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
@@ -129,8 +131,8 @@ def predict_increments(state, const, contact, p):
                 state.dv_other[c][k] = state.dt_over_mass[k] * force[c]
                 state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
     keep_symmetry(const, state.dv_other, (i0, i1 + 1, j0, j1 + 1))
-    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for
-    # its part along their normals
+    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the
+    # same force, but for its part along their normals
     f_x, f_y, f_z = state.f_contact_nose
     quarters = 0.25
     if const.mirror_x:
@@ -206,7 +208,8 @@ def note(states, consts, stack, row):
         return RUNNING
     if speed <= 0.0:
         return STOPPED
-    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
+    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for
+    # a while
     failed = False
     pushed = False
     for p in range(len(states)):
