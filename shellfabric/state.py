@@ -679,7 +679,7 @@ class PackContact(Row):
     )
     open = array("tiles int64", "-", "step in which one of these last had a hole")
     pressed = array(
-        "n, 2 int64",
+        "presses, 2 int64",
         "-",
         "tiles whose points may touch, with a tile of the ply that they may touch",
     )
@@ -696,8 +696,8 @@ class PackContact(Row):
     entry_due = array(
         "entries", "m", "sum of the travels of their tiles with which they can be near"
     )
-    facets = array("2, n, 3 int64", "-", "scratch: facets of two tiles")
-    facet_box = array("2, n, 6", "m", "scratch: their boxes")
+    facets = array("2, facets, 3 int64", "-", "scratch: facets of two tiles")
+    facet_box = array("2, facets, 6", "m", "scratch: their boxes")
     row_nodes = array(
         "rows, 6 int32",
         "-",

@@ -189,9 +189,12 @@ class ImpactSetup:
         if not self.lay_up:
             return self.fabric.name
         same = groupby((ply.fabric.name, ply.angle) for ply in self.lay_up)
-        at = lambda angle: f" at {degrees(angle):g} deg" if angle else ""  # noqa: E731
-        parts = [(len(list(plies)), f"{name}{at(angle)}") for (name, angle), plies in same]
-        return " + ".join(f"{count} x {name}" for count, name in parts)
+        parts = []
+        for (name, angle), plies in same:
+            if angle:
+                name += f" at {degrees(angle):g} deg"
+            parts.append(f"{len(list(plies))} x {name}")
+        return " + ".join(parts)
 
     @property
     def fabrics(self) -> tuple[Fabric, ...]:
@@ -363,7 +366,10 @@ class ImpactSetup:
         zones = []
         while side < longest:
             zones.append((float(near), float(side)))
-            near = ceil(1.5 * near if side < 1 else 2 * near)
+            wider = Fraction(3, 2)
+            if side >= 1:
+                wider = Fraction(2)
+            near = ceil(wider * near)
             if side < 1 and side.denominator % 2:
                 side = Fraction(1)
             else:

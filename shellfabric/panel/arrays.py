@@ -205,7 +205,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     found["counter"][0] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
-    found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
+    found["modules"] = forces.make_table(forces.make_modules(panel), panel.sides is not None)
     return State(**found)
 
 

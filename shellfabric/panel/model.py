@@ -329,7 +329,7 @@ class Panel:
         """[s] 2 / w of the undamped fabric."""
         mass = self.weave.areal_density
         membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
-        return (membrane + sum(module.stiffness for module in forces.of(self))) ** -0.5
+        return (membrane + sum(module.stiffness for module in forces.make_modules(self))) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:

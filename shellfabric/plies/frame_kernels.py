@@ -170,7 +170,8 @@ def take_from_ghosts(contact, p, side):
     if window[0] < 0:
         for g in range(base + window[2], base + window[3]):
             take_from_ghost(f, g - stride, stride, contact.shape[p, MIRROR_X], 0)
-        window[0], window[1] = 0, max(window[1], 2)
+        window[0] = 0
+        window[1] = max(window[1], 2)
     if window[1] > ni + 1:
         for g in range(base + window[2], base + window[3]):
             take_from_ghost(f, g + (ni + 1) * stride, -stride, False, 0)
@@ -179,7 +180,8 @@ def take_from_ghosts(contact, p, side):
     if window[2] < 0:
         for i in range(window[0], window[1]):
             take_from_ghost(f, base + i * stride - 1, 1, contact.shape[p, MIRROR_Y], 1)
-        window[2], window[3] = 0, max(window[3], 2)
+        window[2] = 0
+        window[3] = max(window[3], 2)
     if window[3] > nj + 1:
         for i in range(window[0], window[1]):
             take_from_ghost(f, base + i * stride + nj + 1, -1, False, 1)
@@ -193,7 +195,10 @@ def take_from_ghost(f, g, inwards, mirrored, normal):
     `ghost`."""
     for c in range(3):
         if mirrored:
-            f[c, g + 2 * inwards] += -f[c, g] if c == normal else f[c, g]
+            sign = 1.0
+            if c == normal:
+                sign = -1.0
+            f[c, g + 2 * inwards] += sign * f[c, g]
         else:
             f[c, g + inwards] += 2.0 * f[c, g]
             f[c, g + 2 * inwards] -= f[c, g]

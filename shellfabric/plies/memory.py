@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import prod
+from typing import Any
 
 from shellfabric.driver import memory
 from shellfabric.panel.model import Panel
@@ -35,8 +36,12 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     element = ELEMENT
     if len(plies) > 1:
         element = PACK
-    run = sum(counts) * element + (BRICK * prod(backing.count) if backing else 0.0)
-    return max(run, WRITTEN * max(counts) if written else 0.0) + SNAPSHOT * snapshots * sum(counts)
+    run = sum(counts) * element
+    if backing:
+        run += BRICK * prod(backing.count)
+    if written:
+        run = max(run, WRITTEN * max(counts))
+    return run + SNAPSHOT * snapshots * sum(counts)
 
 
 def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> None:
@@ -49,10 +54,11 @@ def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> 
     opening = plies[0].opening
     backing = plies[0].backing
     content = f"{sum(ply.elements for ply in plies):,} elements"
-    content += f" with a block of {prod(backing.count):,}" if backing else ""
-    content += f" and {snapshots:,} snapshots" if snapshots else ""
-    if opening[0] != opening[1]:
-        value = opening
-    else:
+    if backing:
+        content += f" with a block of {prod(backing.count):,}"
+    if snapshots:
+        content += f" and {snapshots:,} snapshots"
+    value: Any = opening
+    if opening[0] == opening[1]:
         value = opening[0]
     memory.check(needed(plies, snapshots, written), content, "opening", value)

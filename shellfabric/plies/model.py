@@ -36,14 +36,14 @@ from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import AT_REST
+from shellfabric.panel.motion_kernels import AT_REST, STEP
 from shellfabric.plies import friction
 from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.projectile import dynamics, frames
+from shellfabric.projectile import frames
 from shellfabric.projectile.contact import PREDICTED
-from shellfabric.state import Constants, PackContact, Stack, State, Work
+from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
 
 STACKINGS = ("aligned", "alternating")
 
@@ -85,11 +85,10 @@ class Pack:
             if not 0 <= gap < inf:
                 raise InputError(key="ply_gap", value=gap, allowed="at least 0")
         if not self.laws:
-            own = {
-                id(ply): ply_laws.default(ply.fabric)
-                for ply in self.plies[: len(self.plies) if self.gaps else 0]
-            }
-            laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
+            own = ()
+            if self.gaps:
+                own = self._each(lambda ply: ply_laws.default(ply.fabric))
+            laws = tuple(front.between(rear) for front, rear in pairwise(own))
             object.__setattr__(self, "laws", laws)
         if len(self.laws) != len(self.gaps):
             raise InputError(
@@ -147,12 +146,15 @@ class Pack:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
-        law = law or (ply_laws.default(ply.fabric) if plies > 1 else None)
+        if law is None and plies > 1:
+            law = ply_laws.default(ply.fabric)
         if gap is None:
             gap = 0.0
             if plies > 1:
                 gap = ply_gap(ply.fabric, law).value
-        both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
+        both = ply, ply
+        if stacking == "alternating" and plies > 1:
+            both = ply, turned(ply)
         if law:
             laws = (law,) * (plies - 1)
         else:
@@ -186,13 +188,14 @@ class Pack:
         for panel, angle in plies:
             if (id(panel), angle) not in made:
                 made[id(panel), angle] = at_angle(panel, angle)
-        chosen = tuple(
-            gap_between(front.fabric, rear.fabric).value if gap is None else gap
-            for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:])
-        )
+        chosen = []
+        for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:]):
+            if gap is None:
+                gap = gap_between(front.fabric, rear.fabric).value
+            chosen.append(gap)
         return cls(
             tuple(made[id(panel), angle] for panel, angle in plies),
-            chosen,
+            tuple(chosen),
             contact or PlyContact(),
             friction,
         )
@@ -250,7 +253,7 @@ class Pack:
 
     def _foreseen(self, slots):
         """Room for what firm springs foresee; a nose of explicit ones has none."""
-        if not (len(self.plies) > 1):
+        if len(self.plies) == 1:
             slots = 0
         return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
@@ -273,20 +276,11 @@ class Pack:
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
-        count = len(self.plies)
-        shot = self.plies[0].shot
-        stack = Stack(
-            body=dynamics.rigid_body(),
-            awake=np.zeros(count, np.bool_),
-            waits_for_plies=np.zeros(count, np.bool_),
-            counter=np.zeros(3, np.int64),
-            projectile_position=np.zeros((count, 3)),
-            f_contact_nose=np.zeros((count, 3)),
-            ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
-            projectile_velocity=strike_velocity * shot.flight,
-            turns=self.turns,
-            after_stop=np.zeros(1),
-        )
+        found = Stack.zeros(plies=len(self.plies))
+        found["ply_counters"][:, STEP] = AT_REST
+        found["projectile_velocity"][:] = strike_velocity * self.plies[0].shot.flight
+        found["turns"][:] = self.turns
+        stack = Stack(body=Body(**Body.zeros()), **found)
         states = []
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)
@@ -294,17 +288,14 @@ class Pack:
             stack.projectile_position[p, 2] -= self.places[p]
             # rims move from the start, whether anything touches them or not
             stack.awake[p] = p == 0 or state.slip_force.size > 0
-            states.append(
-                state._replace(
-                    projectile_position=stack.projectile_position[p],
-                    f_contact_nose=stack.f_contact_nose[p],
-                    counter=stack.ply_counters[p],
-                    projectile_velocity=stack.projectile_velocity
-                    if p == 0
-                    else state.projectile_velocity,
-                    **self._foreseen(state.mass.size),
-                )
-            )
+            shared = {
+                "projectile_position": stack.projectile_position[p],
+                "f_contact_nose": stack.f_contact_nose[p],
+                "counter": stack.ply_counters[p],
+            }
+            if p == 0:
+                shared["projectile_velocity"] = stack.projectile_velocity
+            states.append(state._replace(**shared, **self._foreseen(state.mass.size)))
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:

@@ -267,7 +267,8 @@ def list_near_facets(contact, m, first, second):
             apart = lower_bound(contact.x, nodes)
             if apart > reach:
                 continue
-            contact.entry_pair[found], contact.entry_end[found] = m, contact.pair_due[m]
+            contact.entry_pair[found] = m
+            contact.entry_end[found] = contact.pair_due[m]
             contact.entry_due[found] = contact.travel[a] + contact.travel[b] + apart - limit
             found += 1
     contact.count[ENTRIES] = found
@@ -346,7 +347,9 @@ def list_pressed(contact):
     contact.count[STEP] += 1
     contact.count[PRESSED] = 0
     torn = list_neighbours(contact, contact.count[STEP])
-    for m in range(contact.count[PAIRS] if torn else 0):
+    if not torn:
+        return
+    for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
         if contact.tile_ply[rear] > contact.tile_ply[front] + 1 and may_touch(
             contact, m, front, rear

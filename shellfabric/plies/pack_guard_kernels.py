@@ -124,7 +124,9 @@ def look_at_tiles(states, contact):
             near.list_near_facets(
                 contact, m, first, near.list_facets(contact, row_of(states, q), b, 1)
             )
-    for t in range(contact.travel.size if contact.has_planes else 0):
+    if not contact.has_planes:
+        return
+    for t in range(contact.travel.size):
         if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
             near.look_at_planes(contact, t)
 
@@ -146,11 +148,9 @@ def look_at_facets(contact):
         if contact.entry_end[e] != contact.pair_due[m]:
             continue
         if kept != e:
-            contact.entry_pair[kept], contact.entry_due[kept], contact.entry_end[kept] = (
-                m,
-                contact.entry_due[e],
-                contact.pair_due[m],
-            )
+            contact.entry_pair[kept] = m
+            contact.entry_due[kept] = contact.entry_due[e]
+            contact.entry_end[kept] = contact.pair_due[m]
             for r in range(6):
                 contact.entry_nodes[kept, r] = contact.entry_nodes[e, r]
         if contact.entry_due[kept] <= farthest(contact, a, b):
@@ -180,7 +180,9 @@ def predict(states, consts, contact):
                 v_x, v_y = turned_back(contact.turns[p], v[0], v[1])
                 for c, speed in enumerate((v_x, v_y, v[2])):
                     kept = c < 2 and contact.mirror[g] >> c & 1
-                    contact.y[c, g] = contact.x[c, g] + (0.0 if kept else contact.dt * speed)
+                    contact.y[c, g] = contact.x[c, g]
+                    if not kept:
+                        contact.y[c, g] += contact.dt * speed
                     contact.impulse[c, g] = 0.0
 
 

@@ -187,7 +187,9 @@ def press_through_hole(contact, tile, other, p, q):
                         nearest = dot(u, u)
                         a = m + 0.5
                         b = n + 0.5
-            for m in range(points if nearest < reach else 0):
+            if nearest >= reach:
+                continue
+            for m in range(points):
                 press_point(contact, p, q, i * points + m, j, a, b, other)
 
 
@@ -241,7 +243,10 @@ def newton_step(w, slopes, second, thickness):
     r_b = dot(y_b, w)
     square = aa * bb - ab * ab
     if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
-        return (r_a / aa if aa > 0.0 else 0.0), 0.0, False
+        along = 0.0
+        if aa > 0.0:
+            along = r_a / aa
+        return along, 0.0, False
     # squared distance after a step of Gauss and Newton, times the squared area of the slopes
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = thickness * thickness * square > apart
@@ -316,7 +321,10 @@ def press_point(contact, p, q, row, j, a, b, tile):
         if held > 0.0:
             held -= point_energy(contact, p, element, j, number)
     contact.energy[p, LOST] += max(held, 0.0)
-    return a, b, distance - _BERTH * thickness if ended else 0.0
+    clear = 0.0
+    if ended:
+        clear = distance - _BERTH * thickness
+    return a, b, clear
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -88,31 +88,20 @@ def make_row(bar: Bar, share: float, dt: float, velocity: float) -> bar_kernels.
     velocity : [m/s] along its axis
     """
     h, area = bar.mesh
-    nodes = h.size + 1
-    row = bar_kernels.BarRow(
-        mass=share * bar.nodal_mass,
-        h=h,
-        area=share * area,
-        modulus=bar.material.modulus,
-        yield_stress=bar.material.yield_stress,
-        hardening=bar.material.hardening,
-        substeps=bar.substeps(dt),
-        u=np.zeros(nodes),
-        v=np.full(nodes, velocity),
-        plastic=np.zeros(h.size),
-        stress=np.zeros(h.size),
-        energy=np.zeros(2),
-        force=np.zeros(1),
-        motion=np.zeros(6),
-    )
+    found = bar_kernels.BarRow.zeros(nodes=h.size + 1, elements=h.size)
+    found |= {
+        "mass": share * bar.nodal_mass,
+        "h": h,
+        "area": share * area,
+        "modulus": bar.material.modulus,
+        "yield_stress": bar.material.yield_stress,
+        "hardening": bar.material.hardening,
+        "substeps": bar.substeps(dt),
+    }
+    found["v"][:] = velocity
+    row = bar_kernels.BarRow(**found)
     bar_kernels.note_motion(row)
     return row
-
-
-def rigid_body() -> Body:
-    """The body of a projectile that is rigid."""
-    none = np.zeros(1, np.int64)
-    return Body(cell=none, own=none, force=np.zeros(1), motion=np.zeros(6))
 
 
 def body_of(row: bar_kernels.BarRow, graded: bool) -> Body:

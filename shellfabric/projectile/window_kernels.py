@@ -92,8 +92,14 @@ def erode(state, const, i, j):
         u1 = u[k + row]
         u2 = u[k + one]
         u3 = u[k + row + one]
-        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
-        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
+        across = u1 - u0 + u3 - u2
+        along = u2 - u0 + u3 - u1
+        if c == 0:
+            across += 2.0 * const.dx
+        if c == 1:
+            along += 2.0 * const.dy
+        a += across * across
+        b += along * along
     open1 = a > (2.0 * const.erosion_gap_ratio * const.dx) ** 2
     open2 = b > (2.0 * const.erosion_gap_ratio * const.dy) ** 2
     if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):

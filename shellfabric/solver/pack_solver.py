@@ -131,7 +131,7 @@ class PackSolver(ExplicitSolver):
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         self.bar = self._make_bar()
-        self.modules = tuple(forces.given(state.modules) for state in self.states)
+        self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
         several = len(pack.plies) > 1
         if several:
             self.contact = pack.plies_contact(self.consts, self.states)
@@ -362,18 +362,22 @@ class PackSolver(ExplicitSolver):
         """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on
         the nose [N]."""
         rows = []
-        self._held = [
-            held(state, const) if state.counter[FAILURES] else None
-            for _, const, state in self.parts
-        ]
-        for (panel, const, state), ends, energy, push, cloth in zip(
-            self.parts, self._ends, energies, pushes, self._held
-        ):
-            cut = ply_audit.cut_yarns(panel, const, state)
-            reactions = ply_audit.edge_reactions(panel, const, state, ends)
-            deflection = ply_audit.deflection(const, state, cloth)
-            own = cut, *reactions, -push / self.share, deflection, energy / self.share
-            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state)])
+        self._held = []
+        for ply, (panel, const, state) in enumerate(self.parts):
+            held_elements = None
+            if state.counter[FAILURES]:
+                held_elements = held(state, const)
+            self._held.append(held_elements)
+            row = [
+                ply_audit.cut_yarns(panel, const, state),
+                *ply_audit.edge_reactions(panel, const, state, self._ends[ply]),
+                -pushes[ply] / self.share,
+                ply_audit.deflection(const, state, held_elements),
+                energies[ply] / self.share,
+                *state.peak_tension,
+                ply_audit.pull_in(const, state),
+            ]
+            rows.append(row)
         return np.array(rows)
 
     def _drop_sample(self):
@@ -441,7 +445,8 @@ class PackSolver(ExplicitSolver):
         if self.reason != RUNNING or not failed or self.backing is not None:
             return
         through = all(
-            passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
+            passed(state, const, held_elements)
+            for (_, const, state), held_elements in zip(self.parts, self._held)
         )
         if through:
             self.perforated_samples = self.perforated_samples + 1

@@ -120,9 +120,14 @@ def edge_reactions(
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
     weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2
-    return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (
-        const.dx * (0.5 if const.mirror_x else 1)
-    )
+    # of a yarn on a plane of symmetry half is in the model
+    width_y = const.dy
+    if const.mirror_y:
+        width_y *= 0.5
+    width_x = const.dx
+    if const.mirror_x:
+        width_x *= 0.5
+    return warp / width_y, weft / width_x
 
 
 def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
