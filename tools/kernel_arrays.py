@@ -1,10 +1,9 @@
-"""The page of the site that shows the tables of `shellfabric.state` and of a bar: what kernels take, array by array."""
+"""The page of the site that shows the tables of `shellfabric.state`: what kernels take, array by array."""
 
 import inspect
 
 from shellfabric import state
 from shellfabric.jit.table import Row
-from shellfabric.projectile.bar_kernels import BarRow
 
 HEAD = """# Arrays of the kernels
 
@@ -85,10 +84,9 @@ TERMS = {
 
 
 def tables():
-    """The tables, in the order of their file, and that of the bar."""
+    """The tables, in the order of their file."""
     classes = [kind for kind in vars(state).values() if inspect.isclass(kind)]
-    found = [kind for kind in classes if issubclass(kind, Row) and kind.fields]
-    return [*found, BarRow]
+    return [kind for kind in classes if issubclass(kind, Row) and kind.fields]
 
 
 def page():

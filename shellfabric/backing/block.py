@@ -142,10 +142,10 @@ class Backing:
         """x, y, z [m] of the mesh planes of the modelled part."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
         found = [graded(length, self.min_size, self.refined_depth, self.growth) for length in half]
-        return tuple(
-            x if bound else np.append(-x[:0:-1], x)
-            for x, bound in zip(found, (*self.mirrors, True))
-        )
+        for axis, mirrored in enumerate(self.mirrors):
+            if not mirrored:
+                found[axis] = np.append(-found[axis][:0:-1], found[axis])
+        return tuple(found)
 
     @property
     def count(self) -> tuple[int, ...]:
@@ -308,14 +308,10 @@ class Block:
         projectile : Projectile, along z
         """
         shot = projectile
-        numbers = np.array(
-            [
-                shot.number,
-                shot.radius,
-                shot.edge_radius,
-                np.inf if shot.length is None else shot.length,
-            ]
-        )
+        length = np.inf
+        if shot.length is not None:
+            length = shot.length
+        numbers = np.array([shot.number, shot.radius, shot.edge_radius, length])
         touch.nose_forces(
             self.shape,
             self.x,
@@ -365,12 +361,13 @@ class Block:
             )  # as against the face at rest
         forces = np.empty_like(places)
         drags = np.empty_like(places)
-        none = np.zeros(len(places))
+        if damping is None:
+            damping = np.zeros(len(places))
         points = (
             places,
             np.ascontiguousarray(velocities, float),
             np.ascontiguousarray(stiffness, float),
-            none if damping is None else np.ascontiguousarray(damping, float),
+            np.ascontiguousarray(damping, float),
         )
         touch.point_forces(
             self.shape,
@@ -414,10 +411,12 @@ class Block:
                 f"a brick is flattened: the block needs {count} steps in one of the run"
             )
         step = self.dt / count
-        if (
-            self._kick not in (0.0, step) or count > 1
-        ):  # the impulse of a whole step of the run, in the first of these
-            whole = (self.dt if self._kick else 0.5 * self.dt) / (0.5 * (self._kick + step))
+        if self._kick not in (0.0, step) or count > 1:
+            # the impulse of a whole step of the run, in the first of these; of half a step at first
+            duration = self.dt
+            if not self._kick:
+                duration = 0.5 * self.dt
+            whole = duration / (0.5 * (self._kick + step))
             self._outer *= whole
             self._drags *= whole
         for _ in range(count):
@@ -514,12 +513,14 @@ class Block:
         """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x
         (axis 0) or y."""
         face = self.depth_map()
-        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
+        middle = [n // 2 for n in self.shape[:2]]
+        for along, mirrored in enumerate(self.backing.mirrors):
+            if mirrored:
+                middle[along] = 0
+        i, j = middle
         if axis == 0:
-            line = face[i:, j]
-        else:
-            line = face[i, j:]
-        return line[:, [axis, 2]]
+            return face[i:, j][:, [axis, 2]]
+        return face[i, j:][:, [axis, 2]]
 
     def depth_map(self) -> FloatArray:
         """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face.

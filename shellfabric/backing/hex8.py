@@ -82,9 +82,12 @@ class Bricks:
         found = np.empty((len(self.volume), 4, 3))
         for mode, (directions, square) in enumerate(SLOPES):
             for i in range(3):
-                stiff = sum(
-                    (moduli[i] if i == c else shear) / self.edges[:, c] ** 2 for c in directions
-                )
+                stiff = 0.0
+                for c in directions:
+                    modulus = shear
+                    if c == i:
+                        modulus = moduli[i]
+                    stiff = stiff + modulus / self.edges[:, c] ** 2
                 found[:, mode, i] = self.volume * stiff * square / 16
         return found
 

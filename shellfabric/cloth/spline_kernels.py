@@ -18,7 +18,7 @@ be left that no yarn joins to the others: then it is straight along both, within
 
 import numpy as np
 
-from shellfabric.cloth.vector_kernels import column, dot
+from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import fma, load
 from shellfabric.state import unit
@@ -30,7 +30,9 @@ WARP, WEFT = 0, 1
 def mirror_index(n, last, mirrored):
     """Index of the line that line n mirrors, and the sign; beyond an edge the last line, which has no weight."""
     if n < 0:
-        return (-n, -1.0) if mirrored else (0, 1.0)
+        if mirrored:
+            return (-n, -1.0)
+        return (0, 1.0)
     return min(n, last), 1.0
 
 
@@ -56,14 +58,7 @@ def to_projectile_frame(const, x):
 @kernel()
 def relative_velocity(state, const, i, j):
     """Velocity of node (i, j) relative to the projectile, in the frame of the panel."""
-    i, sign_x = mirror_index(i, const.ni, const.mirror_x)
-    j, sign_y = mirror_index(j, const.nj, const.mirror_y)
-    k, speed = np.uint64(i * const.row_stride + j), state.projectile_velocity
-    return (
-        sign_x * state.v[0][k] - speed[0],
-        sign_y * state.v[1][k] - speed[1],
-        state.v[2][k] - speed[2],
-    )
+    return subtract(nodal_vector(state.v, const, i, j), state.projectile_velocity)
 
 
 @kernel()
@@ -79,9 +74,11 @@ def nodal_vector(x, const, i, j):
 def row_positions(state, const, i, first, last, x):
     """Positions [m] of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
     row, sign = mirror_index(i, const.ni, const.mirror_x)
-    start, shift = const.x0 + row * const.dx, row * const.row_stride
+    start = const.x0 + row * const.dx
+    shift = row * const.row_stride
     for j in range(max(first, 0), min(last, const.nj) + 1):
-        k, m = np.uint64(shift + j), j - first
+        k = np.uint64(shift + j)
+        m = j - first
         x[0, m] = sign * (start + state.u[0][k]) - state.projectile_position[0]
         x[1, m] = const.y0 + j * const.dy + state.u[1][k] - state.projectile_position[1]
         x[2, m] = state.u[2][k] - state.projectile_position[2]
@@ -94,11 +91,19 @@ def row_positions(state, const, i, first, last, x):
         x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
 
 
+@kernel(_nrt=False, forceinline=True)
+def quadratic_weights(r):
+    """The weights B of a node and its two neighbours, at r elements from it."""
+    low = 0.5 - r
+    high = 0.5 + r
+    return 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
+
+
 @kernel()
 def node_weights(s, quadratic):
     """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; `quadratic` or linear."""
     if quadratic:
-        return 0.5 * (0.5 - s) ** 2, 0.75 - s * s, 0.5 * (0.5 + s) ** 2
+        return quadratic_weights(s)
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
 
 
@@ -125,7 +130,9 @@ def shape_functions(p, room):
 @kernel()
 def quadrant(a, p):
     """Whether the nearer node of point number a of p along an element is the one behind (0) or before it (1)."""
-    return 0 if 2 * a < p else 1
+    if 2 * a < p:
+        return 0
+    return 1
 
 
 @unit(later=True, found="8, points")
@@ -135,18 +142,19 @@ def torn_shape_functions(state, const, i, j, found):
     Each point has those of the corner next to it; one midway between two corners, their mean.
     """
     p = const.points_per_side
-    low, high = p // 2, (p + 1) // 2  # points before the middle, and with one that is on it
+    # points before the middle, and with one that is on it
+    low = p // 2
+    high = (p + 1) // 2
     found[:, : p * p] = 0.0
     for q in range(2):
         for r in range(2):
             quadratic1, quadratic2 = quadratic_directions(state, const, i, j, q, r)
-            warp, weft = (
-                const.shape_functions[1 if quadratic1 else 0],
-                const.shape_functions[1 if quadratic2 else 0],
-            )
+            warp = const.shape_functions[1 if quadratic1 else 0]
+            weft = const.shape_functions[1 if quadratic2 else 0]
             for a in range(q * low, high + q * low):
                 for b in range(r * low, high + r * low):
-                    k, part = a * p + b, 1.0
+                    k = a * p + b
+                    part = 1.0
                     if low < high:
                         part = (0.5 if a == low else 1.0) * (0.5 if b == low else 1.0)
                     for m in range(4):
@@ -207,14 +215,12 @@ def scatter_force(shares, k, push, force):
 def column_boxes(lines, count, low, high):
     """Bounding box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
-        x0, x1, x2, x3, below, above = (
-            lines[0, c],
-            lines[1, c],
-            lines[2, c],
-            lines[3, c],
-            low[c],
-            high[c],
-        )
+        x0 = lines[0, c]
+        x1 = lines[1, c]
+        x2 = lines[2, c]
+        x3 = lines[3, c]
+        below = low[c]
+        above = high[c]
         for m in range(count):
             below[m] = min(min(x0[m], x1[m]), min(x2[m], x3[m]))
             above[m] = max(max(x0[m], x1[m]), max(x2[m], x3[m]))
@@ -254,12 +260,14 @@ def neighbourhood_intact(state, const, i, j):
 @kernel()
 def quadratic_directions(state, const, i, j, q, r):
     """Whether the surface about the corner (q, r) of element (i, j) is quadratic along the warp and along the weft."""
-    m, n = i + q, j + r
+    m = i + q
+    n = j + r
     along1 = edge_intact(state, const, WARP, m - 1, n) and edge_intact(state, const, WARP, m, n)
     along2 = edge_intact(state, const, WEFT, m, n - 1) and edge_intact(state, const, WEFT, m, n)
     for a in (-1, 1):
         for b in (-1, 1):
-            own1, own2 = a == 1 - 2 * q, b == 1 - 2 * r
+            own1 = a == 1 - 2 * q
+            own2 = b == 1 - 2 * r
             if (own1 and own2) or not (own1 or along1) or not (own2 or along2):
                 continue
             # what holds a node that is next to the corner along neither family
@@ -282,7 +290,13 @@ def edge_intact(state, const, family, i, j):
     ):
         return False
     if i < 0:
-        i = -1 - i if family == WARP else -i
+        if family == WARP:
+            i = -1 - i
+        else:
+            i = -i
     if j < 0:
-        j = -1 - j if family == WEFT else -j
+        if family == WEFT:
+            j = -1 - j
+        else:
+            j = -j
     return state.intact_fraction[family][np.uint64(i * const.row_stride + j)] > 0.0

@@ -722,7 +722,15 @@ def collect_result(
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock = solver.const.dt * np.arange(1, len(fine) + 1)
-    bar = setup.projectile.bar
+    bar = None
+    if solver.bar:
+        bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
+    backing = None
+    if solver.backing:
+        backing = solver.backing.result()
+    recorded: tuple[histories.Histories, ...] = ()
+    if setup.history and solver.histories:
+        recorded = histories.unpack(solver.histories, panels, setup.history)
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
     deflection = plies["deflection"][:, -1]
     speed = dynamics.velocity(solver.state, solver.const, solver.bar)
@@ -744,14 +752,12 @@ def collect_result(
         deepest=solver.deepest,
         held_apart=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
-        bar=None if bar is None else dynamics.history(clock, fine, solver.bar, bar),
-        backing=solver.backing.result() if solver.backing else None,
+        bar=bar,
+        backing=backing,
         projectile_position=last[0].projectile_position.copy(),
         last=last,
         snapshots=tuple(solver.snapshots),
-        histories=histories.unpack(solver.histories, panels, setup.history)
-        if setup.history and solver.histories
-        else (),
+        histories=recorded,
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),

@@ -254,9 +254,14 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
             side[line] = not missing
     share = np.where(on, 1 / panel.share / np.maximum(on.sum(axis=0), 1), 0.0)
     # a side whose opposite is its mirror stands for both: half of what its weight completes
-    share *= np.array([0.5 if panel.mirrors[k // 2] else 1.0 for k in range(4)])[:, None, None]
+    for k in range(4):
+        if panel.mirrors[k // 2]:
+            share[k] *= 0.5
     sides = [(numbers[side], part[side], normal) for side, part, normal in zip(on, share, normals)]
-    return [sides[k - 1] if mirrored[k] else side for k, side in enumerate(sides)]
+    for k in range(4):
+        if mirrored[k]:
+            sides[k] = sides[k - 1]
+    return sides
 
 
 def _stepped_sides(panel):

@@ -144,10 +144,9 @@ def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, .
     of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
-    return tuple(
-        float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0
-        for x, z in profiles
-    )
+    if not highest > 0:
+        return 0.0, 0.0
+    return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) for x, z in profiles)
 
 
 def quads(panel: Panel) -> IntArray:

@@ -83,10 +83,11 @@ def _closure(fabric):
     one = entries()["ply_gap"]
     if fabric.interlayer_gap is not None:
         gap = fabric.interlayer_gap
+        origin = "of the fabric"
         source = fabric.sources.get("interlayer_gap", {}).get("source", "")
-        return PlyGap(
-            gap, gap, gap, f"of the fabric file ({source})" if source else "of the fabric"
-        )
+        if source:
+            origin += f" file ({source})"
+        return PlyGap(gap, gap, gap, origin)
     try:
         if fabric.areal_density_measured is not None:
             gap = compression_gap(fabric.areal_density_measured)

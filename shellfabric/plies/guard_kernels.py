@@ -105,6 +105,7 @@ def project(contact, rows, nodes):
             n = contact.row_normal[row]
             left, a, b = worst(contact.y, contact.row_nodes[row], n)
             missing = contact.row_need[row] - left
+            # an impulse leaves the distance, not the least that is needed (see the head of this file)
             if missing > _SLACK * contact.row_need[row]:
                 give = mobility(contact, a, n) + mobility(contact, b, n)
                 missing = max(missing, contact.row_distance[row] - left)
@@ -115,9 +116,11 @@ def project(contact, rows, nodes):
         given += held
         if held == 0:
             return given, True
+    # the sweeps have not resolved all: what is violated moves as one from here on
     for m in range(nodes):
         contact.root[contact.node_list[m]] = contact.node_list[m]
         contact.cluster[contact.node_list[m], _FIXED] = contact.mirror[contact.node_list[m]]
+    # each round joins two clusters at least, or one and a plane
     for _ in range(nodes + 3):
         if not join_violated(contact, rows):
             return given, True

@@ -94,7 +94,8 @@ def list_tiles(contact):
     x."""
     tiles = contact.travel.size
     order = contact.order
-    for n in range(1, tiles):  # nearly in order already
+    # insertion sort: tiles are nearly in order already
+    for n in range(1, tiles):
         t = order[n]
         m = n - 1
         while m >= 0 and contact.box[order[m], 0] > contact.box[t, 0]:
@@ -107,6 +108,7 @@ def list_tiles(contact):
         a = order[n]
         for m in range(n + 1, tiles):
             b = order[m]
+            # sorted by their lower ends: all further ones are beyond reach too
             if contact.box[b, 0] > contact.box[a, 3] + reach:
                 break
             if (

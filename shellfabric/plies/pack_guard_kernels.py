@@ -85,7 +85,9 @@ def follow(state, const, contact, p):
         for j in range(across + 1):
             square = broadcast(0.0)
             own = head_mask(s - j * near.WIDE)
-            for row in range(begin, end if j * near.WIDE < s else begin):
+            if j * near.WIDE >= s:
+                end = begin  # there are no nodes
+            for row in range(begin, end):
                 k = row * s + j * near.WIDE
                 x = load(state.v[0], k)
                 y = load(state.v[1], k)

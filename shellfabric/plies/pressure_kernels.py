@@ -4,7 +4,8 @@ Each element of a ply carries n x n points x of its surface (`plies.surface_kern
 point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
 of both plies, v the velocity of x over y:
 
-    n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
+    n = (y - x) / d,     f = A max(0, p(t - d) + c n.v)                                 (1)
+    v_t = v - (n.v) n,   g = min(mu f / |v_t|, c_t) v_t                                 (2)
 
 with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields
 at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their
@@ -22,7 +23,7 @@ Closest points. The search begins at the place of the last step, or of the neare
 Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
 its end is, to second order,
 
-    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b
+    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (3)
 
 Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may
 touch. Most are computed eight at once: points with the same place in neighbouring elements are side
@@ -80,17 +81,16 @@ from shellfabric.plies.surface_kernels import (
     foot_at,
     is_torn,
     nearest_place,
+    patch8,
+    patch_at,
     point_vector8,
     scatter8,
     scatter_to_points8,
     second_slopes8,
     share_out,
     spline_weights8,
-    surface_patch8,
-    vector_at,
     vector_at8,
     vector_of,
-    weights_at,
 )
 from shellfabric.state import unit
 
@@ -144,7 +144,9 @@ def press_tile(contact, tile, p):
         if contact.side_by_side[p]:
             left, clear = press_points8(contact, p, row, j0, q, count)
             clearance = min(clearance, clear)
-        for lane in range(count if left else 0):
+        if left == 0:
+            continue
+        for lane in range(count):
             if (left >> lane) & 1:
                 a = contact.closest_a[q + lane]
                 b = contact.closest_b[q + lane]
@@ -264,9 +266,10 @@ def newton_step(w, slopes, second, thickness):
 
 
 @kernel(_nrt=False, forceinline=True)
-def bounded_step(w, slopes, step, place, low, high):
-    """A step that keeps to low .. high from `place`; where it is cut along one axis, the best along
-    the other."""
+def bounded_step(w, slopes, step, place, room):
+    """A step that keeps to a room (low, high) from `place`; where it is cut along one axis, the
+    best along the other."""
+    low, high = room
     y_a, y_b = slopes
     a = min(max(step[0], low[0] - place[0]), high[0] - place[0])
     b = min(max(step[1], low[1] - place[1]), high[1] - place[1])
@@ -285,6 +288,7 @@ def offset_after(w, slopes, second, a, b):
     second order."""
     y_a, y_b = slopes
     y_aa, y_ab, y_bb = second
+    # eq. (3)
     along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
     along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
     return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
@@ -300,6 +304,7 @@ def press_point(contact, p, q, row, j, a, b, tile):
     element = row // contact.points**2
     number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
     if contact.dropped[contact.base[p] + element * contact.shape[p, STRIDE] + j]:
+        # what its springs held goes with the element: it is booked as lost
         for slot in range(SLOTS):
             contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
@@ -309,6 +314,7 @@ def press_point(contact, p, q, row, j, a, b, tile):
     at_a, at_b = place_of_point(contact, row, j)
     foot = foot_at(contact, p, is_torn(contact, p, at_a, at_b), at_a, at_b)
     x = vector_of(contact, contact.x, p, foot)
+    # through a hole: the next ply is in between where it is whole
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
     thickness = mean_thickness(contact, p, q)
@@ -355,58 +361,52 @@ def held_energy(contact, p, i, j, number):
 
 @kernel(_nrt=False, forceinline=True)
 def closest_point(contact, q, x, a, b, thickness):
-    """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of
-    x from it, the nodes about the last place that was looked at and their weights (of `push`),
-    whether the search has ended. An offset of _FAR if there is no fabric."""
-    S = contact.shape[q, STRIDE]
+    """The point of ply q that is closest to x, looked for from the place (a, b) on.
+
+    Returns
+    -------
+    its place, the offset of x from it, its foot, whether the search has ended. The foot is that of
+    the last place that was looked at. Where there is no fabric the offset is _FAR.
+    """
     searched = False
-    far = (_FAR, _FAR, _FAR)
-    w = far
-    I = 0
-    J = 0
-    K = 0
-    za = (0.0, 0.0, 0.0)
-    zb = (0.0, 0.0, 0.0)
-    torn = False
+    none = 0.0, 0.0, 0.0
+    foot = 0, 0, 0, none, none
+    w = _FAR, _FAR, _FAR
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
         if torn and not searched and has_dropped(contact, q, a, b):
-            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+            a, b = nearest_place(contact, q, (a, b), x)
             searched = True
             if has_dropped(contact, q, a, b):
-                return (a, b), far, (I, J, K, za, zb), False
-        I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
-        J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
-        K = contact.base[q] + I * S + J
-        y = vector_at(contact.x, K, S, za, zb)
-        y_a = vector_at(contact.x, K, S, da, zb)
+                return (a, b), (_FAR, _FAR, _FAR), foot, False
+        foot, y, slopes, second = patch_at(contact, q, torn, a, b)
         w = subtract(x, y)
-        slopes = y_a, vector_at(contact.x, K, S, za, db)
-        y_aa = vector_at(contact.x, K, S, ca, zb)
-        y_ab = vector_at(contact.x, K, S, da, db)
-        second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
-        low, high = bounds(contact, q, torn, I, J)
-        go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), low, high)
-        if (
-            torn and not searched and (go != step_a or turn != step_b)
-        ):  # beside the facet: another may be nearer
-            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+        facet = foot[0], foot[1]
+        room = bounds(contact, q, torn, facet)
+        go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), room)
+        # beside the facet: another may be nearer
+        if torn and not searched and (go != step_a or turn != step_b):
+            a, b = nearest_place(contact, q, (a, b), x)
             searched = True
             continue
-        ended = max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
+        last = _LAST_FAR
+        if near:
+            last = _LAST
+        ended = max(abs(go), abs(turn)) <= last
         go = min(max(go, -_LONGEST), _LONGEST)
         turn = min(max(turn, -_LONGEST), _LONGEST)
-        a = a + go
-        b = b + turn
+        a += go
+        b += turn
+        # a facet is flat along each axis: one step is enough
         if torn:
-            w, closest = on_facet(contact, q, x, (a, b), (I, J))
-            return (a, b), w, closest, False
+            w, foot = on_facet(contact, q, x, (a, b), facet)
+            return (a, b), w, foot, False
         if ended or iteration == _ITERATIONS - 1:
-            none = 0.0, 0.0, 0.0
-            w = offset_after(w, slopes, second if near else (none, none, none), go, turn)
-            return (a, b), w, (I, J, K, za, zb), ended
-    return (a, b), w, (I, J, K, za, zb), False
+            if not near:
+                second = none, none, none
+            return (a, b), offset_after(w, slopes, second, go, turn), foot, ended
+    return (a, b), w, foot, False
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -451,9 +451,10 @@ def is_in_tile(contact, tile, a, b):
 
 
 @kernel(_nrt=False, forceinline=True)
-def bounds(contact, p, torn, i, j):
-    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); in the
-    facet (i, j) alone of torn fabric."""
+def bounds(contact, p, torn, facet):
+    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); of torn
+    fabric in a facet alone."""
+    i, j = facet
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
     low_a = 0.0
@@ -484,11 +485,11 @@ def push(contact, front, rear, area, n, closure, number):
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
-    f = area * max(0.0, spring + damping * closing)
+    f = area * max(0.0, spring + damping * closing)  # eq. (1)
     sliding = add_scaled(v, -closing, n)
     speed = math.sqrt(dot(sliding, sliding))
     rub = 0.0
-    if contact.friction > 0.0 and speed > 0.0:
+    if contact.friction > 0.0 and speed > 0.0:  # eq. (2)
         rub = min(contact.friction * f / speed, area * contact.stick_damping[p])
     force = add_scaled(scaled(f, n), rub, sliding)
     row = contact.energy[p]
@@ -519,9 +520,17 @@ def moved_closure(contact, p, q, number, closure, closing):
 
 
 @kernel(_nrt=False, forceinline=True)
-def moved_closure8(contact, p, q, count, closure, closing, which):
-    """`moved_closure` on the next ply of those of eight points from number q on that are
-    `which`."""
+def store_where(values, points, which, new):
+    """Store new values of those of eight points that are `which`; points : number of the first, how
+    many there are."""
+    first, count = points
+    masked_store(values, first, where(which, new, load(values, first)), count)
+
+
+@kernel(_nrt=False, forceinline=True)
+def moved_closure8(contact, p, points, closure, closing, which):
+    """`moved_closure` on the next ply of those of eight points that are `which`."""
+    q, _ = points
     now = float(contact.count[STEP])
     long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
     given = where(long_ago, 0.0, load(contact.given[0], q))
@@ -529,11 +538,9 @@ def moved_closure8(contact, p, q, count, closure, closing, which):
     most = _JUMP * mean_thickness(contact, p, p + 1)
     given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
     given = minimum(given, closure)
-    masked_store(
-        contact.touched[0], q, where(which, broadcast(now), load(contact.touched[0], q)), count
-    )
-    masked_store(contact.closed[0], q, where(which, closure, load(contact.closed[0], q)), count)
-    masked_store(contact.given[0], q, where(which, given, load(contact.given[0], q)), count)
+    store_where(contact.touched[0], points, which, broadcast(now))
+    store_where(contact.closed[0], points, which, closure)
+    store_where(contact.given[0], points, which, given)
     return closure - given
 
 
@@ -543,7 +550,6 @@ def press_points8(contact, p, row, j, q, count):
     a row of points, that need no more than the formulas: (those left, as bits, how far the nearest
     of the others is from touching)."""
     x = contact.x
-    s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
     thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
@@ -553,7 +559,8 @@ def press_points8(contact, p, row, j, q, count):
     all_of = (1 << count) - 1
     A = load(contact.closest_a, q)
     B = load(contact.closest_b, q)
-    fit = whole8(contact, p, k + s + 1, q, all_of, count)
+    stride = contact.shape[p, STRIDE]
+    fit = whole8(contact, p, k + stride + 1, (q, count))
     n_a = contact.shape[p + 1, NI]
     n_b = contact.shape[p + 1, NJ]
     I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
@@ -568,26 +575,25 @@ def press_points8(contact, p, row, j, q, count):
     t = B - J
     I = I - I0
     J = J - lanes - J0
+    # four rows of four nodes hold points whose nearest nodes are a node apart at most
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
     za, da, ca = spline_weights8(r, greater(I, 0.5))
     zb, db, cb = spline_weights8(t, greater(J, 0.5))
     weights = (za, da, ca), (zb, db, cb)
-    y, y_a, y_b = surface_patch8(x, K, S, weights, tall)
-    w = subtract(point_vector8(x, k, s, wa, wb), y)
+    at = K, S, tall
+    y, y_a, y_b = patch8(x, at, weights)
+    w = subtract(point_vector8(x, (k, stride), wa, wb), y)
     slopes = y_a, y_b
-    go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
+    go, turn, second, near, fit = newton_steps8(x, (at, weights), w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
     A = A + go
     B = B + turn
     fit &= within8(contact, p + 1, A, B)
-    masked_store(
-        contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count
-    )
-    masked_store(
-        contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count
-    )
+    points = q, count
+    store_where(contact.closest_a, points, mask_from_bits(fit), A)
+    store_where(contact.closest_b, points, mask_from_bits(fit), B)
     w = offset_after(w, slopes, second, go, turn)
     distance = sqrt(dot(w, w))
     touching = (
@@ -612,9 +618,13 @@ def press_points8(contact, p, row, j, q, count):
 
 
 @kernel(_nrt=False, forceinline=True)
-def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
+def newton_steps8(x, patch, w, slopes, thickness, fit):
     """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes
-    of the surface, which points are near, as bits, and which are fit still."""
+    of the surface, which points are near, as bits, and which are fit still.
+
+    patch : of the surface, for `surface_kernels.second_slopes8`
+    """
+    at, weights = patch
     y_a, y_b = slopes
     aa = dot(y_a, y_a)
     ab = dot(y_a, y_b)
@@ -628,7 +638,7 @@ def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
     near = fit & movemask(greater(thickness * thickness * square, apart))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
-        second = second_of8(x, K, S, weights, tall)
+        second = second_slopes8(x, at, weights)
         c_aa = aa - dot(w, second[0])
         c_ab = ab - dot(w, second[1])
         c_bb = bb - dot(w, second[2])
@@ -644,18 +654,11 @@ def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
 
 
 @kernel(_nrt=False, forceinline=True)
-def second_of8(x, K, S, weights, tall):
-    """Second slopes aa, ab, bb of eight surface points, each with its three components."""
-    X_aa, X_ab, X_bb = second_slopes8(x[0], K, S, weights, tall)
-    Y_aa, Y_ab, Y_bb = second_slopes8(x[1], K, S, weights, tall)
-    Z_aa, Z_ab, Z_bb = second_slopes8(x[2], K, S, weights, tall)
-    return (X_aa, Y_aa, Z_aa), (X_ab, Y_ab, Z_ab), (X_bb, Y_bb, Z_bb)
-
-
-@kernel(_nrt=False, forceinline=True)
-def whole8(contact, p, node, q, fit, count):
-    """Those of eight points from number q on, as bits, that are not beside torn fabric of either
-    ply; node : the nearest to the first point."""
+def whole8(contact, p, node, points):
+    """Those of eight points, as bits, that are not beside torn fabric of either ply; node : the
+    nearest to the first point; points : number of the first, how many there are."""
+    q, count = points
+    fit = (1 << count) - 1
     if contact.failures[p] > 0:
         fit &= movemask(equal_bytes(contact.torn, node, 0))
     if contact.failures[p + 1] > 0:
@@ -668,7 +671,7 @@ def whole8(contact, p, node, q, fit, count):
 @kernel(_nrt=False, forceinline=True)
 def within8(contact, p, A, B):
     """Those of eight places, as bits, that are within the bounds of whole fabric of ply p."""
-    (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, 0, 0)
+    (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, (0, 0))
     beside = movemask(greater(low_a, A)) | movemask(greater(low_b, B))
     return ~(beside | movemask(greater(A, high_a)) | movemask(greater(B, high_b)))
 
@@ -677,24 +680,28 @@ def within8(contact, p, A, B):
 def push8(contact, front, closest, area, n, closure, touching, points):
     """`push` between those of eight points of a ply and the next whose bits are set.
 
-    front : the ply and the foot of the first point;  closest : the foot of the first closest point, and whether it has
-    four rows of nodes (`surface_kernels.interpolate_rows8`);  points : number of the first, how many there are
+    Parameters
+    ----------
+    front : the ply, and the foot of the first point
+    closest : foot of the first closest point, and whether it has four rows of nodes
+        (`surface_kernels.interpolate_rows8`)
+    points : number of the first, how many there are
     """
     p, (i, j, k, wa, wb) = front
     I, J, K, za, zb, tall = closest
-    q, count = points
     s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
     which = mask_from_bits(touching)
-    v_p = point_vector8(contact.v, k, s, wa, wb)
-    v = subtract(v_p, vector_at8(contact.v, K, S, za, zb, tall))
+    v_p = point_vector8(contact.v, (k, s), wa, wb)
+    v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
-    closure = moved_closure8(contact, p, q, count, closure, closing, which)
+    closure = moved_closure8(contact, p, points, closure, closing, which)
     spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
+    # eq. (1)
     f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
     force = scaled(f, n)
     row = contact.energy[p]
-    if contact.friction > 0.0:
+    if contact.friction > 0.0:  # eq. (2)
         sliding = subtract(v, scaled(closing, n))
         speed = sqrt(dot(sliding, sliding))
         rub = minimum(contact.friction * f / maximum(speed, 1e-60), contact.stick_damping[p] * area)
@@ -713,10 +720,9 @@ def push8(contact, front, closest, area, n, closure, touching, points):
         rows = 4
     last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
-    wa = wa[0], wa[1], wa[2], 0.0
-    wb = wb[0], wb[1], wb[2], 0.0
-    k -= p * contact.slots
-    K -= (p + 1) * contact.slots
+    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    at = k - p * contact.slots, s
+    behind_at = K - (p + 1) * contact.slots, S, tall
     for c in range(3):
-        scatter_to_points8(contact.f[p, BEHIND, c], k, s, 0.0 - force[c], wa, wb)
-        scatter8(contact.f[p + 1, BEFORE, c], K, S, force[c], za, zb, tall)
+        scatter_to_points8(contact.f[p, BEHIND, c], at, 0.0 - force[c], own)
+        scatter8(contact.f[p + 1, BEFORE, c], behind_at, force[c], (za, zb))

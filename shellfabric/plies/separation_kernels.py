@@ -46,10 +46,19 @@ def between_edges(x, a, b, c, d):
     if det > _PARALLEL * uu * vv:
         s = min(max((ur * vv - uv * vr) / det, 0.0), 1.0)
     t = (s * uv - vr) / vv
+    # the nearest point is an end of the second edge: the first follows it
     if t < 0.0 or t > 1.0:
         t = min(max(t, 0.0), 1.0)
         s = min(max((ur + t * uv) / uu, 0.0), 1.0)
     return add_scaled(add_scaled(r, t, v), -s, u)
+
+
+@kernel(_nrt=False, forceinline=True)
+def edges_of(nodes, first):
+    """Edges of a facet: 3 of a triangle, 1 of a bare yarn."""
+    if nodes[first + 1] == nodes[first + 2]:
+        return 1
+    return 3
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -104,8 +113,8 @@ def separation(x, nodes):
             if inside and dot(way, way) < least:
                 least = dot(way, way)
                 best = scaled(-1.0, way)
-    for i in range(1 if nodes[1] == nodes[2] else 3):
-        for j in range(1 if nodes[4] == nodes[5] else 3):
+    for i in range(edges_of(nodes, 0)):
+        for j in range(edges_of(nodes, 3)):
             way = between_edges(
                 x, nodes[i], nodes[(i + 1) % 3], nodes[3 + j], nodes[3 + (j + 1) % 3]
             )

@@ -15,7 +15,8 @@ element itself, with the weights 1 - f, f and 0 at a = i + f.
 import math
 
 from shellfabric.cloth.nodal_force_kernels import extend_window
-from shellfabric.cloth.spline_kernels import weighted_sum
+from shellfabric.cloth.spline_kernels import quadratic_weights, weighted_sum
+from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
 from shellfabric.plies.frame_kernels import NI, NJ, STRIDE
@@ -29,14 +30,7 @@ def spline_weights(a, n):
     second slopes)."""
     i = min(max(int(a + 0.5), 0), n)
     r = a - i
-    low = 0.5 - r
-    high = 0.5 + r
-    return (
-        i - 1,
-        (0.5 * low * low, 0.75 - r * r, 0.5 * high * high),
-        (-low, -2.0 * r, high),
-        (1.0, -2.0, 1.0),
-    )
+    return i - 1, quadratic_weights(r), (r - 0.5, -2.0 * r, 0.5 + r), (1.0, -2.0, 1.0)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -68,7 +62,7 @@ def foot_at(contact, p, torn, a, b):
 def vector_of(contact, x, p, foot):
     """The vector x of the nodes, such as their places, at a foot of ply p."""
     _, _, k, wa, wb = foot
-    return vector_at(x, k, contact.shape[p, STRIDE], wa, wb)
+    return vector_at(x, (k, contact.shape[p, STRIDE]), wa, wb)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -76,8 +70,13 @@ def share_out(contact, p, side, foot, force):
     """Share a force at a foot of ply p out to its nodes: the transpose of `vector_of`."""
     i, j, k, wa, wb = foot
     extend_window(contact.grid_window[p, side], i, i + 3, j, j + 3)
+    f = contact.f[p, side]
     stride = contact.shape[p, STRIDE]
-    scatter(contact.f[p, side], k - p * contact.slots, stride, force, wa, wb)
+    k -= p * contact.slots
+    for c in range(3):
+        for m in range(3):
+            for n in range(3):
+                f[c, k + m * stride + n] += force[c] * wa[m] * wb[n]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -91,10 +90,11 @@ def is_torn(contact, p, a, b):
 
 
 @kernel(_nrt=False, forceinline=True)
-def interpolate(x, k, s, wa, wb):
-    """Sum of wa wb x over three by three nodes from number k on."""
+def interpolate(x, at, wa, wb):
+    """Sum of wa wb x over three by three nodes; at : number of the first, and from row to row."""
+    k, s = at
     m = k + s
-    o = k + 2 * s
+    o = m + s
     low = wb[0] * x[k] + wb[1] * x[k + 1] + wb[2] * x[k + 2]
     middle = wb[0] * x[m] + wb[1] * x[m + 1] + wb[2] * x[m + 2]
     high = wb[0] * x[o] + wb[1] * x[o + 1] + wb[2] * x[o + 2]
@@ -102,33 +102,41 @@ def interpolate(x, k, s, wa, wb):
 
 
 @kernel(_nrt=False, forceinline=True)
-def vector_at(x, k, s, wa, wb):
+def vector_at(x, at, wa, wb):
     """`interpolate` of the three components of a vector."""
     return (
-        interpolate(x[0], k, s, wa, wb),
-        interpolate(x[1], k, s, wa, wb),
-        interpolate(x[2], k, s, wa, wb),
+        interpolate(x[0], at, wa, wb),
+        interpolate(x[1], at, wa, wb),
+        interpolate(x[2], at, wa, wb),
     )
 
 
 @kernel(_nrt=False, forceinline=True)
-def scatter(f, k, s, force, wa, wb):
-    """Share a force (three components) out to three by three nodes by their weights."""
-    for c in range(3):
-        for m in range(3):
-            for n in range(3):
-                f[c, k + m * s + n] += force[c] * wa[m] * wb[n]
+def patch_at(contact, p, torn, a, b):
+    """The surface of ply p at the place (a, b): its foot (`foot_at`), place, slopes along a and b,
+    and second slopes aa, ab and bb."""
+    i, wa, da, ca = weights_at(torn, a, contact.shape[p, NI])
+    j, wb, db, cb = weights_at(torn, b, contact.shape[p, NJ])
+    stride = contact.shape[p, STRIDE]
+    k = contact.base[p] + i * stride + j
+    at = k, stride
+    x = contact.x
+    slopes = vector_at(x, at, da, wb), vector_at(x, at, wa, db)
+    second = vector_at(x, at, ca, wb), vector_at(x, at, da, db), vector_at(x, at, wa, cb)
+    return (i, j, k, wa, wb), vector_at(x, at, wa, wb), slopes, second
 
 
 @kernel(_nrt=False)
-def nearest_place(contact, p, a, b, x, y, z):
-    """Of the middles of the quarters of the elements about the place (a, b) that have not eroded,
-    the place of that nearest to the point (x, y, z); (a, b) if there is none."""
+def nearest_place(contact, p, place, at):
+    """Of the middles of the quarters of the elements about a place (a, b) that have not eroded, the
+    place of that nearest to the point `at`; the place itself if there is none."""
+    a, b = place
     ni = contact.shape[p, NI]
     nj = contact.shape[p, NJ]
     s = contact.shape[p, STRIDE]
     i0 = min(max(int(a), 0), ni - 1)
     j0 = min(max(int(b), 0), nj - 1)
+    x = contact.x
     least = 1e30
     found_a = a
     found_b = b
@@ -140,12 +148,10 @@ def nearest_place(contact, p, a, b, x, y, z):
             for m in range(4):
                 f = 0.25 + 0.5 * (m & 1)
                 g = 0.25 + 0.5 * (m >> 1)
-                square = 0.0
-                for c, at in enumerate((x, y, z)):
-                    u = contact.x[c]
-                    low = u[k] + g * (u[k + 1] - u[k])
-                    high = u[k + s] + g * (u[k + s + 1] - u[k + s])
-                    square += (low + f * (high - low) - at) ** 2
+                low = add_scaled(nodal(x, k), g, difference(x, k, k + 1))
+                high = add_scaled(nodal(x, k + s), g, difference(x, k + s, k + s + 1))
+                off = subtract(add_scaled(low, f, subtract(high, low)), at)
+                square = dot(off, off)
                 if square < least:
                     least = square
                     found_a = i + f
@@ -158,12 +164,9 @@ def spline_weights8(r, moved):
     """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points
     that are `moved` are the last three, of the others the first three. Returns (values, slopes,
     second slopes)."""
-    low = 0.5 - r
-    high = 0.5 + r
-    values = select_nodes(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
     return (
-        values,
-        select_nodes(moved, 0.0 - low, -2.0 * r, high),
+        select_nodes(moved, *quadratic_weights(r)),
+        select_nodes(moved, r - 0.5, -2.0 * r, 0.5 + r),
         select_nodes(moved, 1.0, -2.0, 1.0),
     )
 
@@ -182,9 +185,14 @@ def interpolate_row8(x, k, w):
 
 
 @kernel(_nrt=False, forceinline=True)
-def interpolate_rows8(x, k, s, w, tall):
-    """`interpolate_row8` along each of four lines, of which the last counts where some points are
-    `moved` to it: `tall`."""
+def interpolate_rows8(x, at, w):
+    """`interpolate_row8` along each of four lines.
+
+    at : number of the first node, numbers from line to line, whether the fourth counts: where some
+        points are `moved`
+    to it
+    """
+    k, s, tall = at
     last = broadcast(0.0)
     if tall:
         last = interpolate_row8(x, k + 3 * s, w)
@@ -197,55 +205,65 @@ def interpolate_rows8(x, k, s, w, tall):
 
 
 @kernel(_nrt=False, forceinline=True)
-def interpolate8(x, k, s, wa, wb, tall):
+def interpolate8(x, at, wa, wb):
     """`interpolate` of eight points side by side, whose four by four nodes begin at the numbers k
     .. k + 7."""
-    return weighted_sum(wa, *interpolate_rows8(x, k, s, wb, tall))
+    return weighted_sum(wa, *interpolate_rows8(x, at, wb))
 
 
 @kernel(_nrt=False, forceinline=True)
-def vector_at8(x, k, s, wa, wb, tall):
+def vector_at8(x, at, wa, wb):
     """`interpolate8` of the three components of a vector."""
     return (
-        interpolate8(x[0], k, s, wa, wb, tall),
-        interpolate8(x[1], k, s, wa, wb, tall),
-        interpolate8(x[2], k, s, wa, wb, tall),
+        interpolate8(x[0], at, wa, wb),
+        interpolate8(x[1], at, wa, wb),
+        interpolate8(x[2], at, wa, wb),
     )
 
 
 @kernel(_nrt=False, forceinline=True)
-def patch_component8(x, k, s, weights, tall):
-    """(value, slope along a, slope along b) where `interpolate8` is; weights : as of
-    `second_slopes8`."""
+def patch_component8(x, at, weights):
+    """(value, slope along a, slope along b) of a component; weights : values, slopes, second slopes
+    along a and b."""
     (wa, da, _), (wb, db, _) = weights
-    v = interpolate_rows8(x, k, s, wb, tall)
-    e = interpolate_rows8(x, k, s, db, tall)
+    v = interpolate_rows8(x, at, wb)
+    e = interpolate_rows8(x, at, db)
     return weighted_sum(wa, *v), weighted_sum(da, *v), weighted_sum(wa, *e)
 
 
 @kernel(_nrt=False, forceinline=True)
-def surface_patch8(x, k, s, weights, tall):
+def patch8(x, at, weights):
     """(place, slope along a, slope along b) of eight surface points, each a vector."""
-    x_0, x_a, x_b = patch_component8(x[0], k, s, weights, tall)
-    y_0, y_a, y_b = patch_component8(x[1], k, s, weights, tall)
-    z_0, z_a, z_b = patch_component8(x[2], k, s, weights, tall)
+    x_0, x_a, x_b = patch_component8(x[0], at, weights)
+    y_0, y_a, y_b = patch_component8(x[1], at, weights)
+    z_0, z_a, z_b = patch_component8(x[2], at, weights)
     return (x_0, y_0, z_0), (x_a, y_a, z_a), (x_b, y_b, z_b)
 
 
 @kernel(_nrt=False, forceinline=True)
-def second_slopes8(x, k, s, weights, tall):
-    """Second slopes (aa, ab, bb) where `interpolate8` is; weights : values, slopes, second slopes
-    along a and b."""
+def second_component8(x, at, weights):
+    """Second slopes (aa, ab, bb) of a component; weights as of `patch_component8`."""
     (wa, da, ca), (wb, db, cb) = weights
-    v = interpolate_rows8(x, k, s, wb, tall)
-    e = interpolate_rows8(x, k, s, db, tall)
-    g = interpolate_rows8(x, k, s, cb, tall)
+    v = interpolate_rows8(x, at, wb)
+    e = interpolate_rows8(x, at, db)
+    g = interpolate_rows8(x, at, cb)
     return weighted_sum(ca, *v), weighted_sum(da, *e), weighted_sum(wa, *g)
 
 
 @kernel(_nrt=False, forceinline=True)
-def scatter8(f, k, s, force, wa, wb, tall):
+def second_slopes8(x, at, weights):
+    """Second slopes aa, ab, bb of eight surface points, each a vector."""
+    x_aa, x_ab, x_bb = second_component8(x[0], at, weights)
+    y_aa, y_ab, y_bb = second_component8(x[1], at, weights)
+    z_aa, z_ab, z_bb = second_component8(x[2], at, weights)
+    return (x_aa, y_aa, z_aa), (x_ab, y_ab, z_ab), (x_bb, y_bb, z_bb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def scatter8(f, at, force, weights):
     """Share eight forces out to the nodes of `interpolate8`."""
+    k, s, tall = at
+    wa, wb = weights
     scatter_row8(f, k, force * wa[0], wb)
     scatter_row8(f, k + s, force * wa[1], wb)
     scatter_row8(f, k + 2 * s, force * wa[2], wb)
@@ -270,30 +288,32 @@ def scatter_row8(f, k, force, w):
 
 
 @kernel(_nrt=False, forceinline=True)
-def point_mean8(x, k, s, wa, wb):
+def point_mean8(x, at, wa, wb):
     """`interpolate` at eight points side by side whose weights of three by three nodes are
     alike."""
+    k, s = at
     total = broadcast(0.0)
     for n in range(3):
-        row = fma(
-            wa[0], load(x, k + n), fma(wa[1], load(x, k + s + n), wa[2] * load(x, k + 2 * s + n))
-        )
+        m = k + n
+        row = fma(wa[0], load(x, m), fma(wa[1], load(x, m + s), wa[2] * load(x, m + 2 * s)))
         total = fma(wb[n], row, total)
     return total
 
 
 @kernel(_nrt=False, forceinline=True)
-def point_vector8(x, k, s, wa, wb):
+def point_vector8(x, at, wa, wb):
     """`point_mean8` of the three components of a vector."""
     return (
-        point_mean8(x[0], k, s, wa, wb),
-        point_mean8(x[1], k, s, wa, wb),
-        point_mean8(x[2], k, s, wa, wb),
+        point_mean8(x[0], at, wa, wb),
+        point_mean8(x[1], at, wa, wb),
+        point_mean8(x[2], at, wa, wb),
     )
 
 
 @kernel(_nrt=False, forceinline=True)
-def scatter_to_points8(f, k, s, force, wa, wb):
+def scatter_to_points8(f, at, force, weights):
     """Share eight forces out to the nodes of `point_mean8`."""
+    k, s = at
+    wa, wb = weights
     for m in range(3):
         scatter_row8(f, k + m * s, force * wa[m], wb)

@@ -72,17 +72,12 @@ class Bar:
         source = round_projectile()
         if material is None:
             material = load("steel")
-        mass, diameter, length, bore = (
-            source[key] if value is None else value
-            for key, value in (
-                ("mass", mass),
-                ("diameter", diameter),
-                ("length", length),
-                ("bore", bore_diameter),
-            )
-        )
-        full = pi / 4 * diameter**2
-        tube = pi / 4 * (diameter**2 - bore**2)
+        given = {"mass": mass, "diameter": diameter, "length": length, "bore": bore_diameter}
+        chosen = source | {key: value for key, value in given.items() if value is not None}
+        mass = chosen["mass"]
+        length = chosen["length"]
+        full = pi / 4 * chosen["diameter"] ** 2
+        tube = pi / 4 * (chosen["diameter"] ** 2 - chosen["bore"] ** 2)
         solid = material.density * full * length
         depth = (solid - mass) / (material.density * (full - tube))
         if not 0 <= depth < length:

@@ -2,8 +2,9 @@
 
 Node 0 is the tip, the last one the tail; u counts forwards along the axis from the places at rest.
 
-    l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p),   |tau - H e_p| <= sigma_y
-    m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,     and at the tip the target's force
+    l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p)                    (1)
+    |tau - H e_p| <= sigma_y                                                            (2)
+    m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,   at the tip the target's force    (3)
 
 Tension is positive. Plasticity is kinematic with linear hardening H, by radial return, which is
 exact for a step of strain (the thesis uses a kinematic plasticity model, thesis section 4.4.2).
@@ -23,30 +24,10 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.jit.table import Row, array, integer, number
-from shellfabric.state import unit
+from shellfabric.state import BarRow, unit
 
 WORK, PLASTIC = 0, 1  # of BarRow.energy
 TIP, TAIL, CENTRE = 0, 1, 2  # of BarRow.motion: velocities; three further on the ways
-
-
-class BarRow(Row):
-    """The bar along the axis of a projectile; masses and sections are its share of the model."""
-
-    mass = array("nodes", "kg", "lumped masses")
-    h = array("elements", "m", "lengths at rest")
-    area = array("elements", "m2", "cross sections at rest")
-    modulus = number("Pa", "Young's modulus")
-    yield_stress = number("Pa", "stress at which it first yields; infinite of an elastic bar")
-    hardening = number("Pa", "slope of the yield stress over the plastic strain")
-    substeps = integer("-", "time steps of the bar in one of the fabric")
-    u = array("nodes", "m", "displacements along the axis", kept=True)
-    v = array("nodes", "m/s", "velocities along the axis", kept=True)
-    plastic = array("elements", "-", "plastic (logarithmic) strain", kept=True)
-    stress = array("elements", "Pa", "Kirchhoff stress, positive in tension", kept=True)
-    energy = array("2", "J", "work of the force at the tip, plastic work", kept=True)
-    force = array("1", "N", "see state.Body", kept=True)
-    motion = array("6", "m/s, m", "see state.Body", kept=True)
 
 
 @kernel()
@@ -58,6 +39,7 @@ def stretch_of(bar, k):
 @kernel()
 def update_velocities(bar, force, duration):
     """Velocities after a duration [s] of the present stresses and a force [N] at the tip."""
+    # eq. (3): `before` is what acts on the node from its front, at the tip the target's force
     before = force
     for k in range(bar.mass.size):
         behind = 0.0
@@ -82,7 +64,7 @@ def update_stress(bar):
         stress = bar.modulus * (strain - before)
         shifted = stress - bar.hardening * before
         over = abs(shifted) - bar.yield_stress
-        if over > 0.0:
+        if over > 0.0:  # eq. (2): back along the yield surface, which moves with the plastic strain
             bar.plastic[k] = before + np.sign(shifted) * over / (bar.modulus + bar.hardening)
             stress = bar.modulus * (strain - bar.plastic[k])
             work += stress * (bar.plastic[k] - before) * bar.area[k] * bar.h[k]

@@ -52,10 +52,13 @@ def contact_state(
     """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the
     kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
+    rubbing = 0, 0
+    if friction > 0:
+        rubbing = count, points**2
     return {
         "last_contact_force": np.zeros((count, shares.shape[2])),
         "in_contact": np.zeros(count, np.bool_),
-        "friction_state": np.zeros((count, points**2, 6) if friction > 0 else (0, 0, 6)),
+        "friction_state": np.zeros((*rubbing, 6)),
         **{name: tuple(np.zeros((3, 0))) for name in PREDICTED},
         "force_scale": np.array([contact_kernels.MIN_FORCE_SCALE]),
     }

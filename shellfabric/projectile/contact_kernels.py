@@ -6,7 +6,7 @@ axis along z. A projectile whose axis is tilted has a frame of its own, into whi
 rotated, and normals back out of it. Every element carries p x p points x = sum N_i x_i of the
 surface of `spline_kernels`. A point with distance < 0 has
 
-    f = max(0, -k distance - c n.(v - v_p)) n
+    f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
 
 and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile
 gets its opposite. Where yarns have failed, k and c are those of what is left of the two next to a
@@ -16,7 +16,7 @@ In packs the spring is const.point_law.implicit_factor times as stiff, and its f
 end of the step: with the depth d and the velocity v at which the point will approach by all other
 forces than the nose's,
 
-    f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
+    f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)                 (2)
 
 m = s / (A s) is the mass that a point moves, forces f accelerating the points by A f. s is the
 force of a step ago and besides, on every point, the nose's force on the ply over the points of an
@@ -63,6 +63,7 @@ def contact_forces(state, const, work):
     the old nodal forces and of the new, on the same velocities, so that nothing is left out where
     the fabric fails) and the energy in its springs.
     """
+    # half a step's work of the last forces, on the velocities that they have had an effect on
     before = half_step_work(state, const, state.f_contact, state.nose_window, True)
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
     state.f_contact_nose[:] = 0.0
@@ -81,6 +82,7 @@ def contact_window(state, const, work):
     state.contact_energy[FRICTION_SPRING] = 0.0
     taken = 0.0
     spring = 0.0
+    # four rows of nodes shape a row of elements; each row of nodes is found once
     for i in range(i0 - 1, i0 + 2):
         spline_kernels.row_positions(state, const, i, j0 - 1, j1 + 1, work.node_rows[i & 3])
     for i in range(i0, i1):
@@ -90,6 +92,7 @@ def contact_window(state, const, work):
         spline_kernels.column_boxes(work.node_rows, j1 - j0 + 3, work.box_low, work.box_high)
         for j in range(j0, j1):
             e = (i - const.window_limits[0]) * across + j - const.window_limits[2]
+            # an element that has touched is looked at once more, to end its contact
             if state.element_flag[i * const.row_stride + j] and erode(state, const, i, j):
                 reset_element(state, const, e)
             elif state.in_contact[e] or not spline_kernels.box_misses_nose(
@@ -133,6 +136,7 @@ def contact_element(state, const, i, j, e, work):
                 x[4 * m + n, c] = work.node_rows[slot, c, column_of_boxes + n]
     shares = const.shape_functions[1]
     last = state.last_contact_force[e]
+    # beside a failed yarn the surface ends where the yarn does
     if not spline_kernels.neighbourhood_intact(state, const, i, j):
         shares = work.torn_shape_functions
         spline_kernels.torn_shape_functions(state, const, i, j, shares)
@@ -231,6 +235,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         s = (number // per + 0.5) / per
         t = (number % per + 0.5) / per
         part = intact_at_point(state, const, k, s, t)
+    # no yarn is left to push on
     if part == 0.0:
         last[number] = 0.0
         if const.friction > 0.0:
@@ -246,6 +251,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
     spring = 0.0
     if depth < 0.0:
         if law.implicit_factor > 0.0:
+            # eq. (2); the damper keeps its ratio to critical
             hard = law.implicit_factor * stiffness
             drag = math.sqrt(law.implicit_factor) * damping
             away = dot(normal, add(v, column(at, AHEAD, m)))
@@ -255,9 +261,11 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
             )
             spring = -0.5 * depth * min(push, -hard * depth)
         else:
+            # eq. (1)
             push = max(0.0, -damping * dot(normal, v) - stiffness * depth)
             spring = 0.5 * stiffness * depth * depth
         state.in_contact[e] = True
+        # how deep fabric goes says how stiff the contact should be; torn ends hang anywhere
         if part == 1.0:
             deepest = state.contact_energy[MAX_PENETRATION]
             state.contact_energy[MAX_PENETRATION] = max(deepest, -depth)

@@ -13,7 +13,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.projectile import bar_kernels
-from shellfabric.state import Body
+from shellfabric.state import BarRow, Body
 
 if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
@@ -78,7 +78,7 @@ def columns(bar: Bar | None) -> tuple[str, ...]:
     return BAR
 
 
-def make_row(bar: Bar, share: float, dt: float, velocity: float) -> bar_kernels.BarRow:
+def make_row(bar: Bar, share: float, dt: float, velocity: float) -> BarRow:
     """What the kernels need to know of a bar in flight, without strain.
 
     Parameters
@@ -88,7 +88,7 @@ def make_row(bar: Bar, share: float, dt: float, velocity: float) -> bar_kernels.
     velocity : [m/s] along its axis
     """
     h, area = bar.mesh
-    found = bar_kernels.BarRow.zeros(nodes=h.size + 1, elements=h.size)
+    found = BarRow.zeros(nodes=h.size + 1, elements=h.size)
     found |= {
         "mass": share * bar.nodal_mass,
         "h": h,
@@ -99,12 +99,12 @@ def make_row(bar: Bar, share: float, dt: float, velocity: float) -> bar_kernels.
         "substeps": bar.substeps(dt),
     }
     found["v"][:] = velocity
-    row = bar_kernels.BarRow(**found)
+    row = BarRow(**found)
     bar_kernels.note_motion(row)
     return row
 
 
-def body_of(row: bar_kernels.BarRow, graded: bool) -> Body:
+def body_of(row: BarRow, graded: bool) -> Body:
     """The body of a projectile that is a bar along its axis, before a uniform or a graded panel."""
     cell = bar_kernels.move_bar.cell(int(graded))
     return Body(

@@ -5,7 +5,8 @@ the surface; what the spring could hold beyond the friction mu f it lets slip (C
 regularised by an elastic slip, as the penalty regularises the gap). With g the elastic slip and v
 the velocity of the fabric over the projectile, both along the surface,
 
-    t = -(k g + c v),    where |t| > mu f:   t := mu f t / |t|,  g := -t / k.
+    t = -(k g + c v),                                                (1)
+    where |t| > mu f:   t := mu f t / |t|,  g := -t / k.             (2)
 
 Stiffness and damping being those of the contact, the time step bears it as it bears that; there is
 no knob.
@@ -39,9 +40,9 @@ def friction_force(stuck, limit, spring, dt, normal, v):
     v = along_surface(v, normal)
     # the surface may have turned since the last step
     slip = along_surface(add_scaled(three(stuck, 0), dt, v), normal)
-    force = add_scaled(scaled(-k, slip), -c, v)
+    force = add_scaled(scaled(-k, slip), -c, v)  # eq. (1)
     size = math.sqrt(dot(force, force))
-    if size > limit:
+    if size > limit:  # eq. (2): it slides, and the spring keeps what the limit holds
         force = scaled(limit / size, force)
         slip = scaled(-1.0 / k, force)
     taken -= 0.5 * dt * dot(force, v)

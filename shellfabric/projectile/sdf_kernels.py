@@ -119,7 +119,9 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
     flat of a chisel."""
     # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
     r = math.sqrt(x * x + y * y)
-    e_x = min(radius * x / r if r > 0.0 else 0.0, strip)
+    e_x = 0.0
+    if r > 0.0:
+        e_x = min(radius * x / r, strip)
     e_y = math.sqrt(radius * radius - e_x * e_x)
     arc = (x - e_x) ** 2 + (y - e_y) ** 2 + z * z
     # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the
@@ -157,7 +159,9 @@ def chisel(x, y, z, R, rho, form):
     off = (p_x - strip) * sine + p_z * cosine
     if side <= 0.0 and off <= 0.0 and p_z <= 0.0:
         if side >= off and side >= p_z:
-            return side - rho, x / r if r > 0.0 else 0.0, y / r if r > 0.0 else 0.0, 0.0
+            if r == 0.0:
+                return side - rho, 0.0, 0.0, 0.0
+            return side - rho, x / r, y / r, 0.0
         if off > p_z:
             return off - rho, math.copysign(sine, x), 0.0, cosine
         return p_z - rho, 0.0, 0.0, 1.0

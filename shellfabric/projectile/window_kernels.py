@@ -43,6 +43,7 @@ def move_window(state, const):
     """
     torn = False
     slip = 0.0
+    # nothing bounds how far a failed yarn is drawn in
     for block in range(state.block_damage.size):
         torn = torn or state.block_damage[block] != 0
     for m in range(const.slip_node.size):

@@ -1,14 +1,13 @@
 """The time loop: explicit steps of the plies of a run and of their projectile.
 
 All forces of a step are known before it begins: from them the guard of a pack finds what keeps the
-plies from passing through each other in it. Several threads can share the work, of a pack by its
-plies, of a single ply by its blocks of rows. They wait for each other in between. No two write to
-the same place, so that results do not depend on their number; what involves all plies at once is
-one thread's.
+plies from passing through each other in it. Several threads can share the work, of a pack by its plies,
+of a single ply by its blocks of rows. They wait for each other in between. No two write to the same
+place, so that results do not depend on their number; what involves all plies at once is one thread's.
 
-States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not
-depend on the number of plies. Plies of one grid share their scratch; those of another have their
-own, since its idle slots must stay at rest.
+States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend
+on the number of plies. Plies of one grid share their scratch; those of another have their own, since
+its idle slots must stay at rest.
 """
 
 from shellfabric.jit.barrier import STOP, barrier_wait
@@ -41,31 +40,24 @@ from shellfabric.solver.stack_kernels import (
 
 @entry(nogil=True, _nrt=False)
 def advance(states, consts, contact, stack, works, history, shared, me, count, allowed):
-    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has
-    rows.
+    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows.
 
     states, consts, works : of the plies, each a list
     contact : PackContact; of a single ply one without points
     stack : what the plies share
-    history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it
-        after each; of a bar (steps, 9), see `stack_kernels.record_step`
+    history : (steps, 3) the projectile's foremost z, v_z of its centre of mass and the force on it after
+        each; of a bar (steps, 9), see `stack_kernels.record_step`
     shared : see `barrier.barrier_wait`
-    allowed : [J] energy exchange, the sum over steps of the change of `internal_work`, after which
-        CHECK ends the call: no energy error can exceed the energy exchanged
+    allowed : [J] energy exchange, the sum over steps of the change of `internal_work`, after which CHECK
+        ends the call: no energy error can exceed the energy exchanged
 
     Returns (steps made, RUNNING or the reason to end) of thread 0.
     """
     several = len(states) > 1
     # threads share the plies of a pack, or the blocks of a single ply: part `part` of `parts`
-    first = 0
-    if several:
-        first = me
-    part = me
-    if several:
-        part = 0
-    parts = count
-    if several:
-        parts = 1
+    first = me if several else 0
+    part = 0 if several else me
+    parts = 1 if several else count
     if me == 0:
         begin(states, consts, works)
     made = 0
@@ -74,10 +66,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
     before = internal_work(states, contact)
     while True:
         if me == 0:
-            if made < history.shape[0] and reason == RUNNING:
-                shared[STOP] = 0
-            else:
-                shared[STOP] = 1
+            shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
                 if several:
                     # places after the step follow from forces that are all known by now
@@ -93,9 +82,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             const = row_of(consts, p)
             work = row_of(works, p)
             # a ply of a pack is one thread's own, which waits for nobody in it
-            gate = shared
-            if several:
-                gate = work.barrier
+            gate = work.barrier if several else shared
             if several:
                 if not wakes(state, const, contact, stack, p):
                     continue

@@ -81,7 +81,7 @@ class PackSolver(ExplicitSolver):
     panel, const, state : of the first ply
     states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of
         a single ply
-    bar : bar_kernels.BarRow of a projectile that is a bar, or None
+    bar : state.BarRow of a projectile that is a bar, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
         `push` is the force of the nose on it, `deflection` the largest of its fabric
@@ -130,13 +130,13 @@ class PackSolver(ExplicitSolver):
         self.states, self.stack = pack.states(strike_velocity)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
+        self._graded = self.const._numba_type_ != Constants.types[UNIFORM]
         self.bar = self._make_bar()
         self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
         several = len(pack.plies) > 1
+        self.contact = None
         if several:
             self.contact = pack.plies_contact(self.consts, self.states)
-        else:
-            self.contact = None
         self._name_energies(several)
         self._begin_run()
 
@@ -147,16 +147,15 @@ class PackSolver(ExplicitSolver):
             return None
         along = self.strike_velocity * float(projectile.flight @ projectile.frame[2])
         bar = dynamics.make_row(projectile.bar, self.panel.share, self.const.dt, along)
-        graded = self.const._numba_type_ != Constants.types[UNIFORM]
-        self.stack = self.stack._replace(body=dynamics.body_of(bar, graded))
+        self.stack = self.stack._replace(body=dynamics.body_of(bar, self._graded))
         return bar
 
     def _name_energies(self, several):
+        further = [module.energy for module in self.modules[0][len(forces.USUAL) :]]
+        between = ()
         if several:
             between = BETWEEN_PLIES
-        else:
-            between = ()
-        self.energy_names = (*ENERGIES, *self._further_energies, *between, "error")
+        self.energy_names = (*ENERGIES, *further, *between, "error")
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
@@ -167,18 +166,13 @@ class PackSolver(ExplicitSolver):
             )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
-    @property
-    def _further_energies(self):
-        """Names of the energies of the modules that the plies have besides the usual ones."""
-        return [module.energy for module in self.modules[0][len(forces.USUAL) :]]
-
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack = self.pack
         plies = len(self.parts)
         self._plies = Rows(self.states), Rows(self.consts)
         self._works = [Rows(pack.works())]
-        compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
+        compile_ahead.fill(int(self._graded), plies > 1)
         self.share = self.panel.share
         # threads that can share the work
         if plies > 1:
@@ -193,9 +187,8 @@ class PackSolver(ExplicitSolver):
         self.histories = []
         self.backing = None
         self.perforated_samples = 0
-        self.run_steps(
-            self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf
-        )  # the forces at rest
+        # the forces at rest
+        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)
         if self.panel.backing is not None:
             self.after_stop = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
@@ -285,17 +278,17 @@ class PackSolver(ExplicitSolver):
         """
         state = self.parts[ply][2]
         nose = state.f_contact[2]
-        nothing = 0 * state.f_contact[2]
-        forces = self.neighbour_forces(ply)
-        if self.backing is None:
-            rear = nothing
-        else:
+        front = 0 * nose
+        rear = 0 * nose
+        if self.backing:
             rear = -state.f_block_cloth[2]
-        if not forces:
-            if self.backing is None:
-                return [nose]
-            return [nose, nothing, rear]
-        return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
+        neighbours = self.neighbour_forces(ply)
+        if neighbours:
+            front = neighbours[BEFORE][2].copy()
+            rear = rear - neighbours[BEHIND][2]
+        if neighbours or self.backing:
+            return [nose, front, rear]
+        return [nose]
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
