@@ -29,8 +29,9 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.compile import entry
 from shellfabric.panel.element_kernels import element_forces
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import move_rows
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
