@@ -220,7 +220,7 @@ class PanelGrid:
     def fabric(self) -> Fabric:
         return self.table.model.fabric
 
-    @property
+    @cached_property
     def weave(self) -> Weave:
         return self.fabric.weave
 
@@ -238,12 +238,12 @@ class PanelGrid:
         """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
         return frames.turned_back(vectors, self.axes if self.ply_angle else None)
 
-    @property
+    @cached_property
     def mirrors(self) -> tuple[bool, bool]:
         """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
         return SYMMETRIES[self.symmetry]
 
-    @property
+    @cached_property
     def _smallest(self):
         """(crossovers, elements) of a side at the impact point that is both long; one of them is 1."""
         if self.grading is None:
@@ -261,7 +261,7 @@ class PanelGrid:
         """Elements along a side of a crossover at the impact point, if there is at least one."""
         return self._smallest[1]
 
-    @property
+    @cached_property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self.sides is None and not self.stepped:
@@ -270,13 +270,13 @@ class PanelGrid:
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
 
-    @property
+    @cached_property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
         lengths = self.extent
         return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
 
-    @property
+    @cached_property
     def _half_counts(self):
         """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
         wholes = (int(half + 1e-9) for half in self._half)
@@ -338,7 +338,7 @@ class PanelGrid:
             bounds += [0 if mirrored else middle - fine + rim, middle + fine - rim]
         return tuple(bounds)
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
@@ -443,7 +443,7 @@ class PanelGrid:
         """((ni,), (nj,)) [m] sides of the elements along warp and weft."""
         return self.sides or tuple(map(np.full, self.counts, self.spacing))
 
-    @property
+    @cached_property
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
         impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
@@ -468,12 +468,12 @@ class PanelGrid:
         """(row, column) of the grid lines nearest the impact point."""
         return tuple(int(np.abs(x).argmin()) for x in self.lines())
 
-    @property
+    @cached_property
     def stepped(self) -> bool:
         """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
         return self.weave_angle != 0 or self.round or any(self.grid_middle)
 
-    @property
+    @cached_property
     def extent(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] that the grid has to cover, its middle at `grid_middle`."""
         a, b = self.opening
