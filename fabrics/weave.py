@@ -152,7 +152,7 @@ class Weave:
         """[kg] of the two yarns in one cell, crimp included."""
         return sum(S * yarn.linear_density for S, yarn in zip(self.S0, self.yarns))
 
-    @property
+    @cached_property
     def areal_density(self) -> float:
         """[kg/m2]"""
         return self.cell_mass / self.cell_area

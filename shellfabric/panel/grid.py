@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from operator import ge
+from typing import Any
 
 import numpy as np
 
@@ -146,8 +147,7 @@ class PanelGrid:
 
     def _check_edges(self):
         """InputError of edges that do not go with the symmetry or with an oblique weave."""
-        given = boundary.sides(self.boundary)
-        for (low, high), mirrored in zip(given, self.mirrors):
+        for (low, high), mirrored in zip(self.supports, self.mirrors):
             if mirrored and low != high:
                 allowed = "alike at both ends of mirrored yarns"
                 raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -157,7 +157,7 @@ class PanelGrid:
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
             raise InputError(key="opening", value=self.opening, allowed=allowed)
-        if self.stepped and any(side != "clamped" for pair in given for side in pair):
+        if self.stepped and not self._clamped:
             what = "in a round opening"
             if self.weave_angle:
                 what = "oblique"
@@ -196,11 +196,7 @@ class PanelGrid:
         if given != 1:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
-        gripped = any(
-            isinstance(side, boundary.Grip)
-            for pair in boundary.sides(self.boundary)
-            for side in pair
-        )
+        gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -447,8 +443,9 @@ class PanelGrid:
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
         impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        return self.impact_point if clamped or self.weave_angle or self.round else (0.0, 0.0)
+        if self._clamped or self.weave_angle or self.round:
+            return self.impact_point
+        return 0.0, 0.0
 
     @property
     def origin(self) -> tuple[float, ...]:
@@ -467,6 +464,16 @@ class PanelGrid:
     def nearest_lines(self) -> tuple[int, ...]:
         """(row, column) of the grid lines nearest the impact point."""
         return tuple(int(np.abs(x).argmin()) for x in self.lines())
+
+    @cached_property
+    def supports(self) -> tuple[tuple[Any, Any], ...]:
+        """((lowest, highest) of the warp, (lowest, highest) of the weft) sides of its boundary."""
+        return boundary.sides(self.boundary)
+
+    @property
+    def _clamped(self):
+        """Whether all four sides are clamped."""
+        return self.supports == (("clamped", "clamped"),) * 2
 
     @cached_property
     def stepped(self) -> bool:
@@ -497,7 +504,7 @@ class PanelGrid:
     def loose(self) -> BoolArray:
         """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
         free = np.ones(tuple(n + 1 for n in self.counts), bool)
-        for axis, (low, high) in enumerate(boundary.sides(self.boundary)):
+        for axis, (low, high) in enumerate(self.supports):
             rows = np.moveaxis(free, axis, 0)
             if high != "free":
                 rows[-1] = False
@@ -573,7 +580,7 @@ class PanelGrid:
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])
             drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
-            ends = boundary.sides(self.boundary)[n]
+            ends = self.supports[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)
