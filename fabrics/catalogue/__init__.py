@@ -102,9 +102,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
             raise
         # the message shows the value as the file has it
         value = sources.get(problem.key or "", {}).get("value", problem.value)
-        raise InputError(
-            problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed
-        ) from None
+        raise problem.changed(file=path, value=value) from None
 
 
 def _fabric(file, data, sources, path):
@@ -211,9 +209,7 @@ def _made(kind, where, *args, **values):
         return kind(*args, **values)
     except InputError as problem:
         key = {"E": "modulus"}.get(problem.key, problem.key)
-        raise InputError(
-            key=f"{where}.{key}", value=problem.value, allowed=problem.allowed
-        ) from None
+        raise problem.changed(key=f"{where}.{key}") from None
 
 
 def _of_both(table, key, pair, build):

@@ -142,7 +142,7 @@ def _fit_shear(path, gamma, stress, half=0.0):
     try:
         return fit(gamma, stress, half=half, any_curve=True)
     except InputError as problem:
-        raise InputError(str(problem), file=path) from None
+        raise problem.changed(file=path) from None
 
 
 def yarn_tension(path: FilePath) -> YarnFit:
