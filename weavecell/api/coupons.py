@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
     from shellfabric.panel.quality import Indicator
 
-__all__ = ["CouponResult", "PullOutResult", "coupon"]
+__all__ = ["CouponResult", "coupon"]
 
 _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
