@@ -133,6 +133,9 @@ class YarnPanel(Panel):
         self._check_zone()
 
     def _check_grading(self):
+        if not self._clamped:
+            allowed = "clamped on a graded panel with resolved yarns"
+            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for sides, w, (first, last) in zip(self.element_sides, self.weave.w, self.rim_rows):
             beside = sides[max(first - BESIDE, 0) : last + BESIDE]
             if np.abs(beside - 2 * w).max() > 1e-6 * w:

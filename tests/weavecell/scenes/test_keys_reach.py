@@ -13,11 +13,11 @@ from fabrics.base import schema
 from fabrics.base.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
-from weavecell.results import coupon as results
 from weavecell.scenes import build, honoured
 from weavecell.scenes.coupon import CouponScene, PullOutTable
 from weavecell.scenes.fabric_table import FabricTable
 from weavecell.scenes.impact import Scene, check
+from weavecell.studies import pull_out
 
 ROOT = Path(__file__).parents[3]
 
@@ -128,7 +128,8 @@ def test_a_key_sets_its_field_and_no_other(key, monkeypatch):
     context, value, named, within = row(key)
     table = key.partition(".")[0]
     base = merged(merged(SHOT, {table: {}}), context)
-    plain, made = setup_of(base), setup_of(with_value(base, key, value))
+    plain = setup_of(base)
+    made = setup_of(with_value(base, key, value))
     changed = {
         path: new
         for path, new in made.items()
@@ -187,7 +188,8 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.cell_model, cell.cell_formulation) == ("incompressible", "variational")
+    assert cell.cell_model == "incompressible"
+    assert cell.cell_formulation == "variational"
     assert cell.crossover_gap == pytest.approx(1e-5)
 
 
@@ -206,7 +208,7 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
     }
     inputs = PullOutTable.model_validate(given)
     assert set(inputs.model_fields_set) == set(PullOutTable.model_fields)
-    model, displacement, samples = results.run_pull_out("cell", inputs, bending=1e-6)
+    model, displacement, samples = pull_out.run("cell", inputs, bending=1e-6)
     assert model == {
         "table": "cell",
         "crossings": 10,
@@ -215,4 +217,5 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
         "cohesion": 0.1,
         "bending": (1e-6, 1e-6),
     }
-    assert (displacement, samples) == (pytest.approx(5e-3), 100)
+    assert displacement == pytest.approx(5e-3)
+    assert samples == 100
