@@ -50,7 +50,7 @@ class YarnZone:
     ----------
     half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None takes the default
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
-    lateral : factor on the lateral stiffness of a yarn (`YarnPatch.lateral_range`)
+    lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
 
     Raises
     ------

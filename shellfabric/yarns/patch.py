@@ -63,7 +63,7 @@ class YarnPatch:
     failure : whether yarns fail
     strength_factors : (warp, weft) factors on the strength of each yarn; None where all are alike
     rate_law : as `Panel.rate_law`
-    lateral : factor on the lateral stiffness of yarns, within `lateral_range`
+    lateral : factor on the lateral stiffness of yarns
     """
 
     model: CellModel
@@ -109,12 +109,6 @@ class YarnPatch:
     def unit_stiffness(self) -> float:
         """[N/m] EA / l0 of the softer family's segment."""
         return min(2 * yarn.EA / S0 for yarn, S0 in zip(self.weave.yarns, self.weave.S0))
-
-    @property
-    def lateral_range(self) -> tuple[float, float]:
-        """(loose, packed) transverse modulus of the yarns over the one that is used."""
-        law = self._solid_laws[0]
-        return sqrt(law.K_r), 1 / sqrt(law.K_r)
 
     @property
     def _solid_laws(self):
