@@ -62,9 +62,10 @@ def biaxial(
 
     Parameters
     ----------
-    fabric : as of `mesh`; a named one has the linear densities of `weavecell.fabric`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric. A named one
+        has the linear densities of `weavecell.fabric`
     ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a yarn
-    compare_3d : solve the 3D crossover too, with this mesh, as of `mesh`, and compare; needs dolfinx
+    compare_3d : also solve the 3D crossover on this mesh, such as coarse, and compare; needs dolfinx
     law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python also a CompressionLaw
     out : folder of the results; in Python None writes nothing
 

@@ -70,8 +70,9 @@ def calibrate(
 
     Parameters
     ----------
-    fabric : as of `mesh`
-    mesh : of the 3D crossover, as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a quarter
+        yarn, such as 8,6,2, or an edge length
     platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what the fabric lacks of
         its solid law is assumed by fibre family
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves

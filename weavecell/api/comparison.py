@@ -68,7 +68,7 @@ def compare(
     tests : table of tests (``*.csv``), a row a shot
     target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up or a Fabric.
         Left out, the tests alone are reduced
-    tolerance : as of `critical_velocity`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
     **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns

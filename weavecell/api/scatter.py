@@ -63,7 +63,7 @@ def v50(
 
     Parameters
     ----------
-    target : as of `critical_velocity`
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
     shots : number of shots, at least 4
     batch : shots of a round, at least 4; each round is placed by the outcomes before
     assumed_range : fire the shots again with the ends of the two assumptions that change the limit most, and with both

@@ -80,7 +80,7 @@ def impact(
 
     Parameters
     ----------
-    target : input file of a ply or pack; in Python also a fabric as of `setup`, or a set-up of it
+    target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and set-up; without this
         option a command does so where a law or the crimp is assumed; in Python "laws" does
@@ -90,7 +90,7 @@ def impact(
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
         of the code is refused
-    **options : of a fabric, as of `setup`
+    **options : beside a fabric, keywords of `setup`
 
     Returns
     -------

@@ -65,12 +65,14 @@ def surface(
 
     Parameters
     ----------
-    fabric, mesh : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a quarter
+        yarn, such as 8,6,2, or an edge length
     d1 : end displacements of the warp [m], per end, LOW .. HIGH
     d2 : end displacements of the weft [m], per end, LOW .. HIGH
     points : initial number of lines in each direction
     tolerance : refine until every line is interpolated from the others within this share of the largest force
-    friction : as of `calibrate`
+    friction : Coulomb's coefficient between the yarns
     **options : jobs, executor, out and resume
 
     Returns

@@ -48,7 +48,7 @@ def of(
 
     Parameters
     ----------
-    target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
+    target : a set-up, the path of an input file, or a fabric
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
     refused : keys of an input file that the study does not honour
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
@@ -100,7 +100,7 @@ def made(
 
     Parameters
     ----------
-    fabric, velocity, options : as of `setup`
+    fabric, velocity, options : arguments of `weavecell.setup`
 
     Raises
     ------

@@ -20,7 +20,6 @@ from typing import Annotated, Any
 
 import typer
 
-import weavecell
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.lists import in_terminal
 from weavecell.api.result import Result
@@ -173,20 +172,13 @@ def _listed(text):
 
 
 def documented(function: Callable) -> tuple[str, dict[str, str]]:
-    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich.
-
-    "as of `other`" is what the docstring of that function of the Python interface says.
-    """
+    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich."""
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     parameters = "".join(sections[:1])
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(parameters):
-        known = {}
-        if other := re.fullmatch(r"as of `(\w+)`", meaning):
-            known = documented(getattr(weavecell, other[1]))[1]
         words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
-        for name in names.split(", "):
-            meanings[name] = known.get(name, words)
+        meanings |= dict.fromkeys(names.split(", "), words)
     paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
     return _escaped("\n\n".join(paragraphs)), meanings
 
