@@ -128,9 +128,11 @@ class ImpactRecord:
         setup = result.setup
         panels = result.panels
         target = result.target
+        # the last snapshot may be the end of the run, which is cut on its own
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
         named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
+        # velocity is the vector at the end there, and the history along the normal here
         same = set.intersection(*named) - {"velocity"}
         return cls(
             **{name: getattr(result, name) for name in same},
@@ -178,6 +180,7 @@ class ImpactRecord:
         """The contact law of plies, for the reader."""
         law = {name: self.pack[f"ply_contact_{name}"] for name in ("source", "status", "travel_m")}
         words = f"contact of plies: {law['source']} ({law['status']})"
+        # a law of solid fibre has no travel worth a word
         if law["travel_m"] <= SOLID_TRAVEL:
             return words
         return f"{words}, travel {law['travel_m'] * 1e6:.3g} um, then solid fibre"
@@ -228,6 +231,7 @@ class ImpactRecord:
         """That viscosity dissipated more in the whole run than the check allows until the first failure, or ""."""
         from shellfabric.panel.quality import LIMITS
 
+        # a nose that hardly loses energy would make any share large
         share = float(self.energies["viscous"][-1]) / max(
             self.absorbed_energy, 1e-3 * self.strike_energy
         )
@@ -315,6 +319,7 @@ class ImpactRecord:
             columns[f"{prefix}{key.name}"] = history
             meanings[f"{prefix}{key.name}"] = f"[{key.unit}] {key.meaning}"
 
+        # the tables in keys.toml give the order, the unit and the meaning of each column
         for key in TABLES["histories"]:
             add("", key, key.value(self))
         for prefix, table, held in (
@@ -339,6 +344,7 @@ class ImpactRecord:
             def write_table(name, source, table):
                 write_group(file.create_group(name), source, TABLES[table])
 
+            # numbers stand in attributes, arrays in datasets with a unit each
             for name, key in SCALARS.items():
                 file.attrs[key] = getattr(self, name)
             for name in _TEXTS:
@@ -359,6 +365,7 @@ class ImpactRecord:
                 put(file, f"quads/{ply:02d}", quads, "1")
                 write_table(f"half_energy/{ply:02d}", self.half_energy[ply], "shape")
                 write_table(f"final/{ply:02d}", self.final[ply], "shape")
+            # four digits keep the order of cuts when a reader sorts by name
             for number, cut in enumerate(self.cuts):
                 write_table(f"cuts/{number:04d}", cut, "cut")
                 for ply, line in enumerate(cut.lines):
@@ -431,6 +438,7 @@ def _write_measured(group, measured):
         write_group(group.create_group(f"yarns/{number:03d}-{yarn.family}"), yarn, TABLES["yarn"])
     for name, forces in measured.edges.items():
         put(group, f"edges/{name}", forces, "N")
+    # fronts follow from the histories: reading a file leaves them out
     for front in fronts(measured):
         write_group(
             group.create_group(f"fronts/{front.family}-{front.kind}"), front, TABLES["front"]
@@ -454,6 +462,7 @@ def _stacked(setup, pack):
         given = setup.lay_up[0].gap
     else:
         given = setup.ply_gap
+    # a gap that the user gives has no range
     if given is not None:
         gap = PlyGap(given, given, given, "given")
     else:
@@ -476,6 +485,7 @@ def _failure(result):
     """{key: value} of the table failure, where strengths follow the strain rate; None before a yarn has failed."""
     if not result.setup.rate_dependence:
         return {}
+    # the solver counts failures and sums what each had: the mean is asked for
     count, *sums = result.failures.sum(axis=0)
     shares = {}
     for key, value in zip(TABLES["failure"], sums):
@@ -491,6 +501,7 @@ def _half_energy(result, final):
     lost = kinetic[0] - kinetic
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shots for shots in result.snapshots if shots[0].t <= final[0].time]
+    # a short run has no snapshot before its end
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
     if nearest is None:
         return final
