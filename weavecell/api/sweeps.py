@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -255,8 +256,7 @@ class SweepTable(StudyResult):
 
     def summary(self) -> dict[str, Any]:
         """Number of rows of each outcome."""
-        outcomes = [row["outcome"] for row in self.rows]
-        return {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+        return dict(Counter(row["outcome"] for row in self.rows))
 
     def _columns(self):
         from pandas import DataFrame
@@ -312,9 +312,8 @@ class SweepTable(StudyResult):
             for part in key.split("."):
                 value = getattr(value, part)
             values.append(value)
-        if not all(
-            isinstance(value, (int, float)) and not isinstance(value, bool) for value in values
-        ):
+        # a text, a table or a truth value has no place on an axis
+        if not {*map(type, values)} <= {int, float}:
             return [str(row[key]) for row in self.rows], key
         unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key

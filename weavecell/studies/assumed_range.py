@@ -116,11 +116,13 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
-    if choice:
-        assumed_names = set(changes(setup))
-    else:
-        assumed_names = set()
-    if assumed_names - {"failure length", *inputs.ranges()} if choice == "laws" else assumed_names:
+    if not choice:
+        return None
+    names = set(changes(setup))
+    # these are assumed of nearly every set-up, so they alone do not start a range
+    if choice == "laws":
+        names -= {"failure length", *inputs.ranges()}
+    if names:
         return setup
     return None
 
@@ -146,19 +148,19 @@ def changes(setup: ImpactSetup) -> Ends:
             change = partial(_of_each_ply, partial(_with_end, name))
             ends_of.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
     stiffness = {
-        f"yarns {end}": partial(_of_each_ply, _with_laws, end) for end in ("soft", "stiff")
+        "yarns soft": partial(_of_each_ply, _with_laws, "soft"),
+        "yarns stiff": partial(_of_each_ply, _with_laws, "stiff"),
     }
+    # a law that was fitted to a given solid has no ends
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges().items():
-        values = []
+        own = {}
         for end in (entry.low, entry.high):
             if end != entry.value and _of_setup(setup, name, end) != setup:
-                values.append(end)
-        if values:
-            ends_of[name] = {
-                f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values
-            }
+                own[f"{name} {end:g}"] = partial(_of_setup, name=name, value=end)
+        if own:
+            ends_of[name] = own
     return ends_of
 
 
@@ -307,12 +309,14 @@ def over_ends(
             add(words, change(setup), name)
     alone = {row.laws: row.velocity - velocity for row in rows if row.velocity is not None}
     for words, sign in (("all that lower it", -1.0), ("all that raise it", 1.0)):
-        worst = [
-            max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()
-        ]
-        chosen = [
-            ends[name][end] for name, end in zip(ends, worst) if sign * alone.get(end, 0.0) > 0
-        ]
+        chosen = []
+        for of_one in ends.values():
+            # of each assumption the end that moves the velocity furthest this way
+            effects = [sign * alone.get(end, 0.0) for end in of_one]
+            largest = max(effects)
+            if largest > 0:
+                chosen.append(list(of_one.values())[effects.index(largest)])
+        # one alone has been run already
         if len(chosen) > 1:
             add(words, reduce(lambda changed, change: change(changed), chosen, setup))
     if ends:

@@ -183,10 +183,12 @@ def in_words(setup: ImpactSetup) -> str:
     if len(zones) == 1 and zones[0][1] <= 1:
         count = round(1 / zones[0][1])
         return f"{count} element{'s' * (count > 1)} per crossover"
-    sides = [
-        f"{Fraction(side).limit_denominator(MOST_ELEMENTS)}{'' if until == inf else f' to {until:g}'}"
-        for until, side in zones
-    ]
+    sides = []
+    for until, side in zones:
+        words = str(Fraction(side).limit_denominator(MOST_ELEMENTS))
+        if until < inf:
+            words += f" to {until:g}"
+        sides.append(words)
     return f"sides of {', '.join(sides)} crossovers"
 
 
@@ -334,6 +336,6 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
         "deflection": holds and np.abs(depths).max() / deepest,
         "peak_tension": holds and max(tensions, default=0.0),
     }
-    return {
-        name: float(norm) if coarse.outcome == fine.outcome else inf for name, norm in norms.items()
-    }
+    if coarse.outcome != fine.outcome:
+        return dict.fromkeys(norms, inf)
+    return {name: float(norm) for name, norm in norms.items()}
