@@ -143,6 +143,7 @@ def critical_velocity(
         if over is not None:
             searches += ranges.searches(over)
         return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
+    # the range over what is assumed searches with the same tolerance and pool
     beside = {"tolerance": width, **how.pool}
     with out_folder.held(how.out) as folder, kept_shots(panel, folder) as ended:
 

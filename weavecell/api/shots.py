@@ -116,6 +116,7 @@ def impact(
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
+    # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
@@ -132,6 +133,7 @@ def impact(
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
+            # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
                 result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
         if folder is not None:
@@ -159,6 +161,7 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
     def shoot(setup, table=None, mesh=""):
         if folder is None:
             return _run(panel, setup, table=table)
+        # each mesh has a checkpoint of its own: a state fits its own mesh alone
         name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
         interval = panel.case.scene.run.checkpoint_interval
         return _run(panel, setup, folder / name, interval, resume, table)
@@ -223,6 +226,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     from weavecell.studies.mesh_uncertainty import Shot
 
     table = table or setup.table(kept=checkpoint is not None)
+    # refused before the run, not when memory ends in the middle of it
     memory.check(
         [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
     )

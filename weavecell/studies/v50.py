@@ -114,6 +114,7 @@ class Study:
     @cached_property
     def lambert_jonas(self) -> LambertJonas:
         """Lambert-Jonas fit to the residual velocities."""
+        # a projectile that is stopped has no residual velocity to fit
         through = [shot for shot in self.shots if shot.perforated]
         strikes = [shot.velocity for shot in through]
         return lambert_jonas.fit(strikes, [shot.residual for shot in through])
@@ -161,6 +162,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
+    # the study goes on without this shot, and counts it
     except (UndecidedError, UnstableError) as problem:
         failure = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
         return Shot(number, velocity, nan, False, **panel, balance=nan, failure=failure)
@@ -172,6 +174,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
+    # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
     limit = ballistic_limit.critical_velocity(
         replace(setup, numerics=numerics).target(), tolerance=tolerance
@@ -195,6 +198,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     if not clamped or setup.projectile.roaming or stepped:
         return replace(setup, elements_per_crossover=setup.resolved_elements_per_crossover)
     crimped = replace(setup, symmetry="whole")
+    # drawn panels may have more crimp, and draw in more fabric: four deviations cover nearly all
     if setup.surface is None:
         crimp = 1 + 4 * published().crimp
         crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
@@ -207,12 +211,14 @@ def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool)
     hit = np.asarray(perforated, bool)
     least = BEYOND[0] * V.min()
     most = BEYOND[1] * V.max()
+    # nothing brackets V50 yet: go on below, or above, all shots so far
     if hit.all():
         return np.linspace(least, V.min(), count, endpoint=False)
     if not hit.any():
         return np.linspace(most, V.max(), count, endpoint=False)[::-1]
     low = V[~hit].max()
     high = V[hit].min()
+    # stops and perforations are apart, and a fit would have no width: fill the gap first
     if low < high:
         wider = 0.0
         if scatters:
@@ -221,6 +227,7 @@ def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool)
     else:
         curve = probit.fit(V, hit)
         placed = curve.velocity(np.linspace(*SPREAD, count))
+        # the fit failed: spread the shots over what is known
         if curve.reason:
             placed = np.linspace(V.min(), V.max(), count)
     return np.clip(placed, least, most)
@@ -258,6 +265,7 @@ def study(
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
+    # refused before the first shot
     strengths.check(setup, scatter)
     setup = replace(
         graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
@@ -265,10 +273,12 @@ def study(
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
     with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
+        # one pool serves all rounds: starting workers takes longer than many a shot
         runs["executor"] = pool
         (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
+            # the first round has no outcomes to go by, only the limit without scatter
             if known := [shot for shot in fired if not shot.failure]:
                 outcomes = [shot.perforated for shot in known]
                 velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)

@@ -116,6 +116,7 @@ def show(
     InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
         .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
     """
+    # a wrong name is refused before anything is drawn
     endings = {
         "screenshot": (screenshot, (".png",)),
         "movie": (movie, MOVIES),
@@ -153,6 +154,7 @@ def show(
 
 def _show_elements(file, panel, screenshot):
     """Show the elements of a file in a window, or write a picture of them."""
+    # without a display VTK would end the process
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
         raise InputError(
@@ -225,6 +227,7 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
     """The figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
+    # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
     axes.imshow(panel.image(grid, t), interpolation="antialiased")
     axes.axis("off")
@@ -248,6 +251,7 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     row = chapters_shot.cut_view(
         record, record.cuts[number], panel.caption(record.cuts[number].time)
     )
+    # one height for all cuts, so that a movie does not jump
     top = max(map(pictures_shot.foremost, record.cuts))
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
     figure.suptitle(
@@ -292,6 +296,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     text = file.name
     if "tension_warp_N" in grid.cell_data:
         mirrors = (False, False)
+        # a panel at rest has no tension to scale by
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
         if panel is not None:
@@ -331,6 +336,7 @@ def _write_movie(panel, movie, cut):
             imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer,
         ):
             for image in frames(panel, 120, cut):
+                # H.264 takes even numbers of pixels alone
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
     files.write(movie, gif(frames(panel, 76, cut)))
