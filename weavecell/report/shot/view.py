@@ -154,7 +154,7 @@ def show(
 
 def _show_elements(file, panel, screenshot):
     """Show the elements of a file in a window, or write a picture of them."""
-    # without a display VTK would end the process
+    # the message says what to do in place of a window
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
         raise InputError(
