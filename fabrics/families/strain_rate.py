@@ -24,6 +24,10 @@ _TABLE = (*UNITS, "source", "status")
 RAMP = 0.01
 
 
+def _rises(*values):
+    return all(np.diff(values) > 0)
+
+
 @dataclass(frozen=True)
 class RateLaw:
     """Ratios to the data sheet at strain rates.
@@ -49,9 +53,7 @@ class RateLaw:
     status: str = "user"
 
     def __post_init__(self) -> None:
-        if not self.rates or not all(
-            a < b for a, b in zip((0.0, *self.rates), (*self.rates, np.inf))
-        ):
+        if not self.rates or not _rises(0.0, *self.rates, np.inf):
             raise InputError(
                 key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising"
             )
@@ -67,9 +69,7 @@ class RateLaw:
                     allowed=f"{len(self.rates)} numbers above 0, one a rate",
                 )
 
-        if len({*self.strength}) > 1 and not all(
-            a < b for a, b in zip(self.strength, self.strength[1:])
-        ):
+        if len({*self.strength}) > 1 and not _rises(*self.strength):
             raise InputError(
                 key="strength", value=list(self.strength), allowed="rising, or all alike"
             )

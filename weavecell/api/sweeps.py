@@ -418,11 +418,10 @@ class SweepResult(Result, Sequence):
         return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
 
     def _what(self):
-        strikes = [
-            f"{shot.strike_velocity:g} m/s"
-            for shot in self.shots
-            if shot.doubtful and shot.outcome != "unstable"
-        ]
+        strikes = []
+        for shot in self.shots:
+            if shot.doubtful and shot.outcome != "unstable":
+                strikes.append(f"{shot.strike_velocity:g} m/s")
         return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
     def summary(self) -> dict[str, Any]:

@@ -360,9 +360,10 @@ def _header(cards, units, share, law, source, code, notes):
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"
         )
-    return tuple(
-        line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
-    )
+    lines = []
+    for entry in text:
+        lines += textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
+    return tuple(lines)
 
 
 def _title(text):

@@ -40,9 +40,9 @@ def density_kind(fabric: Fabric) -> str:
 
 def _densities(fabric):
     """Which linear densities are used, and what follows from the others, in words."""
-    nominal = tuple(
-        si(fabric.sources[f"{family}.linear_density"]["value"], "kg/m")
-        for family in ("warp", "weft")
+    nominal = (
+        si(fabric.sources["warp.linear_density"]["value"], "kg/m"),
+        si(fabric.sources["weft.linear_density"]["value"], "kg/m"),
     )
     both = {"effective": fabric.effective_linear_density, "nominal": nominal}
     kind = density_kind(fabric)

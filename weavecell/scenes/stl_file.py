@@ -383,9 +383,8 @@ def _distances(body, axes, h, rho, path):
     at = places(axes)
     near = np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)
-    steps = (
-        np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3)
-    )
+    clipped = np.clip(d, -1.2 * rho, 1.2 * rho)
+    steps = [np.abs(np.diff(clipped, axis=axis)).max() for axis in range(3)]
     if max(steps) > 1.05 * h:
         raise InputError(
             "its distance jumps; must be a surface that does not cut itself, without slivers",

@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, log, sqrt
 
+import numpy as np
+
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
@@ -370,15 +372,14 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         raise UndecidedError(
             f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity"
         )
+    peaks = np.array([state.peak_tension[:2] for _, _, state in solver.parts])
     return Shot(
         strike_velocity=float(velocity),
         residual_velocity=solver.residual_velocity,
         outcome=solver.outcome,
         time=solver.time,
         cut_yarns=float(solver.sample("cut_yarns")[-1]),
-        peak_tension=tuple(
-            max(float(state.peak_tension[k]) for _, _, state in solver.parts) for k in (0, 1)
-        ),
+        peak_tension=tuple(map(float, peaks.max(axis=0))),
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),

@@ -239,10 +239,10 @@ class Comparison:
             "critical_velocity_m_s": limit.velocity,
             "bracket_m_s": [limit.low, limit.high],
             "critical_velocity_over_v50": limit.velocity / self.tests.curve.V50,
-            **{
-                f"residual_velocity_{name}_m_s": off[name]
-                for name in ("mean", "low", "high", "rms")
-            },
+            "residual_velocity_mean_m_s": off["mean"],
+            "residual_velocity_low_m_s": off["low"],
+            "residual_velocity_high_m_s": off["high"],
+            "residual_velocity_rms_m_s": off["rms"],
             "lambert_jonas_computed": asdict(self.computed),
         }
 

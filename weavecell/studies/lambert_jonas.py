@@ -170,11 +170,9 @@ def _check(vs, vr, confidence):
 
 def _intervals(solution, bounds, points, confidence):
     """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
-    inner = [
-        k
-        for k, (low, high) in enumerate(bounds.values())
-        if low < solution.x[k] < high and not solution.active_mask[k]
-    ]
+    low, high = np.transpose([*bounds.values()])
+    inside = (low < solution.x) & (solution.x < high) & (solution.active_mask == 0)
+    inner = list(np.flatnonzero(inside))
     intervals = dict.fromkeys(bounds)
     J = solution.jac[:, inner]
     freedom = points - len(inner)

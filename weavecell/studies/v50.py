@@ -148,10 +148,10 @@ class Study:
             "doubtful": self.doubtful,
             "without_outcome": len(self.failures),
             "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
-            **{
-                f"series_{name}_m_s": getattr(self.series, name)
-                for name in ("mean", "deviation", "low", "high")
-            },
+            "series_mean_m_s": self.series.mean,
+            "series_deviation_m_s": self.series.deviation,
+            "series_low_m_s": self.series.low,
+            "series_high_m_s": self.series.high,
             "series_with_result": self.series.share,
         }
 

@@ -105,9 +105,10 @@ def about(result: ImpactResult, **runs: Any) -> Window | None:
         return None
     plain = replace(result.setup, snapshot_interval=None, history=None)
     velocity = result.setup.strike_velocity
-    others = [
-        (replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1
-    ]
+    others = []
+    for factor in FACTORS:
+        if factor != 1:
+            others.append((replace(plain, strike_velocity=factor * velocity),))
     if runs:
         # only the means are wanted: no shapes, no histories along yarns
         rows = run_cache.results(fire, others, **runs)
