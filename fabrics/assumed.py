@@ -74,7 +74,7 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
+    """{"soft", "stiff": the fabric with this end of its trellis law}; empty if none of its numbers has a range."""
     changed = {}
     for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items():
         changed[end] = replace(fabric, shear=law)
@@ -82,7 +82,7 @@ def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
+    """{"soft", "stiff": the fabric with this end of its solid laws}; empty if none of their numbers has a range."""
     changed = {}
     for end, laws in _ends(fabric, "solid", fabric.solid_laws).items():
         changed[end] = replace(fabric, solid_laws=laws)
@@ -120,7 +120,7 @@ def _law_at(fabric, table, family, law, soft):
 
 
 def _usual_ranges(fabric, table):
-    """{number of [shear] or [solid]: (low, high) over the value}, of the fibre family; empty where there is none."""
+    """{number of [shear] or [solid]: (low, high) over the value}, of the fibre family; empty if there is none."""
     family = family_of(fabric)
     if family is None or table not in ("shear", "solid"):
         return {}
@@ -203,7 +203,7 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
+    """{words: the fabric with one end of its assumed failure length}; empty if that is given."""
     length = entries()["failure_length"]
     usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
@@ -241,7 +241,7 @@ def _scaled(fabric, name, ratios):
 
 
 def given(fabric: Fabric, table: str) -> Fabric:
-    """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
+    """The fabric that no longer counts one table as assumed, such as "solid" after a fit; its value stays."""
     ranges = {}
     for key, ratios in fabric.ranges.items():
         if key.partition(".")[0] != table:
@@ -253,7 +253,7 @@ def given(fabric: Fabric, table: str) -> Fabric:
 
 def family_of(fabric: Fabric) -> Family | None:
     """The family that the file names, with wider ranges where the yarns do not belong to it; else the one that both
-    yarns belong to, by modulus and fibre density; None where there is none."""
+    yarns belong to, by modulus and fibre density; None if there is none."""
     yarns = fabric.weave.yarns
     if fabric.family is None:
         return next((family for family in list_families() if all(map(family.holds, yarns))), None)

@@ -38,13 +38,13 @@ class CompressionLaw:
     b : [m N^(1/3)]
     form : "regularised" or "printed"
     provenance : where a and b come from
-    residual_rms : [m] of the fit, None where there was none
+    residual_rms : [m] of the fit, None if there was none
     F_range : (lowest, highest) [N] force of the fitted samples
     a_interval, b_interval : (low, high) 95 % confidence intervals
     assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed solid law that the law
-        was fitted from; None where that was not assumed
+        was fitted from; None if that was not assumed
     fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a user gives
-    fitted_data : digest of the data of that fabric (`variants.data_digest`); empty where it is not known
+    fitted_data : digest of the data of that fabric (`variants.data_digest`); empty if it is not known
 
     Raises
     ------
@@ -80,7 +80,7 @@ class CompressionLaw:
         return cls(0.0, 0.0, provenance="incompressible limit")
 
     def ends(self) -> dict[str, CompressionLaw]:
-        """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
+        """{"soft", "stiff": the law at this end of its assumed range}; empty if nothing was assumed."""
         laws = {}
         for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ()):
             provenance = f"{self.provenance}; {end} end of the assumed range"

@@ -149,7 +149,7 @@ def check_fibre(yarn: Yarn, key: str) -> None:
 def disagreement(
     computed: float, stated: float, key: str, value: str, allowed: str
 ) -> float | None:
-    """[-] by which what other data give is above a stated quantity; None where that is below NOTED.
+    """[-] by which what other data give is above a stated quantity; None if that is below NOTED.
 
     Raises
     ------

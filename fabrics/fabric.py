@@ -40,9 +40,9 @@ class Fabric:
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
     assumed : of "crimp", "failure_length", "shear", "solid" and "strain_rate" what the data file does not give (see
         `fabrics.assumed`)
-    yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
+    yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None if not known
     thickness : [m] of the data sheet, or None
-    yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None where not known
+    yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None if not known
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_laws.default`)
     strain_rate : RateLaw of its yarns, or None

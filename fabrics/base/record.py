@@ -29,7 +29,7 @@ class Record:
     meanings : {name: "[unit] what it is"}
     facts : {name: number or text} of the run, such as its fabric and its case
     last : {name: array} of the last state, such as u, (points, 3) [m], the displacement of a mesh's nodes
-    failed : reason why the run ended before its end, "" where it did not
+    failed : reason why the run ended before its end, "" if it did not
     """
 
     columns: dict[str, FloatArray]
@@ -86,7 +86,7 @@ class Record:
 
     @staticmethod
     def notes(path: FilePath) -> dict[str, Any]:
-        """The notes of a file; {} where it is none of these."""
+        """The notes of a file; {} if it is none of these."""
         try:
             with read_hdf5(path, FORMAT) as file:
                 return dict(file["notes"].attrs)

@@ -75,7 +75,7 @@ def described(
 ) -> Any:
     """A Field whose `title` is what the key means, its `description` what is allowed, its extra "unit" the SI unit.
 
-    `unit` is None of what is no quantity; `example` is as it stands in a file.
+    `unit` is None if it is not a quantity; `example` is as it stands in a file.
     """
     extra: Any = None if unit is None else {"unit": unit or "1"}
     examples = None
@@ -354,7 +354,7 @@ def _meant(key, value, table):
 
 
 def _homes(model, key):
-    """The tables of a schema that have a key, in words; an empty text where none has it."""
+    """The tables of a schema that have a key, in words; an empty text if none has it."""
     names = [name for name, table in tables(model).items() if key in table.model_fields]
     return ", ".join(f"[{name}]" if name else "the top of the file" for name in names)
 
@@ -389,7 +389,7 @@ def _locate(model, location):
 
 
 def unit_of(entry: Any) -> str | None:
-    """SI unit of a field, "1" of a ratio; None of one that is no quantity, or of no field."""
+    """SI unit of a field, "1" of a ratio; None if it is not a quantity, or not a field."""
     return (getattr(entry, "json_schema_extra", None) or {}).get("unit")
 
 

@@ -131,12 +131,12 @@ def in_one_of(
 def refused(
     value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
 ) -> InputError:
-    """The InputError of a value that is no quantity, or of a list with one; it names a decimal comma."""
+    """The InputError of a value that is not a quantity, or of a list with one; it names a decimal comma."""
     return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
 
 
 def decimal_comma(value: Any) -> str | None:
-    """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
+    """What to do about a decimal comma in a text, or in one of a list; None if there is none."""
     if isinstance(value, (list, tuple)):
         parts = value
     else:
@@ -155,7 +155,7 @@ def example(unit: str) -> str:
 
 
 def _converted(value, unit):
-    """`value` in SI; ValueError, or an error of pint, where it is no quantity of the dimension of `unit`."""
+    """`value` in SI; ValueError, or an error of pint, if it is not a quantity of the dimension of `unit`."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and not unit:
         return float(value)
     if not isinstance(value, str):

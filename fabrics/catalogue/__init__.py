@@ -213,7 +213,7 @@ def _made(kind, where, *args, **values):
 
 
 def _of_both(table, key, pair, build):
-    """(warp, weft) of a table for both, or of one each; None where the file has none."""
+    """(warp, weft) of a table for both, or of one each; None if the file has none."""
     if table is None:
         return None
     if isinstance(table, pair):

@@ -88,7 +88,7 @@ class Family:
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
     strengths : {"strength": (low, high) [Pa], "failure_strain": (low, high)} that such yarns may have
     entries : {dotted key: Entry} of [shear] and [solid]
-    strain_rate : RateLaw, or None where no numbers are known
+    strain_rate : RateLaw, or None if no numbers are known
     power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for these
     """
 

@@ -36,7 +36,7 @@ class RateLaw:
     ----------
     rates : (n,) [1/s] rising
     strength : (n,) [-] strength over that of the data sheet
-    modulus : (n,) [-] modulus over that of the data sheet; empty where it does not change
+    modulus : (n,) [-] modulus over that of the data sheet; empty if it does not change
     source : where the numbers come from
     status : of STATUSES
 

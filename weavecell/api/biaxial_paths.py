@@ -152,7 +152,7 @@ class BiaxialResult(Result):
     ----------
     model : CellModel, with its fabric
     paths : {ratio: `weavecell.studies.biaxial_path.CellPath`}
-    solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
+    solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} if it was not asked for
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None
     seconds : [s] it took

@@ -261,7 +261,7 @@ class CouponResult(Result):
     solved : `shellfabric.coupon.solver.Result`
     case : `weavecell.scenes.build.Case` of the test
     checks : quality checks
-    text : of the input file, "" where there is none
+    text : of the input file, "" if there is none
     key : of the run, by which it is not repeated
 
     Examples
@@ -506,7 +506,7 @@ class PullOutResult(CouponResult):
 
     @property
     def plateau(self) -> float | None:
-        """[N] mean load while all crossovers slide; None where they never all do."""
+        """[N] mean load while all crossovers slide; None if they never all do."""
         return self.solved.plateau
 
     def summary(self) -> dict[str, Any]:

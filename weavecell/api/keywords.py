@@ -205,7 +205,7 @@ def scene(
 
     Parameters
     ----------
-    fabric : its name, for messages; None where every ply has its own
+    fabric : its name, for messages; None if every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
     **options : of `Keywords`
 
@@ -266,7 +266,7 @@ def plain(value: Any) -> Any:
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:
-    """The input file of a table of `scene`; "" where it has objects in it, or `fabric` is one, which no file can hold.
+    """The input file of a table of `scene`; "" if it has objects in it, or `fabric` is one, which no file can hold.
 
     Parameters
     ----------

@@ -242,7 +242,7 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def critical_velocity(self) -> float | None:
-        """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
+        """[m/s] middle of the bracket; None if stops and perforations are mixed (see `mixed_zone`)."""
         if not self.limit.single:
             return None
         return float(self.limit.velocity)

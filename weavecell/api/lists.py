@@ -332,7 +332,7 @@ def _copy(name, folder):
 
 
 def _new_toml(file: FilePath) -> Path:
-    """The path of a file that is to be written; an InputError if it exists or is no TOML file."""
+    """The path of a file that is to be written; an InputError if it exists or is not a TOML file."""
     path = Path(file)
     if path.suffix != ".toml":
         raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")

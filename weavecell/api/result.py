@@ -39,7 +39,7 @@ class Result:
     @property
     def checks(self) -> tuple[Indicator, ...]:
         """Quality checks (docs/reports/numerics.md), each with name, value, limit, unit, note, status ("ok", "noted" or
-        "doubtful"), doubtful (bool) and text; empty where none is defined."""
+        "doubtful"), doubtful (bool) and text; empty if none is defined."""
         return ()
 
     @property

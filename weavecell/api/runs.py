@@ -53,7 +53,7 @@ def setup(
 
     Parameters
     ----------
-    fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
+    fabric : Fabric, or what `weavecell.fabric` takes; None if every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
     **options : the keys of the input file (docs/reference.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time

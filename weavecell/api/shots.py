@@ -241,7 +241,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
 
 
 def _range(setup, choice, shot):
-    """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
+    """The AssumedRange of a shot; None if nothing is assumed, or where the user interrupts it."""
     from weavecell.studies import assumed_range
 
     with_ends = assumed_range.with_ends(setup, choice)

@@ -152,7 +152,7 @@ class Study:
 
     Parameters
     ----------
-    folder : of the results; None where nothing is written
+    folder : of the results; None if nothing is written
     runs : folder, executor and jobs of `run_cache.results`
     advance : called as advance(share done, text)
     """

@@ -67,7 +67,7 @@ class ImpactRecord:
     pack : {key: value} of the table stacking, of several plies; empty of one
     failure : {key: value} of the table failure, of strengths that follow strain rate; empty of constant ones
     checks : tuple of shellfabric.panel.quality.Indicator
-    measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
+    measured : tuple of shellfabric.output.histories.Histories of each ply; empty if nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
     backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
     """

@@ -74,7 +74,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 def held(
     out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
 ) -> Iterator[Path | None]:
-    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written.
+    """The folder, which is claimed in this block, while an outer claim goes on; None if nothing is written.
 
     What the folder holds outlives a SIGTERM, which is an interrupt in this block.
     """
@@ -140,7 +140,7 @@ def _remove_empty(folders):
 
 
 def _earlier(folder):
-    """What a folder holds the results of, with their date; None where it holds none."""
+    """What a folder holds the results of, with their date; None if it holds none."""
     dated: list[tuple[str, str]] = []
     for path in folder.glob("*.json"):
         content: Any = None

@@ -114,7 +114,7 @@ class Draft:
 
 
 def check(key: str, text: str) -> str:
-    """The text of one value; InputError where it is no quantity of a unit that the key may have, or out of bounds."""
+    """The text of one value; InputError if it is not a quantity of a unit that the key may have, or out of bounds."""
     ALL[key].read(text, key=key)
     return text.strip()
 
@@ -232,7 +232,7 @@ def with_curves(
 
     Raises
     ------
-    InputError : a bad file, or a draft that is no fabric
+    InputError : a bad file, or a draft that does not make a fabric
     """
     fitted = []
     if yarn is not None:

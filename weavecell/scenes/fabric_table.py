@@ -255,7 +255,7 @@ def checked(
     kind : class of the scene
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : keys that are not honoured, see `honoured`; None where any key may be set
+    refused : keys that are not honoured, see `honoured`; None if any key may be set
     context : see `fabrics.base.schema.validated`
 
     Raises

@@ -405,7 +405,7 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
     Parameters
     ----------
     path : of the file
-    refused : keys that what reads it does not honour (`honoured`); None where any key may be set
+    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
 
     Returns
     -------

@@ -42,7 +42,7 @@ class Target:
     ----------
     case : build.Case; None of a set-up that was made in Python
     setup : ImpactSetup
-    text : of the input file; that of a fabric is the standard one, "" where no file can say what is shot at
+    text : of the input file; that of a fabric is the standard one, "" if no file can say what is shot at
     name : as it was given
     from_file : whether it is an input file
     """
@@ -145,7 +145,7 @@ def read(
 
 
 def unknown(name: str) -> InputError:
-    """The InputError of a target that is no fabric of the catalogue and no *.toml file."""
+    """The InputError of a target that is neither a fabric of the catalogue nor a *.toml file."""
     return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 
@@ -166,7 +166,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
     Raises
     ------
-    InputError : a key within what is no table
+    InputError : a key inside of a value
     """
     for key, value in (changes or {}).items():
         *parts, last = key.split(".")
@@ -175,7 +175,9 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
             inner = inner.setdefault(part, {})
             if not isinstance(inner, dict):
                 raise InputError(
-                    key=key, value=value, allowed=f"left out: {part} is no table of the input file"
+                    key=key,
+                    value=value,
+                    allowed=f"left out: {part} is not a table of the input file",
                 )
         inner[last] = value
     return table

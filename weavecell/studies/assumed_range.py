@@ -112,7 +112,7 @@ class AssumedRange:
 
 
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed, None where none is, by a choice of True, False and "laws": where more is
+    """The set-up whose range is computed, None if none is, by a choice of True, False and "laws": where more is
     assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
@@ -226,7 +226,7 @@ def residual_velocity(
     velocity: float,
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """Range of the residual velocity of a shot; None where nothing is assumed.
+    """Range of the residual velocity of a shot; None if nothing is assumed.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def critical_velocity(
     on_progress: Callable[[float], object] | None = None,
     **beside: Any,
 ) -> AssumedRange | None:
-    """Range of the critical velocity of a panel or pack; None where nothing is assumed.
+    """Range of the critical velocity of a panel or pack; None if nothing is assumed.
 
     Parameters
     ----------
@@ -294,7 +294,7 @@ def over_ends(
     run: Callable[[ImpactSetup], tuple[str, float | None]],
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None where nothing is assumed."""
+    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None if nothing is assumed."""
     rows = [nominal]
     velocity = nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2

@@ -122,7 +122,7 @@ class Limit:
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
         """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one that perforated;
-        None where the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
+        None if the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
         zone = self.lowest_perforation, self.highest_stop
         if zone[0] < zone[1]:
             return zone

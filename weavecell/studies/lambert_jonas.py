@@ -108,7 +108,7 @@ def fit(
 
     Raises
     ------
-    InputError : shots that are not numbers, or a confidence that is no share
+    InputError : shots that are not numbers, or a confidence that is not a share
     """
     vs = np.asarray(strike_velocity, float)
     vr = np.asarray(residual_velocity, float)

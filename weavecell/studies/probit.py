@@ -155,7 +155,7 @@ def fit(
 
     Raises
     ------
-    InputError : velocities that are not numbers, unknown link, or a confidence that is no share
+    InputError : velocities that are not numbers, unknown link, or a confidence that is not a share
     """
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)

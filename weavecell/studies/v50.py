@@ -96,7 +96,7 @@ class Study:
     curves : {link: probit.Curve}
     scatter : Scatter
     failures : why other shots have none: they became unstable, or neither stopped nor perforated
-    assumed_range : of V50, or of the limit without scatter, over what is assumed; None where it was not asked for
+    assumed_range : of V50, or of the limit without scatter, over what is assumed; None if it was not asked for
     """
 
     deterministic: tuple[float, float]

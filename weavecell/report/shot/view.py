@@ -185,7 +185,7 @@ def find(path: Path) -> Path:
 
 
 def panel_of(path: Path, file: Path) -> Panel | None:
-    """The shot at one ply or pack that a path belongs to; None where it is none, or has no histories.h5."""
+    """The shot at one ply or pack that a path belongs to; None if it is none, or has no histories.h5."""
     path = Path(path)
     folder = file.parent.parent
     if path.is_dir():
