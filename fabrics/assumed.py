@@ -32,7 +32,7 @@ TABLES = {
 
 
 def with_shear(fabric: Fabric) -> Fabric:
-    """The fabric with a trellis law, that of its fibre family where its file gives none.
+    """The fabric with a trellis law, that of its fibre family if its file gives none.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def with_shear(fabric: Fabric) -> Fabric:
 
 
 def with_solid_laws(fabric: Fabric) -> Fabric:
-    """The fabric with solid laws of its yarns, those of its fibre family where its file gives none.
+    """The fabric with solid laws of its yarns, those of its fibre family if its file gives none.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def _crimp_is_computed(fabric):
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of the thickness or of the warp's share that its crimp was computed from}.
 
-    Empty where both crimps are given; the share is varied where neither is.
+    Empty if both crimps are given; the share is varied if neither is.
     """
     if "crimp" not in fabric.assumed:
         return {}
@@ -231,7 +231,7 @@ def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
 
 
 def _scaled(fabric, name, ratios):
-    """The fabric with a number of warp and weft times these ratios; the strength stays where the modulus changes."""
+    """The fabric with a number of warp and weft times these ratios; the strength stays if the modulus changes."""
     field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
     pairs = list(zip(fabric.weave.yarns, ratios))
     values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
@@ -252,7 +252,7 @@ def given(fabric: Fabric, table: str) -> Fabric:
 
 
 def family_of(fabric: Fabric) -> Family | None:
-    """The family that the file names, with wider ranges where the yarns do not belong to it; else the one that both
+    """The family that the file names, with wider ranges if the yarns do not belong to it; else the one that both
     yarns belong to, by modulus and fibre density; None if there is none."""
     yarns = fabric.weave.yarns
     if fabric.family is None:
@@ -353,7 +353,7 @@ def _range(pair, factor):
 
 
 def _solid_laws(fabric, family):
-    """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
+    """Solid laws of a family; the fibre volume fraction is that of a yarn's section if its area is known."""
     laws = []
     for law, yarn, area in zip(family.solid_laws("nominal"), fabric.weave.yarns, fabric.yarn_area):
         if area is not None:
@@ -363,7 +363,7 @@ def _solid_laws(fabric, family):
 
 
 def _completed(fabric, table, law_of):
-    """The fabric with law_of(its family) where its file gives none, and where that comes from."""
+    """The fabric with law_of(its family) if its file gives none, and where that comes from."""
     field = table
     if table == "solid":
         field = "solid_laws"

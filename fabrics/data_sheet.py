@@ -56,8 +56,8 @@ def crimps(
     ----------
     w : (w1, w2) [m] half cell lengths along warp and weft
     thickness : [m] 2 (h1 + h2)
-    known : crimps that are given; where one of two is, the other yarn has the rest of the thickness
-    share : height of the warp over the sum of both, where neither is given; None takes that of `data_sheet.toml`
+    known : crimps that are given; if one of two is, the other yarn has the rest of the thickness
+    share : height of the warp over the sum of both, if neither is given; None takes that of `data_sheet.toml`
 
     Raises
     ------
@@ -165,7 +165,7 @@ def disagreement(
 
 
 def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> str:
-    """A line where a given failure strain disagrees with the strength, else an empty text.
+    """A line if a given failure strain disagrees with the strength, else an empty text.
 
     Raises
     ------
@@ -243,7 +243,7 @@ def width_notes(file: FabricFile) -> list[str]:
 
 
 def thickness_note(weave: Weave, stated: float) -> list[str]:
-    """A line where the crimps give another thickness than the stated one [m].
+    """A line if the crimps give another thickness than the stated one [m].
 
     Raises
     ------

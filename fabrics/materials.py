@@ -127,7 +127,7 @@ def in_si(
 
 
 def plain(text: str) -> float | str:
-    """A number where the text is one: ratios carry no unit."""
+    """A number if the text is one: ratios carry no unit."""
     try:
         return float(text)
     except ValueError:

@@ -1,7 +1,7 @@
 """Projectiles by name: fragment simulators, right circular cylinders and spheres of steel (`projectiles.toml`).
 
 An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10 g"), each with its
-source and status, and the tolerance of the mass where one is known. A file of a user (*.toml) is such an entry too.
+source and status, and the tolerance of the mass if one is known. A file of a user (*.toml) is such an entry too.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ Value: TypeAlias = float | Iterable[float]
 
 
 def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
-    """The "nominal" linear densities, or the "effective" ones where the fabric has such (erratum E-07).
+    """The "nominal" linear densities, or the "effective" ones if the fabric has such (erratum E-07).
 
     A caller that needs the effective ones uses `Fabric.with_effective_density`, which refuses a fabric without them.
     """

@@ -152,7 +152,7 @@ class UnstableError(WeavecellError):
     message : what was found (energy drift, NaN, inverted element, failed Newton)
     where : the element, node or load case, in words
     when : the time, step or load, in words
-    result : what the run had computed by then, where it leaves something
+    result : what the run had computed by then, if it leaves something
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ class UndecidedError(WeavecellError):
 
 
 class DoubtfulError(WeavecellError):
-    """A run with a quality indicator beyond its limit, where the user wants that to be an error (--strict)."""
+    """A run with a quality indicator beyond its limit, if the user wants that to be an error (--strict)."""
 
     exit_code = 3
 

@@ -145,6 +145,6 @@ def as_done(
 
 
 def cancel(future: Future) -> None:
-    """Cancel a task that has not begun, where the executor can."""
+    """Cancel a task that has not begun, if the executor can."""
     with suppress(NotImplementedError):
         future.cancel()

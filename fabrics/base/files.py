@@ -220,7 +220,7 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
 
     Parameters
     ----------
-    what : the file's content, given as what is allowed where it cannot be read
+    what : the file's content, given as what is allowed if it cannot be read
     words : names of columns that hold no numbers, and stay as they are
 
     Raises

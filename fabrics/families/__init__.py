@@ -65,7 +65,7 @@ class Entry:
         return self.low
 
     def widened(self, power: float) -> Entry:
-        """This entry with low / value and high / value to a power; as it is where it has no range."""
+        """This entry with low / value and high / value to a power; as it is if it has no range."""
         if self.low == self.high:
             return self
         low = min(self.value * (self.low / self.value) ** power, self.most)
@@ -125,7 +125,7 @@ class Family:
         Parameters
         ----------
         weave : Weave
-        widths : (warp, weft) [m] of the yarns where they are known; else they follow from `gap`
+        widths : (warp, weft) [m] of the yarns if they are known; else they follow from `gap`
         end : "soft", "nominal" or "stiff"
 
         Raises

@@ -167,7 +167,7 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
 
 
 def _solid(fabric, curve, runs):
-    """The SolidFit of a plate curve; an earlier run's where it is kept."""
+    """The SolidFit of a plate curve; an earlier run's if it is kept."""
     from unitcell3d.identify import solid_fit
 
     kept = run_cache.RunCache(runs)
@@ -221,7 +221,7 @@ class CalibrationResult(Result):
     mesh : MeshResult of the crossover, with the fabric that was calibrated
     failed : {"soft" or "stiff": why this end of the assumed range has no law}
     solid : `unitcell3d.identify.solid_record.SolidFit` of the platen curve, or None
-    interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception where its paths give no law; or None
+    interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception if its paths give no law; or None
     resumable : whether the folder holds the histories of the paths already, with what `resume` needs
 
     Examples

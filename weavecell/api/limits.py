@@ -97,7 +97,7 @@ def critical_velocity(
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
     assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up; without this option a
-        command does so where a law or the crimp is assumed; in Python "laws" does
+        command does so if a law or the crimp is assumed; in Python "laws" does
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
@@ -182,7 +182,7 @@ def critical_velocity(
 
 @contextmanager
 def kept_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
-    """A list for the shots of a search, which are written to the folder where an error or the user ends it."""
+    """A list for the shots of a search, which are written to the folder if an error or the user ends it."""
     ended: list[Shot] = []
     try:
         yield ended

@@ -386,7 +386,7 @@ def new_fabric(
     values : CSV file of values: columns key, warp, weft, source, status; else the terminal asks for them
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
-    frame_side : side of the picture frame [m], needed where the file gives its force
+    frame_side : side of the picture frame [m], needed if the file gives its force
     bias_extension : fit the trellis law to this CSV file: displacement and force of a bias strip
     strip : width and length of the bias strip between its clamps, such as "115 mm, 230 mm"
     family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what is assumed

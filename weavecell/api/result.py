@@ -23,7 +23,7 @@ __all__ = ["Result"]
 
 
 class Result:
-    """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others.
+    """What every result offers; a derived class gives `summary`, `_columns` and, if it has them, the others.
 
     Examples
     --------
@@ -159,7 +159,7 @@ def _text(value):
 
 
 def saved(result: Any, out: FilePath | None) -> Any:
-    """The result, which is written to `out` where there is such a path."""
+    """The result, which is written to `out` if there is such a path."""
     if out is not None:
         result.save(out)
     return result

@@ -68,10 +68,10 @@ def v50(
     batch : shots of a round, at least 4; each round is placed by the outcomes before
     assumed_range : fire the shots again with the ends of the two assumptions that change the limit most, and with both
         that lower or raise it: six times as many shots, after two searches for each assumption; without this option a
-        command repeats only the search, where a law or the crimp is assumed; in Python "laws" does
+        command repeats only the search, if a law or the crimp is assumed; in Python "laws" does
     check : run nothing and write nothing: forecast shots and CPU time
     weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
-        weavecell/studies/inputs.toml where it is not given
+        weavecell/studies/inputs.toml if it is not given
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn

@@ -83,7 +83,7 @@ def impact(
     target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and set-up; without this
-        option a command does so where a law or the crimp is assumed; in Python "laws" does
+        option a command does so if a law or the crimp is assumed; in Python "laws" does
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of a shot that
         perforates, on both meshes, the mean over a window of +-8 % of the velocity with its standard error
     check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed
@@ -241,7 +241,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
 
 
 def _range(setup, choice, shot):
-    """The AssumedRange of a shot; None if nothing is assumed, or where the user interrupts it."""
+    """The AssumedRange of a shot; None if nothing is assumed, or if the user interrupts it."""
     from weavecell.studies import assumed_range
 
     with_ends = assumed_range.with_ends(setup, choice)

@@ -96,7 +96,7 @@ def of(
 def made(
     fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]
 ) -> Target:
-    """What `weavecell.setup` describes, with the input file that says the same where one can. Its notes are warnings.
+    """What `weavecell.setup` describes, with the input file that says the same if one can. Its notes are warnings.
 
     Parameters
     ----------

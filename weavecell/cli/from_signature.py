@@ -3,7 +3,7 @@
 Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
 the text of the docstring, that of an option what the section Parameters says. What is returned is printed; a doubtful
 result is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range
-over what is assumed, where a law or the crimp is. A command of a group, such as `fabrics list`, has no folder of its
+over what is assumed, if a law or the crimp is. A command of a group, such as `fabrics list`, has no folder of its
 own by default.
 """
 

@@ -98,7 +98,7 @@ def cell(
     model: str = "compressible",
     paths: Mapping[str, tuple] | None = None,
 ) -> Section:
-    """The cell's biaxial response with each law, and the 3D crossover's where it is known.
+    """The cell's biaxial response with each law, and the 3D crossover's if it is known.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Pressure against the closure of a ply, with the pressure law where it knows the pack."""
+    """Pressure against the closure of a ply, with the pressure law if it knows the pack."""
     from unitcell3d.cases.stack import law_closure
 
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))

@@ -30,7 +30,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 
     Parameters
     ----------
-    folder : made with its parents where it does not exist
+    folder : made with its parents if it does not exist
     resume : whether the run goes on with what the folder holds, and replaces nothing
     inputs : what is computed, of a run that can be resumed; its digests are kept in the folder, as `INPUT`
 

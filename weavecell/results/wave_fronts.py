@@ -41,7 +41,7 @@ class Front:
     kind : "longitudinal" or "transverse"
     family : "warp" or "weft"
     time, place : (m,) [s, m] of the front; place counts from the impact point
-    speed : [m/s] of the line through those within the window; nan where there are fewer than four
+    speed : [m/s] of the line through those within the window; nan if there are fewer than four
     interval : (low, high) [m/s] of the speed, at 95 %
     start : [s] at which the line leaves the impact point
     r2 : coefficient of determination of the line

@@ -182,7 +182,7 @@ def _fabric(table, key, file):
 
 
 def _sheared(fabric, need, file):
-    """The fabric with a trellis law, assumed where its file has none, if it is "needed", "optional" or "unused".
+    """The fabric with a trellis law, assumed if its file has none, if it is "needed", "optional" or "unused".
 
     Of a scene's file a line is logged for each law that is assumed, or left out.
     """

@@ -66,7 +66,7 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
     ----------
     path : of the CSV file
     thickness : [m] of the fabric as a shell
-    side : [m] of the frame; needed where the file gives the force of the crosshead
+    side : [m] of the frame; needed if the file gives the force of the crosshead
 
     Raises
     ------

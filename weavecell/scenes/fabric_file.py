@@ -7,7 +7,7 @@ The values come from prompts or from a CSV file with the columns key, warp, weft
     tenacity, 2350 mN/tex, 2350 mN/tex, data sheet of the yarn
     thickness, 0.30 mm, , data sheet of the fabric
 
-A value of the fabric as a whole stands in the column warp. Crimp may be left out where the thickness is given, and the
+A value of the fabric as a whole stands in the column warp. Crimp may be left out if the thickness is given, and the
 failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests (`weavecell.scenes.curves`) replace
 modulus, failure strain or the trellis law by fits.
 """
@@ -226,7 +226,7 @@ def with_curves(
     ----------
     yarn : CSV file of a yarn's strain and force, of both families
     frame : CSV file of a picture-frame test
-    side : [m] of the frame, where the file gives the force
+    side : [m] of the frame, if the file gives the force
     bias : CSV file of a bias strip
     strip : (width, length) [m] of it
 

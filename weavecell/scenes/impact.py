@@ -229,7 +229,7 @@ class RunTable(Table):
         most="10 ms",
     ) = 800e-6
     elements_per_crossover: whole(
-        "elements along each side of a crossover; where not given, they follow the failure length of the yarns under "
+        "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
         "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
@@ -329,14 +329,14 @@ class NumericsTable(Table):
         "damping ratio of the contact between projectile and fabric", 0.6, ge=0.0
     ) = None
     contact_points: whole(
-        "contact points along each side of a crossover; where not given 8, and more under a sharp nose",
+        "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
         1,
         64,
     ) = None
     threads: Annotated[
         int | None,
         described(
-            "threads of the time integration; where not given, chosen by the size of the model. Results do not depend "
+            "threads of the time integration; if not given, chosen by the size of the model. Results do not depend "
             "on it",
             "a number of threads",
             example=1,

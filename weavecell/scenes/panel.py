@@ -47,7 +47,7 @@ class SlipTable(Table):
     start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
     end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
     zone: quantity(
-        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given",
+        "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
         "m",
         "60 mm",
     ) = None
@@ -103,7 +103,7 @@ class BoundaryTable(SlipTable):
 
     @property
     def sides(self) -> dict[str, Any]:
-        """{"warp": side, "weft": side} in the forms of these keys; where all four slip alike, this table itself."""
+        """{"warp": side, "weft": side} in the forms of these keys; if all four slip alike, this table itself."""
         alike = bool(self.model_fields_set & set(SlipTable.model_fields))
         return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
 
@@ -225,7 +225,7 @@ class PlyTable(Table):
     law: Annotated[
         Law | None,
         described(
-            "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`",
+            "compression law of the ply; if not given `published`, for plies of [fabric] the law of `fabric.law`",
             LAW,
         ),
     ] = None
@@ -239,7 +239,7 @@ class PlyTable(Table):
         "45 deg",
     ) = 0.0
     gap: quantity(
-        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
+        "clearance to the next ply at rest; if not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
         "m",
         "0.12 mm",
         zero=True,
@@ -303,7 +303,7 @@ class PanelTable(Table):
         "pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating"
     ) = "aligned"
     ply_gap: quantity(
-        "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
+        "pack: clearance between plies at rest; if not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))",
         "m",
         "0.12 mm",
@@ -314,7 +314,7 @@ class PanelTable(Table):
         BeforeValidator(_ply_contact),
         WithJsonSchema(TEXT),
         described(
-            "pack: law of pressure against closure between two plies; where not given the law in the file of "
+            "pack: law of pressure against closure between two plies; if not given the law in the file of "
             "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
             _PLY_CONTACT,
         ),
@@ -344,7 +344,7 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; 20 mm where not given",
+        "resolved yarns: half width of the square zone about the nose; 20 mm if not given",
         "m",
         "20 mm",
     ) = None
@@ -354,7 +354,7 @@ class PanelTable(Table):
         2**31 - 1,
     ) = None
     crossover_friction: number(
-        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
+        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not given",
         0.2,
         ge=0.0,
         le=2.0,

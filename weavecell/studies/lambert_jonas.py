@@ -98,7 +98,7 @@ def fit(
     Parameters
     ----------
     strike_velocity, residual_velocity : (n,) [m/s]; 0 where the projectile was stopped
-    limit : [m/s] to hold V_bl at, where it is known; fitted if None
+    limit : [m/s] to hold V_bl at, if it is known; fitted if None
     confidence : [-] of the intervals
 
     Returns

@@ -258,7 +258,7 @@ def _step(likelihood):
 
 
 def _spread(likelihood, s, floor):
-    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity where there is no bound."""
+    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity if there is no bound."""
     above = lambda t: likelihood.over_place(exp(t))[0] - floor  # noqa: E731
     flattest, steepest = likelihood.betas
     middle = steepest
