@@ -93,6 +93,7 @@ def biaxial(
         fabric = targets.as_fabric(fabric)
     else:
         fabric = meshes.of_3d(fabric)
+    # the 3D crossover is compared at the linear density that shots have
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
     source = "published"
@@ -122,6 +123,7 @@ def _ratio(text):
         ratio = tuple(float(part) for part in text.split(":"))
     except ValueError:
         ratio = ()
+    # a path with neither yarn stretched leads nowhere
     if len(ratio) != 2 or not all(map(isfinite, ratio)) or not min(ratio) >= 0 < max(ratio):
         allowed = 'two numbers of at least 0, one of them above, such as "2:1"'
         raise InputError(key="ratio", value=text, allowed=allowed)
@@ -139,6 +141,7 @@ def _crossovers(fabric, paths, size):
     with progress.bar(f"3D crossover of {fabric.name}") as advance:
         for number, (text, path) in enumerate(paths.items()):
             advance(number / len(paths), text)
+            # the 3D crossover is moved by lengths, half a cell at each end
             strain1, strain2 = path.ratio
             solved[text] = biaxial_and_platens.biaxial(built, fabric, (strain1 * w1, strain2 * w2))
     return solved
@@ -234,6 +237,7 @@ class BiaxialResult(Result):
         stamp = provenance.stamp("", self.fabric)
         table = self.to_dataframe().to_csv(index=False, float_format="%.8g")
         files.write(folder / "biaxial.csv", table)
+        # a colon is not allowed in names of files on all systems
         for text, history in self.solved.items():
             history.write(folder / f"{text.replace(':', '-')}.h5")
         json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
@@ -257,6 +261,7 @@ class BiaxialResult(Result):
         for text, path in self.paths.items():
             strains = tuple(path.strain.T)
             history = self.solved.get(text)
+            # the 3D tensions are drawn beside the cell's at their own strains
             if history is not None:
                 strains = (history["d1"] / w1, history["d2"] / w2, history["T1"], history["T2"])
             paths[f"strains {text}"] = strains

@@ -102,6 +102,7 @@ def calibrate(
     named = not isinstance(fabric, Fabric)
     solid = None
     fabric = meshes.of_3d(fabric)
+    # a later run warns if the data that the law was fitted to have changed
     digest = data_digest(fabric)
     curve = None
     if platen_curve is not None or fit_solid:
@@ -109,6 +110,7 @@ def calibrate(
     choices = {"friction": friction, **how.solver_pool}
     place = out_folder.held(how.out, how.resume, [(fabric, size, friction, curve)])
     with place as folder, targets.kept_runs(folder, how.resume, SOLID_RUNS) as runs:
+        # first the solid from the platens, then the law from the crossover of that solid
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
@@ -135,6 +137,7 @@ def calibrate(
         interval = None
         if solid is not None:
             interval = _interval(solid, runs, choices)
+        # the law is fitted at the data sheet's linear density, and shot at with the effective one
         shot_at = fabric
         if named:
             shot_at = with_linear_density(fabric, "effective")
@@ -172,6 +175,7 @@ def _solid(fabric, curve, runs):
 
     kept = run_cache.RunCache(runs)
     key = run_cache.key(("fit", fabric, curve), solid_fit.fit_solid.__module__)
+    # the fit takes minutes: an interrupted calibration goes on behind it
     if key not in kept:
         with progress.bar(f"Solid of {fabric.name} from platens") as advance:
             kept[key] = solid_fit.fit_solid(
@@ -268,6 +272,7 @@ class CalibrationResult(Result):
                 numbers[f"{key}_low"], numbers[f"{key}_high"] = interval
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
             numbers |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+        # an assumed range that does not bracket its own law deserves a word
         if law.outside_ends():
             numbers["outside"] = "; ".join(law.outside_ends())
         return numbers | self._what_is_assumed()
@@ -275,6 +280,7 @@ class CalibrationResult(Result):
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
         histories = self.calibration.histories
+        # paths are of different lengths: one column names the path of each row
         lengths = [len(history["path"]) for history in histories.values()]
         columns: dict[str, Any] = {"path": np.repeat(list(histories), lengths)}
         for name, unit in units.items():

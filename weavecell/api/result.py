@@ -113,6 +113,7 @@ class Result:
         rows = []
         for name, value in self.summary().items():
             key = known.get(name) or keys.of_name(name)
+            # numbers get their unit; a truth value is a word
             if isinstance(value, (int, float)) and not isinstance(value, bool):
                 rows.append((key.label, display.number(value, key.unit, name)))
             elif plain(value) and value not in (None, ""):
@@ -126,6 +127,7 @@ class Result:
         return display.frame({key.meaning: (key.unit, values) for key, values in columns})
 
     def _repr_html_(self) -> str:
+        # a notebook shows the outcome in bold, then what the terminal prints
         (first, *others) = str(self).splitlines()
         table = self._shown()
         lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
@@ -137,6 +139,7 @@ class Result:
             index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format
         )
         opened = ""
+        # a long table is folded: the picture should stay in view
         if len(table) <= 24:
             opened = " open"
         return "".join(

@@ -185,9 +185,11 @@ class FabricTable(Table):
         if self.cell_model != "compressible":
             models = '"incompressible" or "decoupled", whose yarns are not compressed'
             self.refuse("law", f"left out where fabric.cell_model is {models}")
+        # yarns that never touch have no play to close
         if self.cell_model == "decoupled":
             words = 'left out where fabric.cell_model is "decoupled", whose yarns never touch'
             self.refuse("crossover_gap", words)
+        # `direct` reads tensions off a surface, `equilibrium` solves the analytical cell
         if self.surface is None:
             other = "direct"
             words = "without"
@@ -218,6 +220,7 @@ def anchored(scene: Any, file: FilePath) -> Any:
             if isinstance(text, str) and text not in _NAMED_LAWS:
                 texts[key] = text
         paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
+        # a missing file is named by the key of the scene, before anything is built
         for key, path in paths.items():
             if not os.path.isfile(path):
                 allowed = type(table).model_fields[key].description

@@ -253,6 +253,7 @@ class RunTable(Table):
     @model_validator(mode="after")
     def _within_the_run(self):
         for key in ("snapshot_interval", "checkpoint_interval"):
+            # the defaults may be longer than a short run; a value that is given may not
             if key in self.model_fields_set and getattr(self, key) > self.end_time:
                 raise InputError(key=key, allowed="at most run.end_time")
         return self
@@ -366,6 +367,7 @@ class Scene(Table):
         fabric = self.fabric
         shot = self.projectile
         panel = self.panel
+        # [fabric] may be missing only if every ply names its own fabric
         if not (
             panel.ply
             and all(ply.name or ply.file for ply in panel.ply)
@@ -379,13 +381,16 @@ class Scene(Table):
             smallest = min(panel.opening)
         else:
             smallest = panel.opening
+        # a nose as wide as the opening would strike the clamp
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
+        # the mass of a body from a file is checked against its volume there
         if shot.shape != "stl":
             stl_file.check_mass(shot)
         if self.accuracy is not None and panel.crossovers != "pinned":
             words = '"pinned" where the mesh is chosen by [accuracy]'
             raise InputError(key="panel.crossovers", allowed=words)
+        # a response surface belongs to one fabric with one modulus, all yarns alike
         if fabric.surface is None:
             return self
         if panel.ply:

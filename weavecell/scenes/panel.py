@@ -55,6 +55,7 @@ class SlipTable(Table):
     @model_validator(mode="after")
     def _clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        # [panel.boundary] has these keys too, and may have none of them
         if given == {"clamp_force"} or (
             type(self) is not SlipTable and not given & set(SlipTable.model_fields)
         ):
@@ -149,6 +150,7 @@ def _ply_angle(text, read):
     degrees = round(math.degrees(read(text, "rad")), 6)
     if not -180 <= degrees <= 180:
         raise ValueError("out of range")
+    # half a turn leaves a weave as it is
     least = math.remainder(degrees, 180)
     return math.radians(90 if least == -90 else least)
 
@@ -170,6 +172,7 @@ def _crossovers(value):
     """A number of crossovers, or a fraction of one such as "1/3"."""
     if not isinstance(value, str):
         return float(value)
+    # a third has no finite decimal, so fractions are read as such
     over, _, under = value.partition("/")
     if int(under) == 0:
         raise ValueError("divided by 0")
@@ -368,6 +371,7 @@ class PanelTable(Table):
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
         """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
+        # earlier versions had sliding crossovers with a cohesion
         if key == "crossover_cohesion":
             return None, 'left out: resolved yarns (crossovers = "yarns") have a friction alone'
         return super().unknown(key, near)
@@ -377,6 +381,7 @@ class PanelTable(Table):
         """The panel with the number of the plies of its tables [[panel.ply]]."""
         if not self.ply:
             return self
+        # a number that contradicts the tables would be wrong in silence
         for key in {"plies", "stacking"} & self.model_fields_set:
             raise InputError(key=key, allowed="left out beside [[panel.ply]]")
         self.refuse("weave_angle", "left out with [[panel.ply]]")
@@ -396,6 +401,7 @@ class PanelTable(Table):
             self._check_resolved()
         else:
             self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
+        # a key of packs that changes nothing is a misunderstanding
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
@@ -412,6 +418,8 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
         """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
+        # these panels have no plane of symmetry; a symmetry that is given is not overruled in
+        # silence
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
