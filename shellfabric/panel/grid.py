@@ -370,14 +370,14 @@ class PanelGrid:
 
     def force_modules(self) -> tuple[forces.Module, ...]:
         """What acts on it besides membrane and nose, each with a row of its own."""
-        return forces.of(self)
+        return forces.make_modules(self)
 
     @property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
         mass = self.weave.areal_density
         membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
-        return (membrane + sum(module.stiffness for module in forces.of(self))) ** -0.5
+        return (membrane + sum(module.stiffness for module in forces.make_modules(self))) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:
