@@ -1,7 +1,9 @@
-"""Strength and modulus of yarns over those of the data sheet, against the strain rate: a table, with its source.
+"""Strength and modulus of yarns over those of the data sheet, against the strain rate: a table,
+with its source.
 
-Between two rates of the table a ratio is linear in the logarithm of the rate, as in the law of Johnson and Cook; beyond
-the ends it is constant: nothing is extrapolated. Families of fibres: `fabrics.families`.
+Between two rates of the table a ratio is linear in the logarithm of the rate, as in the law of
+Johnson and Cook; beyond the ends it is constant: nothing is extrapolated. Families of fibres:
+`fabrics.families`.
 """
 
 from __future__ import annotations
@@ -42,8 +44,8 @@ class RateLaw:
 
     Raises
     ------
-    InputError : rates that do not rise from above 0, ratios that are not positive or another number of them, strengths
-        that neither rise nor are all alike
+    InputError : rates that do not rise from above 0, ratios that are not positive or another number
+        of them, strengths that neither rise nor are all alike
     """
 
     rates: tuple[float, ...]
@@ -116,11 +118,13 @@ class RateLaw:
         return 1.0
 
     def table(self, failure_strain: float) -> FloatArray:
-        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that grows with the load,
+        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that
+        grows with the load,
 
             dD/dt = r'(x) / failure strain = b exp(c (x - x_m))
 
-        as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up to the first load.
+        as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up
+        to the first load.
         One load, which nothing damages below, where the strength is the same at all rates.
         """
         loads = np.array(self.strength)

@@ -56,17 +56,22 @@ def biaxial(
     law: FilePath | CompressionLaw | None = None,
     out: FilePath | None = None,
 ) -> BiaxialResult:
-    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if
+    none is given.
 
-    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen:
+    `weavecell coupon`.
 
     Parameters
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric. A named one
         has the linear densities of `weavecell.fabric`
-    ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a yarn
-    compare_3d : also solve the 3D crossover on this mesh, such as coarse, and compare; needs dolfinx
-    law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python also a CompressionLaw
+    ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a
+        yarn
+    compare_3d : also solve the 3D crossover on this mesh, such as coarse, and compare; needs
+        dolfinx
+    law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python
+        also a CompressionLaw
     out : folder of the results; in Python None writes nothing
 
     Returns
@@ -180,8 +185,8 @@ class BiaxialResult(Result):
         return self.model.fabric
 
     def summary(self) -> dict[str, Any]:
-        """Settings, and of each path the yarn that is first at its strength, strains, tensions and contact force there;
-        beside the 3D crossover the rms difference of the tensions [N]."""
+        """Settings, and of each path the yarn that is first at its strength, strains, tensions and
+        contact force there; beside the 3D crossover the rms difference of the tensions [N]."""
         settings = {
             "fabric": self.fabric.name,
             "cell_formulation": self.model.cell_formulation,
@@ -207,7 +212,8 @@ class BiaxialResult(Result):
         return end
 
     def _differences(self, history):
-        """[N] rms of the cell's tensions, warp and weft, from those of the 3D crossover at the same strains."""
+        """[N] rms of the cell's tensions, warp and weft, from those of the 3D crossover at the same
+        strains."""
         w1, w2 = self.fabric.weave.w
         cell = self.model.solve(1 + history["d1"] / w1, 1 + history["d2"] / w2)
         rms = []

@@ -23,7 +23,8 @@ __all__ = ["Result"]
 
 
 class Result:
-    """What every result offers; a derived class gives `summary`, `_columns` and, if it has them, the others.
+    """What every result offers; a derived class gives `summary`, `_columns` and, if it has them,
+    the others.
 
     Examples
     --------
@@ -38,8 +39,8 @@ class Result:
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks (docs/reports/numerics.md), each with name, value, limit, unit, note, status ("ok", "noted" or
-        "doubtful"), doubtful (bool) and text; empty if none is defined."""
+        """Quality checks (docs/reports/numerics.md), each with name, value, limit, unit, note,
+        status ("ok", "noted" or "doubtful"), doubtful (bool) and text; empty if none is defined."""
         return ()
 
     @property
@@ -49,7 +50,8 @@ class Result:
 
     @property
     def checks_text(self) -> str:
-        """ "ok", or "doubtful: ..." or "noted: ..." with the worst checks, their values and limits."""
+        """ "ok", or "doubtful: ..." or "noted: ..." with the worst checks, their values and
+        limits."""
         from weavecell.report import checks
 
         return checks.words(self.checks)
@@ -68,7 +70,8 @@ class Result:
         return tuple(assumed.lines(fabric))
 
     def _assumed_laws(self) -> list[str]:
-        """The lines of `assumed` that a quasi-static result follows from: all but that of the failure length."""
+        """The lines of `assumed` that a quasi-static result follows from: all but that of the
+        failure length."""
         return [line for line in self.assumed if "failure length" not in line]
 
     def _what_is_assumed(self) -> dict[str, Any]:

@@ -1,13 +1,15 @@
-"""LS-DYNA keyword deck of a panel: *MAT_FABRIC (034) FORM 14 on fully integrated membranes (ELFORM 9).
+"""LS-DYNA keyword deck of a panel: *MAT_FABRIC (034) FORM 14 on fully integrated membranes (ELFORM
+9).
 
-Cards, fields and widths as in the LS-DYNA Keyword User's Manual, volumes I and II (R11 to R16): columns of 10, nodes
-of 8 and 16, elements of 8, points of curves of 20 characters; the names of the fields stand above each card. The curves
-of the fibres have DATTYP -2, which the manual has for stress-strain curves of *MAT_FABRIC: here nominal stress against
-engineering strain; that of shear has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first
-direction. Compression is eliminated (CSE 1).
+Cards, fields and widths as in the LS-DYNA Keyword User's Manual, volumes I and II (R11 to R16):
+columns of 10, nodes of 8 and 16, elements of 8, points of curves of 20 characters; the names of the
+fields stand above each card. The curves of the fibres have DATTYP -2, which the manual has for
+stress-strain curves of *MAT_FABRIC: here nominal stress against engineering strain; that of shear
+has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first direction.
+Compression is eliminated (CSE 1).
 
-The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn. Contact by soft
-constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
+The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn.
+Contact by soft constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
 """
 
 from __future__ import annotations

@@ -1,13 +1,15 @@
 """OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16.
 
-Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of OpenRadioss
-(hm_cfg_files): whole numbers in columns of 10, reals of 20 characters; the names of the fields stand above each card.
-The shells are membranes, with one point through the thickness; the vector (1, 0, 0) is the ply's first direction, the
-second is at 90 degrees to it. LAW58 has linear yarns, and a function of the shear angle in degrees. /FAIL/FABRIC stands
-as a comment (_NO_FAILURE): without it nothing breaks.
+Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of
+OpenRadioss (hm_cfg_files): whole numbers in columns of 10, reals of 20 characters; the names of the
+fields stand above each card.
+The shells are membranes, with one point through the thickness; the vector (1, 0, 0) is the ply's
+first direction, the second is at 90 degrees to it. LAW58 has linear yarns, and a function of the
+shear angle in degrees. /FAIL/FABRIC stands as a comment (_NO_FAILURE): without it nothing breaks.
 
-The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not turn. Contact is
-/INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two neighbouring plies both ways.
+The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not
+turn. Contact is /INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two
+neighbouring plies both ways.
 """
 
 from __future__ import annotations
@@ -97,7 +99,8 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
 
 def _properties(deck: Deck) -> Iterator[str]:
     m = deck.units.m
-    # OpenRadioss reads dn = 0 as its default of 1.5 % of critical damping, whose work is in no energy
+    # OpenRadioss reads dn = 0 as its default of 1.5 % of critical damping, whose work is in no
+    # energy
     hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=1e-9)
     flags = _card(Ishell=_QEPH, Ismstr=0, Ish3n=0) + hourglass
     for material in deck.cards:
@@ -129,7 +132,8 @@ def _mesh(deck: Deck) -> Iterator[str]:
 
 
 def _groups(deck: Deck) -> Iterator[str]:
-    """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each part."""
+    """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each
+    part."""
     fixed = {"clamped": "111 111", "mirror_x": "100 011", "mirror_y": "010 101"}
     for number, (name, nodes) in enumerate(deck.held().items(), 1):
         yield f"/GRNOD/NODE/{number}\n{name}\n" + numbers(_MARK, "node_ID", nodes, 10)
@@ -234,7 +238,8 @@ def _held(codes, group):
 
 
 def _card(**fields: Any) -> str:
-    """A card: whole numbers and None (empty) in fields of 10 columns, reals of 20; texts as they are."""
+    """A card: whole numbers and None (empty) in fields of 10 columns, reals of 20; texts as they
+    are."""
     return card(_MARK, {name: _text(value) for name, value in fields.items()})
 
 

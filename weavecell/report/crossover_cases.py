@@ -1,4 +1,5 @@
-"""What the cases of the 3D crossover come to: {quantity [unit]: value} of each record (`weavecell crossover`)."""
+"""What the cases of the 3D crossover come to: {quantity [unit]: value} of each record (`weavecell
+crossover`)."""
 
 from __future__ import annotations
 

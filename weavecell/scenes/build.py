@@ -1,4 +1,5 @@
-"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the impact."""
+"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the
+impact."""
 
 from __future__ import annotations
 
@@ -82,7 +83,8 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
 
     Raises
     ------
-    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
+    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file
+        and key
     """
     panel = getattr(scene, "panel", None)
     shot = getattr(scene, "projectile", None)
@@ -182,7 +184,8 @@ def _fabric(table, key, file):
 
 
 def _sheared(fabric, need, file):
-    """The fabric with a trellis law, assumed if its file has none, if it is "needed", "optional" or "unused".
+    """The fabric with a trellis law, assumed if its file has none, if it is "needed", "optional" or
+    "unused".
 
     Of a scene's file a line is logged for each law that is assumed, or left out.
     """
@@ -200,7 +203,8 @@ def _sheared(fabric, need, file):
 
 
 def _with_ply_contact(fabric, choice, law):
-    """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file `law` holds."""
+    """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file
+    `law` holds."""
     if choice is not None:
         contact = ply_laws.choose(choice, fabric)
         # the same file has warned as the fabric's law already
@@ -270,8 +274,9 @@ def laws_of(
     Parameters
     ----------
     fabric : Fabric, whose own laws are taken where `law` is None
-    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
-        attribute `law` such as the result of `calibrate`; None or "published" for the fabric's own
+    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an
+        object with the attribute `law` such as the result of `calibrate`; None or "published" for
+        the fabric's own
     file, key : named in errors
 
     Raises
@@ -309,7 +314,8 @@ def laws_of(
 
 
 def _warn_of_change(fitted_data, fabric, name):
-    """Warn if a law was fitted to other data of the fabric; `fitted_data` is their digest, empty if not known."""
+    """Warn if a law was fitted to other data of the fabric; `fitted_data` is their digest, empty if
+    not known."""
     if fitted_data and fitted_data != data_digest(fabric):
         LOG.warning(f"{name} {CHANGED.format(fabric.name)}: `weavecell calibrate` again")
 
@@ -435,7 +441,8 @@ def _side(side):
 
 
 def of_file(problem: InputError) -> bool:
-    """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
+    """Whether an InputError may be of a key of an input file, and not of a parameter of a
+    command."""
     known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
 

@@ -87,8 +87,8 @@ Law = Annotated[
 
 
 class WeavingDamageTable(Table):
-    """Modulus and strength of the woven yarn over those of the virgin yarn (thesis section 5.2.3), where yarns drawn
-    from the fabric were tested.
+    """Modulus and strength of the woven yarn over those of the virgin yarn (thesis section 5.2.3),
+    where yarns drawn from the fabric were tested.
 
     [fabric.weaving_damage]
     modulus = 0.95
@@ -117,8 +117,8 @@ class WeavingDamageTable(Table):
 
 
 class FabricTable(Table):
-    """The fabric of all plies that name no other, its compression law and the model of its unit cell. The first two
-    lines are all that most input files need.
+    """The fabric of all plies that name no other, its compression law and the model of its unit
+    cell. The first two lines are all that most input files need.
 
     [fabric]
     name = "S-728"
@@ -213,7 +213,8 @@ def anchored(scene: Any, file: FilePath) -> Any:
     """
 
     def of(name, table, keys):
-        """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
+        """The table [name] whose paths, all texts but the names of laws, are taken from that
+        folder."""
         given = {key: getattr(table, key) for key in keys}
         texts = {}
         for key, text in given.items():

@@ -1,4 +1,5 @@
-"""Scene files: one impact, described in TOML with units as text, checked before anything is computed or written."""
+"""Scene files: one impact, described in TOML with units as text, checked before anything is
+computed or written."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 
 
 def _name_or_size(schema):
-    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
+    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not
+    required."""
     schema["required"] = ["strike_velocity"]
     schema["anyOf"] = [
         {"required": ["name"]},
@@ -49,8 +51,8 @@ def _name_or_size(schema):
 
 
 class ProjectileTable(Table):
-    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the panel. It is rigid
-    unless `body` says otherwise.
+    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
+    panel. It is rigid unless `body` says otherwise.
 
     [projectile]
     name = "FSP 1.10 g"
@@ -309,7 +311,8 @@ class AccuracyTable(Table):
 
 
 class NumericsTable(Table):
-    """Parameters of the time integration and of the contact with the projectile. The defaults fit all fabrics.
+    """Parameters of the time integration and of the contact with the projectile. The defaults fit
+    all fabrics.
 
     [numerics]
     cfl = 0.8

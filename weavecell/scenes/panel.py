@@ -30,8 +30,9 @@ from weavecell.scenes.fabric_table import LAW, Law
 
 
 class SlipTable(Table):
-    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
-    `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
+    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction
+    clamp, or `pull_in` with `start` and `end`, a prescribed slip. A list of two tables holds for
+    their two ends.
 
     [panel.boundary]
     warp = [{ clamp_force = "20 N" }, { clamp_force = "40 N" }]
@@ -91,8 +92,8 @@ Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discrimina
 
 
 class BoundaryTable(SlipTable):
-    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys of a slipping side,
-    which then holds for all four: `boundary = { clamp_force = "5 N" }`.
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys
+    of a slipping side, which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
     [panel.boundary]
     warp = "clamped"
@@ -104,7 +105,8 @@ class BoundaryTable(SlipTable):
 
     @property
     def sides(self) -> dict[str, Any]:
-        """{"warp": side, "weft": side} in the forms of these keys; if all four slip alike, this table itself."""
+        """{"warp": side, "weft": side} in the forms of these keys; if all four slip alike, this
+        table itself."""
         alike = bool(self.model_fields_set & set(SlipTable.model_fields))
         return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
 
@@ -180,8 +182,9 @@ def _crossovers(value):
 
 
 class StrengthTable(Table):
-    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull distribution. The whole
-    panel is modelled. `weavecell sweep` over seeds gives the scatter of a result ([studies](../studies.md)).
+    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull
+    distribution. The whole panel is modelled. `weavecell sweep` over seeds gives the scatter of a
+    result ([studies](../studies.md)).
 
     [panel.strength]
     weibull_shape = 14.3
@@ -206,8 +209,8 @@ BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
-    """One table for each group of plies that are alike, from the struck side to the back. `panel.plies` and
-    `panel.stacking` are then left out.
+    """One table for each group of plies that are alike, from the struck side to the back.
+    `panel.plies` and `panel.stacking` are then left out.
 
     [[panel.ply]]
     count = 2
@@ -257,7 +260,8 @@ class PlyTable(Table):
 
 
 class PanelTable(Table):
-    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
+    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
+    `[[panel.ply]]`.
 
     [panel]
     opening = "150 mm"

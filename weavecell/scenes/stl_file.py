@@ -1,10 +1,13 @@
-"""A projectile's body from an STL file: checks of its surface by trimesh, its signed distance on a grid by VTK.
+"""A projectile's body from an STL file: checks of its surface by trimesh, its signed distance on a
+grid by VTK.
 
-The z axis of the file is the axis of the projectile and points along its flight; x and y lie along warp and weft at no
-obliquity and roll. Where the body lies along z makes no difference: its foremost point is where the nose is.
+The z axis of the file is the axis of the projectile and points along its flight; x and y lie along
+warp and weft at no obliquity and roll. Where the body lies along z makes no difference: its
+foremost point is where the nose is.
 
-Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of the edge radius rho:
-it becomes all places of that ball in it. With K the points at least rho deep, d = dist(p, K) - rho outside K.
+Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of
+the edge radius rho: it becomes all places of that ball in it. With K the points at least rho deep,
+d = dist(p, K) - rho outside K.
 """
 
 from __future__ import annotations
@@ -101,7 +104,8 @@ class Surface:
         return bool(np.any(angles > np.radians(SHARP)))
 
     def off_axis(self, unit: str) -> str:
-        """What is said of a body that its axis misses, with where it lies and the shift that helps."""
+        """What is said of a body that its axis misses, with where it lies and the shift that
+        helps."""
         (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
         return (
             "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = "
@@ -115,7 +119,8 @@ def surface(path: FilePath, unit: str) -> Surface:
 
     Raises
     ------
-    InputError : one line: no file, no triangles, not closed, facing inwards, or of no projectile's size in this unit
+    InputError : one line: no file, no triangles, not closed, facing inwards, or of no projectile's
+        size in this unit
     """
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
@@ -156,8 +161,8 @@ def _surface(path, unit, digest):
 def _triangles(content):
     """The Trimesh of the bytes of a file; an empty one where they are not STL.
 
-    A file is binary if it is long enough for the number of triangles in its head, whatever follows them. A text may
-    begin with a byte order mark, be in capitals, and end with "end solid".
+    A file is binary if it is long enough for the number of triangles in its head, whatever follows
+    them. A text may begin with a byte order mark, be in capitals, and end with "end solid".
     """
     import trimesh
 
@@ -216,7 +221,8 @@ def _check_one_body(mesh, path):
 
 
 def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
-    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and mass of a density.
+    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and
+    mass of a density.
 
     Raises
     ------
@@ -250,8 +256,8 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
 def described(
     table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None
 ) -> dict[str, Any]:
-    """The table of a scene with what the STL file of [projectile] says of it, as if it were written there; the whole
-    panel unless another symmetry is given.
+    """The table of a scene with what the STL file of [projectile] says of it, as if it were written
+    there; the whole panel unless another symmetry is given.
 
     Parameters
     ----------
@@ -301,7 +307,8 @@ def described(
 
 
 def check_mass(shot: Any) -> None:
-    """Check that a body of the diameter and length of a projectile can have its mass; `data` does so for an STL file.
+    """Check that a body of the diameter and length of a projectile can have its mass; `data` does
+    so for an STL file.
 
     Parameters
     ----------
@@ -330,11 +337,13 @@ def check_mass(shot: Any) -> None:
 
 
 def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
-    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are sharp.
+    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are
+    sharp.
 
     Raises
     ------
-    InputError : as `surface`; an edge radius too large or too small for the body, or an axis outside of it
+    InputError : as `surface`; an edge radius too large or too small for the body, or an axis
+        outside of it
     """
     return _solid(str(path), surface(path, unit).digest, unit, edge_radius)
 
@@ -360,9 +369,11 @@ def _solid(path, digest, unit, edge_radius):
 
 
 def _distances(body, axes, h, rho, path):
-    """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is below 1.2 rho.
+    """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is
+    below 1.2 rho.
 
-    Further away, where a search for the nearest triangle takes long, it is interpolated between samples COARSE h apart.
+    Further away, where a search for the nearest triangle takes long, it is interpolated between
+    samples COARSE h apart.
     """
     import pyvista
     from scipy import ndimage

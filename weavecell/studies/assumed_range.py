@@ -1,15 +1,16 @@
 """Ranges of residual and critical velocity that follow from what is assumed.
 
-Laws, crimp, failure length and numbers of a fabric are assumed with a range (`fabrics.assumed`), and what a set-up
-assumes besides (`inputs.ranges`). The shot, or the search of the critical velocity, is repeated with each end of each,
-one at a time, and with all ends together that lower the velocity, or raise it. The range is the envelope of these runs
-and the nominal one, and no bound, since the outcome need not be monotonic. The share of an assumption is the width of
-its own runs over the sum of these widths.
+Laws, crimp, failure length and numbers of a fabric are assumed with a range (`fabrics.assumed`),
+and what a set-up assumes besides (`inputs.ranges`). The shot, or the search of the critical
+velocity, is repeated with each end of each, one at a time, and with all ends together that lower
+the velocity, or raise it. The range is the envelope of these runs and the nominal one, and no
+bound, since the outcome need not be monotonic. The share of an assumption is the width of its own
+runs over the sum of these widths.
 
-What is assumed besides the fabric follows from the set-up: strength after weaving, unless `weaving_damage` gives it,
-since yarns are tested before; friction of the projectile, of plies where there are several, the force of clamps in
-which yarns slip, and in packs the area that packed fabric keeps. Rigid clamps stay: slip is another model, not the end
-of a range.
+What is assumed besides the fabric follows from the set-up: strength after weaving, unless
+`weaving_damage` gives it, since yarns are tested before; friction of the projectile, of plies where
+there are several, the force of clamps in which yarns slip, and in packs the area that packed fabric
+keeps. Rigid clamps stay: slip is another model, not the end of a range.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ NEXT_STEP = 1.05
 
 @dataclass(frozen=True)
 class Row:
-    """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of several or nothing."""
+    """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of
+    several or nothing."""
 
     laws: str
     outcome: str
@@ -58,7 +60,8 @@ class AssumedRange:
 
     @property
     def widths(self) -> dict[str, tuple[float, float]]:
-        """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest first."""
+        """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest
+        first."""
         nominal = self.rows[0].velocity
         ranges = dict[str, tuple[float, float]]()
         for row in self.rows:
@@ -112,8 +115,8 @@ class AssumedRange:
 
 
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed, None if none is, by a choice of True, False and "laws": where more is
-    assumed of the fabric than its failure length; InputError: another choice."""
+    """The set-up whose range is computed, None if none is, by a choice of True, False and "laws":
+    where more is assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
     if not choice:
@@ -128,7 +131,8 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
 
 
 def searches(setup: ImpactSetup) -> int:
-    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the velocity."""
+    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the
+    velocity."""
     alone = sum(map(len, changes(setup).values()))
     if not alone:
         return 0
@@ -136,11 +140,13 @@ def searches(setup: ImpactSetup) -> int:
 
 
 def changes(setup: ImpactSetup) -> Ends:
-    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be combined.
+    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be
+    combined.
 
     Parameters
     ----------
-    setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an assumed solid law
+    setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an
+        assumed solid law
     """
     ends_of: dict[str, dict[str, Any]] = {}
     for fabric in setup.fabrics:
@@ -170,7 +176,8 @@ def _of_each_ply(change, end, setup):
 
 
 def _with_end(name, ply, number):
-    """A ply with the first or the second end of what its fabric assumes of this name, if it does."""
+    """A ply with the first or the second end of what its fabric assumes of this name, if it
+    does."""
     ends = list(assumed.ends(ply.fabric).get(name, {}).values())
     if ends:
         return replace(ply, fabric=ends[min(number, len(ends) - 1)])
@@ -204,7 +211,8 @@ def _of_setup(setup, name, value):
 
 
 def _with_woven_strength(ply, value):
-    """A ply whose yarns have this share of their strength after weaving, unless its fabric says what they have."""
+    """A ply whose yarns have this share of their strength after weaving, unless its fabric says
+    what they have."""
     if "weaving_damage.strength" in ply.fabric.sources:
         return ply
     damage = WeavingDamage(1.0, value, "range of a limit")
@@ -294,7 +302,8 @@ def over_ends(
     run: Callable[[ImpactSetup], tuple[str, float | None]],
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None if nothing is assumed."""
+    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None if
+    nothing is assumed."""
     rows = [nominal]
     velocity = nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2

@@ -1,10 +1,12 @@
-"""Residual velocity against strike velocity: the Lambert-Jonas curve, fitted with confidence intervals.
+"""Residual velocity against strike velocity: the Lambert-Jonas curve, fitted with confidence
+intervals.
 
     V_r = a (V_s^p - V_bl^p)^(1/p)   above the ballistic limit V_bl,   0 below it
 
-J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity Representation, BRL
-Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of the projectile in the mass that flies on;
-the larger p, the more abruptly V_r rises at the limit. a is at most 1: no projectile leaves faster than it came.
+J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity
+Representation, BRL Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of
+the projectile in the mass that flies on; the larger p, the more abruptly V_r rises at the limit. a
+is at most 1: no projectile leaves faster than it came.
 Computed here as a V_s (1 - (V_bl / V_s)^p)^(1/p).
 """
 
@@ -34,9 +36,9 @@ class LambertJonas:
     ----------
     a, p : [-]
     limit : [m/s] V_bl
-    intervals : {name: (low, high)} of the parameters that were fitted, at the level of `confidence`, from the curve's
-        slopes at the fit; None for one that came to rest on a bound of what is sought, infinite where the shots tell
-        nothing of it
+    intervals : {name: (low, high)} of the parameters that were fitted, at the level of
+        `confidence`, from the curve's slopes at the fit; None for one that came to rest on a bound
+        of what is sought, infinite where the shots tell nothing of it
     confidence : [-]
     residual_rms : [m/s] of the fit
     points : number of shots that it was fitted to
@@ -59,7 +61,8 @@ class LambertJonas:
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
     def words(self, between: str = ", ") -> str:
-        """The fitted parameters, each with its interval; the reason where that does not exclude half of the value."""
+        """The fitted parameters, each with its interval; the reason where that does not exclude
+        half of the value."""
         if self.reason:
             return f"not determined, because {self.reason}"
         return between.join(map(self._in_words, self.intervals))
@@ -103,8 +106,8 @@ def fit(
 
     Returns
     -------
-    LambertJonas, with a `reason` and no numbers where there are no more perforations than parameters, or one of them
-    below the limit
+    LambertJonas, with a `reason` and no numbers where there are no more perforations than
+    parameters, or one of them below the limit
 
     Raises
     ------
@@ -135,7 +138,8 @@ def fit(
             return (*x, limit)
         return x
 
-    # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep the deepest
+    # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep
+    # the deepest
     starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
     best = min(
         (
@@ -169,7 +173,8 @@ def _check(vs, vr, confidence):
 
 
 def _intervals(solution, bounds, points, confidence):
-    """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
+    """Linearised intervals; a parameter on its bound has none, and the others are found with it
+    held."""
     low, high = np.transpose([*bounds.values()])
     inside = (low < solution.x) & (solution.x < high) & (solution.active_mask == 0)
     inner = list(np.flatnonzero(inside))

@@ -1,15 +1,18 @@
-"""A ballistic limit that is a probability: repeated shots at panels of yarns that differ in strength.
+"""A ballistic limit that is a probability: repeated shots at panels of yarns that differ in
+strength.
 
 Each panel or pack is drawn anew (`strengths`).
 
-A shot ends once its outcome is known. A projectile that has less than 1 % of its strike energy left counts as stopped
-if no yarn has failed while a stress wave went to the edge and back. Were it to perforate all the same, its residual
-velocity would be below a tenth of its strike velocity: by v_r^2 = V^2 - V50^2 it was struck within 0.5 % of the limit.
+A shot ends once its outcome is known. A projectile that has less than 1 % of its strike energy left
+counts as stopped if no yarn has failed while a stress wave went to the edge and back. Were it to
+perforate all the same, its residual velocity would be below a tenth of its strike velocity: by
+v_r^2 = V^2 - V50^2 it was struck within 0.5 % of the limit.
 
-Velocities are chosen in rounds of a given size from the outcomes of all rounds before: nothing depends on the number
-of workers. The first round covers the deterministic limit by `FIRST` either way; then velocities are spread evenly over
-the probabilities of the curve fitted so far, or, where no stop is faster than a perforation, over the gap between them,
-or, where the shots determine no curve, over the range fired so far.
+Velocities are chosen in rounds of a given size from the outcomes of all rounds before: nothing
+depends on the number of workers. The first round covers the deterministic limit by `FIRST` either
+way; then velocities are spread evenly over the probabilities of the curve fitted so far, or, where
+no stop is faster than a perforation, over the gap between them, or, where the shots determine no
+curve, over the range fired so far.
 Without scatter that is a search of the gap, and V50 goes to the deterministic limit.
 """
 
@@ -95,7 +98,8 @@ class Study:
     curves : {link: probit.Curve}
     scatter : Scatter
     failures : why other shots have none: they became unstable, or neither stopped nor perforated
-    assumed_range : of V50, or of the limit without scatter, over what is assumed; None if it was not asked for
+    assumed_range : of V50, or of the limit without scatter, over what is assumed; None if it was
+        not asked for
     """
 
     deterministic: tuple[float, float]
@@ -172,7 +176,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
-    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
+    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that
+    the set-up models."""
     # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
     limit = ballistic_limit.critical_velocity(
@@ -182,8 +187,9 @@ def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
 
 
 def graded(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with the mesh of a study where it names none: elements of a failure length, twice as long as those of
-    a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
+    """The set-up with the mesh of a study where it names none: elements of a failure length, twice
+    as long as those of a shot, as far as anything can come under the nose of nearly all drawn
+    panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot.
     """
@@ -201,7 +207,8 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
-    """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
+    """(count,) [m/s] velocities of the next round, from those of the shots so far and their
+    outcomes."""
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
     least = BEYOND[0] * V.min()
@@ -243,8 +250,8 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh that is
-        the one of `graded`
+    setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh
+        that is the one of `graded`
     scatter : Scatter
     shots : how many
     batch : shots of a round
@@ -254,8 +261,8 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before the first shot, or
-        too few shots
+    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before
+        the first shot, or too few shots
     """
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
@@ -311,8 +318,9 @@ def over_assumed(
 ) -> AssumedRange | None:
     """Range over what is assumed: of the limit without scatter, or of V50 itself.
 
-    The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST contributors to its
-    range: the drawn panels of the study are shot at again, at velocities that are to the limit as those of the study.
+    The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST
+    contributors to its range: the drawn panels of the study are shot at again, at velocities that
+    are to the limit as those of the study.
 
     Parameters
     ----------

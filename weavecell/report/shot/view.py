@@ -1,8 +1,9 @@
-"""Look at a mesh, a panel or a pack: in a window, as a picture, or a panel or pack as a movie or an interactive page.
+"""Look at a mesh, a panel or a pack: in a window, as a picture, or a panel or pack as a movie or an
+interactive page.
 
-A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the projectile, a scale
-of the tensions and the outcome. These need histories.h5 beside panel.pvd; without it the elements of the
-file are drawn.
+A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the
+projectile, a scale of the tensions and the outcome. These need histories.h5 beside panel.pvd;
+without it the elements of the file are drawn.
 """
 
 from __future__ import annotations
@@ -81,7 +82,8 @@ class Panel:
         return dict(self.series).get(file, self.record.rear[-1].time)
 
     def image(self, grid: Any, t: float) -> np.ndarray:
-        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the side where this is."""
+        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the
+        side where this is."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         return pictures3d.panel(
             grid,
@@ -105,16 +107,19 @@ class Panel:
 def show(
     path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False
 ) -> None:
-    """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to `html`.
+    """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to
+    `html`.
 
     Parameters
     ----------
-    cut : whether picture and movie show the section through the impact point in place of the whole panel
+    cut : whether picture and movie show the section through the impact point in place of the whole
+        panel
 
     Raises
     ------
-    InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
-        .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
+    InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a
+        file is not named .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or
+        there is no display for a window
     """
     # a wrong name is refused before anything is drawn
     endings = {
@@ -185,7 +190,8 @@ def find(path: Path) -> Path:
 
 
 def panel_of(path: Path, file: Path) -> Panel | None:
-    """The shot at one ply or pack that a path belongs to; None if it is none, or has no histories.h5."""
+    """The shot at one ply or pack that a path belongs to; None if it is none, or has no
+    histories.h5."""
     path = Path(path)
     folder = file.parent.parent
     if path.is_dir():
@@ -214,7 +220,8 @@ def end(pyplot: Any, record: ImpactRecord) -> Any:
 
 
 def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
-    """The last instant of a record for a report; empty, with a warning, on a machine that cannot draw it."""
+    """The last instant of a record for a report; empty, with a warning, on a machine that cannot
+    draw it."""
     if not pictures_mesh.can_draw():
         logging.getLogger("weavecell").warning(
             "the report has no picture of the panel: no OpenGL library was found, install libegl1"
@@ -246,7 +253,8 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 
 
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
-    """The figure of a cut of the record, by its number, with heights up to the highest of all cuts."""
+    """The figure of a cut of the record, by its number, with heights up to the highest of all
+    cuts."""
     record = panel.record
     row = chapters_shot.cut_view(
         record, record.cuts[number], panel.caption(record.cuts[number].time)
@@ -262,7 +270,8 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
 
 
 def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of every step-th cut."""
+    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of
+    every step-th cut."""
     with plots() as pyplot:
         for figure in _figures(pyplot, panel, cut, step):
             figure.set_dpi(dpi)
@@ -282,7 +291,8 @@ def _figures(pyplot, panel, cut, step):
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
-    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the projectile too.
+    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the
+    projectile too.
 
     Parameters
     ----------
@@ -343,7 +353,8 @@ def _write_movie(panel, movie, cut):
 
 
 def cut_in_motion(record: ImpactRecord) -> bytes:
-    """The section through the impact point as a GIF, of so few instants that a report is written soon."""
+    """The section through the impact point as a GIF, of so few instants that a report is written
+    soon."""
     return gif(frames(Panel(record, []), 90, True, -(-len(record.cuts) // _INSTANTS)))
 
 
