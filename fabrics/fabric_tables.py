@@ -7,7 +7,7 @@ bounds is an error of the unit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -164,13 +164,15 @@ class DataTable(Table):
         parts = ((key, part) for key, field in cls.model_fields.items() for part in field.metadata)
         return {key: part for key, part in parts if isinstance(part, Quantity)}
 
-    def data(self, prefix: str = "") -> Iterator[tuple[str, Datum]]:
-        """(dotted key, Datum) of all numbers of the table and of those in it."""
+    def data(self, prefix: str = "") -> dict[str, Datum]:
+        """{dotted key: Datum} of all numbers of the table and of those in it."""
+        numbers = {}
         for key, value in self:
             if isinstance(value, Datum):
-                yield f"{prefix}{key}", value
+                numbers[prefix + key] = value
             elif isinstance(value, DataTable):
-                yield from value.data(f"{prefix}{key}.")
+                numbers |= value.data(f"{prefix}{key}.")
+        return numbers
 
 
 class YarnTable(DataTable):

@@ -97,7 +97,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     else:
         content = tomllib.loads(text)
     file = validated(FabricFile, content, path, {"source": path.name})
-    data = dict(file.data())
+    data = file.data()
     sources = {key: datum.entry for key, datum in data.items()}
     try:
         return _fabric(file, data, sources, path)
