@@ -136,12 +136,14 @@ def _surface(path, unit, digest):
     mesh = _triangles(Path(path).read_bytes())
     if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
+    # an STL file lists the corners of each triangle anew, rounded
     mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
     corners = np.sort(mesh.faces, axis=1)
     # some triangles have shrunk to a line
     mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))
     _check_closed(mesh, path)
     mesh.apply_scale(UNITS[unit])
+    # the foremost point is where the fabric is at the start
     mesh.apply_translation((0, 0, -mesh.bounds[1, 2]))
     _check_one_body(mesh, path)
     body = Surface(mesh, digest)
@@ -166,6 +168,7 @@ def _triangles(content):
     """
     import trimesh
 
+    # a binary file may begin with the word solid too: its length decides
     end = _HEAD + _FACET * int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
     if _HEAD < end <= len(content):
         kind = "stl"
@@ -203,6 +206,7 @@ def _check_closed(mesh, path):
 def _check_one_body(mesh, path):
     """One surface whose normals point outwards, and in it cavities, whose normals point inwards."""
     parts = mesh.split(only_watertight=False)
+    # a surface that faces outwards encloses a positive volume, a cavity a negative one
     bodies = [part for part in parts if part.volume > 0]
     if len(bodies) > 1:
         volumes = " and ".join(f"{1e9 * part.volume:.4g}" for part in bodies)
@@ -242,6 +246,7 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     except InputError:
         # the schema reports it
         return known
+    # a wrong unit shows itself as a density that no solid has
     mean = mass / body.volume
     (low, high) = DENSITIES
     if not low <= mean <= high:
@@ -300,6 +305,7 @@ def described(
         )
     measured = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
     panel = table.get("panel")
+    # a body of any shape has no plane of symmetry that could be relied on
     whole = {}
     if isinstance(panel, dict):
         whole = {"panel": {"symmetry": "whole"} | panel}
@@ -352,6 +358,7 @@ def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
 def _solid(path, digest, unit, edge_radius):
     body = _surface(path, unit, digest)
     h = edge_radius / SAMPLES
+    # samples are as fine as the edge radius asks; a fine radius on a large body fills the memory
     size = np.prod(np.array([body.width, body.width, body.length]) / h)
     if size > MOST_SAMPLES:
         least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
@@ -361,6 +368,7 @@ def _solid(path, digest, unit, edge_radius):
     axes = solid_body.Solid.axes(body.points, h)
     distances = _distances(body, axes, h, edge_radius, path)
     middle = distances[axes[0].size // 2, axes[1].size // 2]
+    # the axis passes beside the body, or through a hole
     if not middle.min() < 0:
         raise InputError(body.off_axis(unit), file=path)
     return solid_body.Solid(
@@ -396,11 +404,13 @@ def _distances(body, axes, h, rho, path):
     d[near] = distance(at[near], skin)
     clipped = np.clip(d, -1.2 * rho, 1.2 * rho)
     steps = [np.abs(np.diff(clipped, axis=axis)).max() for axis in range(3)]
+    # a distance cannot change by more than the way between two samples
     if max(steps) > 1.05 * h:
         raise InputError(
             "its distance jumps; must be a surface that does not cut itself, without slivers",
             file=path,
         )
+    # opening: shrink the body by the radius, and grow it again; convex edges come out round
     if body.sharp:
         grid: Any = pyvista.ImageData(
             dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes]
