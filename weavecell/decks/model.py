@@ -278,6 +278,7 @@ def build(
     ------
     InputError : what no deck holds
     """
+    # a deck that left something out would run, and be wrong in silence
     for key, (allowed, has) in REFUSED.items():
         if has(setup):
             raise InputError(key=key, allowed=allowed)
@@ -286,12 +287,15 @@ def build(
     plies: list[Ply] = []
     first = 1
     for p, (panel, z) in enumerate(zip(pack.plies, pack.places)):
+        # plies that are alike share a panel, and so a card
         if id(panel) not in cards:
             name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
+            # a card needs the cell to the strength, not beyond
             cloth = Cloth(replace(panel.table.model, reach=1.0))
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
         x, y = (values.ravel() for values in panel.coordinates())
+        # what is clamped stands first: a node of the clamp is not on a mirror too
         held = {"clamped": ~panel.loose().ravel()}
         for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
             held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)

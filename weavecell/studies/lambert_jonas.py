@@ -85,6 +85,7 @@ class LambertJonas:
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
     """[m/s] residual velocity, (n,) or a number."""
+    # below the limit the projectile is stopped
     ratio = np.minimum(limit / strike_velocity, 1.0)
     return a * strike_velocity * (-np.expm1(p * np.log(ratio))) ** (1 / p)
 
@@ -122,6 +123,7 @@ def fit(
     through = vs[vr > 0]
     slowest = float(through.min(initial=inf))
     reason = ""
+    # as many points as parameters are met exactly, and say nothing about scatter
     if through.size <= len(free):
         reason = f"{through.size} perforations do not determine its {len(free)} parameters"
     elif limit is not None and not 0 < limit < slowest:
@@ -156,6 +158,7 @@ def fit(
         ),
         key=lambda solution: solution.cost,
     )
+    # the search ends just short of a bound: a value there is the bound
     best.x = np.where(best.x > high - 1e-9 * (high - low), high, best.x)
     a, p, at = (float(value) for value in full(best.x))
     intervals = _intervals(best, dict(zip(free, zip(low, high))), len(vs), confidence)
@@ -184,6 +187,7 @@ def _intervals(solution, bounds, points, confidence):
     if not inner:
         return intervals
     spread = np.full(len(inner), np.inf)
+    # two parameters that do the same have no interval of their own
     if np.linalg.matrix_rank(J) == len(inner):
         spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * solution.cost / freedom)
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread

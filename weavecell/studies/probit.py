@@ -88,12 +88,14 @@ class Curve:
 
     def probability(self, velocity: ArrayLike) -> np.ndarray:
         """[-] of perforation at strike velocities [m/s] of any shape."""
+        # a step: half of the panels perforate at V50 itself
         if self.s == 0:
             return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
         return LINKS[self.link].cdf((np.asarray(velocity, float) - self.V50) / self.s)
 
     @property
     def V0(self) -> float:
+        # a wide curve would have V0 below 0, which no test can show
         return float(np.maximum(self.velocity(LOW), 0.0))
 
     @property
@@ -109,6 +111,7 @@ class _Likelihood:
         self.hit = perforated
         self.law = LINKS[link]
         self.range = float(np.ptp(velocity))
+        # the slope is searched by its logarithm: it spans eight powers of ten
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
         # [m/s] least s
         self.least = self.range / _STEEPEST
@@ -130,6 +133,7 @@ class _Likelihood:
 
     def over_place(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
+        # a flat curve may have its V50 far outside the shots
         reach = 10 * self.range + 10 / beta
         bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
         top = minimize_scalar(
@@ -172,13 +176,16 @@ def fit(
     if reason := _no_curve(V, hit):
         return _none(link, confidence, reason)
     likelihood = _Likelihood(V, hit, link)
+    # then the likelihood has no maximum: it grows with the slope for ever
     separated = bool(V[hit].min() >= V[~hit].max())
     if separated:
         V50, s, best = _step(likelihood)
     else:
         V50, s, best = _top(likelihood)
+        # the search ended at its flattest slope
         if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
             return _none(link, confidence, NOT_RISING)
+    # profile likelihood: with few shots it is far from a parabola, and so are the intervals
     floor = best - 0.5 * chi2.ppf(confidence, 1)
     intervals = {
         name: interval(likelihood, P, V50 + max(s, likelihood.least) * LINKS[link].ppf(P), floor)
@@ -230,6 +237,7 @@ def _edge(above, inside, step):
     far = inside + 0.05 * step
     while above(far) > 0:
         near = far
+        # doubled: an open interval is found in a few steps
         far = inside + 2 * (far - inside)
         if abs(far - inside) > 100 * abs(step):
             if step > 0:
