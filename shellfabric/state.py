@@ -489,7 +489,6 @@ class Work(Row):
     )
     f_next_row = array("3 x size", "N", "force of a row of elements on the nodes of the next row")
     cell_index = array("256 int32", "-", "table cell of each edge of a piece")
-    barrier = array("32 int64", "-", "counter and stop flag of the thread barrier")
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 

@@ -102,10 +102,7 @@ def move_rows(state, const, first, last):
 
 
 @kernel(_nrt=False)
-def thread_range(state, const, me, count):
-    """(first, last) active blocks of thread `me` among `count`; the last thread has at least one."""
-    start, end = (
-        state.active_rows[0] // const.rows_per_block,
-        (state.active_rows[1] + const.rows_per_block - 1) // const.rows_per_block,
-    )
-    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
+def active_blocks(state, const):
+    """(first, last): the blocks first .. last - 1 hold the active rows."""
+    per = const.rows_per_block
+    return state.active_rows[0] // per, (state.active_rows[1] + per - 1) // per

@@ -31,8 +31,9 @@ class Numerics:
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
         fewer keep its scratch in cache
-    threads : of the time integration; None takes all that the process may use where it pays (`barrier`), and goes on
-        with one where other processes use the processor (`driver.solver`). No result depends on it
+    threads : that share the plies of a pack, at most one a ply; a single ply has one. None takes all that
+        the process may use where it pays (`barrier`), and goes on with one where other processes use the
+        processor (`driver.solver`). No result depends on it
     """
 
     cfl: float = 0.9

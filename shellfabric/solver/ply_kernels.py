@@ -22,7 +22,6 @@ from shellfabric.cloth import (
     failure_kernels,
     packing_kernels,
 )
-from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
 from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
@@ -30,8 +29,8 @@ from shellfabric.panel.motion_kernels import (
     AT_REST,
     FAILURES,
     STEP,
+    active_blocks,
     move_rows,
-    thread_range,
 )
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import unit
@@ -69,7 +68,7 @@ def find_failures(state, const, work):
     """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
     first, last, per = state.active_rows[0], state.active_rows[1], const.rows_per_block
     count, low, high = 0, const.ni, 0
-    for block in range(first // per, (last + per - 1) // per):
+    for block in range(*active_blocks(state, const)):
         if not failure_kernels.may_fail(const, state, block):
             continue
         begin, end = max(first, block * per), min(last, (block + 1) * per)
@@ -101,7 +100,7 @@ def apply_failure(state, const, work):
     failure_kernels.break_edges(const, state, 1, low, high)
     state.counter[FAILURES] += count
     first, last = state.active_rows[0], state.active_rows[1]
-    for block in range(first // per, (last + per - 1) // per):
+    for block in range(*active_blocks(state, const)):
         if state.block_damage[block] == REDO:
             start, end = max(first, block * per), min(last, (block + 1) * per)
             element_kernels.element_forces(state, const, block, start, end, work)
@@ -115,34 +114,23 @@ def apply_failure(state, const, work):
 
 
 @kernel(_nrt=False, inline="always")
-def update_blocks(state, const, work, shared, me, count):
-    """Update the active nodes and compute the active element forces, block by block while they are in cache.
+def update_blocks(state, const, work):
+    """Move the active nodes and compute the active element forces, block by block while they are in cache.
 
-    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
-    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
-    which its neighbours need too, are moved before all.
+    The blocks are fixed, whatever the window, and so is what is found in them. The node rows that the
+    elements of a block need are moved first: its own, and two beyond.
     """
-    first, last = thread_range(state, const, me, count)
-    low, high = (
-        max(state.active_rows[0], first * const.rows_per_block),
-        min(state.active_rows[1], last * const.rows_per_block),
-    )
-    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
-    done = min(low + 2, end)
-    tail = max(end - 2, done)
-    if first < last:
-        move_rows(state, const, low, done)
-        move_rows(state, const, tail, end)
-    barrier_wait(shared, count)
-    for block in range(first, last):
-        begin, stop = (
-            max(low, block * const.rows_per_block),
-            min(high, (block + 1) * const.rows_per_block),
-        )
-        ahead = max(done, min(stop + 2, tail))
-        move_rows(state, const, done, ahead)
-        done = ahead
-        element_kernels.element_forces(state, const, block, begin, stop, work)
+    per = const.rows_per_block
+    first_row = state.active_rows[0]
+    last_row = state.active_rows[1]
+    moved = first_row
+    for block in range(*active_blocks(state, const)):
+        begin = max(first_row, block * per)
+        end = min(last_row, (block + 1) * per)
+        needed = min(end + 2, last_row + 1)
+        move_rows(state, const, moved, needed)
+        moved = needed
+        element_kernels.element_forces(state, const, block, begin, end, work)
 
 
 @unit(later=True)

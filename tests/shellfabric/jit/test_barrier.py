@@ -25,10 +25,12 @@ def _meetings(shared, written, me, count):
 
 
 def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
-    """In many blocks, through which the projectile goes."""
-    ply = ImpactSetup(fabric, 260.0, opening=0.0508, table_size=61, symmetry="half", end_time=20e-6)
+    """A pack of three plies in many blocks, through which the projectile goes."""
+    pack = ImpactSetup(
+        fabric, 260.0, opening=0.0508, table_size=61, symmetry="half", end_time=20e-6, plies=3
+    )
     one, two, three = (
-        replace(ply, numerics=Numerics(block=100, threads=threads)) for threads in (1, 2, 3)
+        replace(pack, numerics=Numerics(block=100, threads=threads)) for threads in (1, 2, 3)
     )
     whole = run(one)
     run(replace(two, end_time=12e-6), hooks=(checkpoint.Checkpoints(tmp_path / "run.h5", 5e-6),))
