@@ -435,54 +435,34 @@ class Work(Row):
         "row_stride + 16, from two rows before the block",
     )
     B = array("3 x size", "-", "weft edge vectors over their length at rest")
-    stretch1 = array("size", "-", "stretch of the warp edges")
-    stretch2 = array("size", "-", "stretch of the weft edges")
-    inv_stretch1 = array("size", "-", "its inverse")
-    inv_stretch2 = array("size", "-", "its inverse")
-    mean_stretch1 = array("size", "-", "mean stretch of the warp edges that cross a weft edge")
-    mean_stretch2 = array("size", "-", "mean stretch of the weft edges that cross a warp edge")
-    T1 = array("size", "N", "warp tension (memory of dW_own1)")
-    T2 = array("size", "N", "weft tension (memory of dW_own2)")
-    N1 = array("size", "N", "force of the warp edges")
-    N2 = array("size", "N", "force of the weft edges")
-    dW_own1 = array(
-        "size", "N", "derivative of the potential of a warp edge with its own stretch, per yarn"
+    stretch = array("2 x size", "-", "stretch of the edges")
+    inv_stretch = array("2 x size", "-", "its inverse")
+    mean_stretch = array(
+        "2 x size", "-", "mean stretch of the edges of a family that cross an edge of the other one"
     )
-    dW_own2 = array(
-        "size", "N", "derivative of the potential of a weft edge with its own stretch, per yarn"
+    T = array("2 x size", "N", "tension (memory of dW_own)")
+    N = array("2 x size", "N", "force of the edges")
+    dW_own = array(
+        "2 x size", "N", "derivative of an edge's potential with its own stretch, per yarn"
     )
-    dW_crossing1 = array(
-        "size",
+    dW_crossing = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a warp edge with the mean stretch of the weft "
-        "edges that cross it, per weft yarn",
+        "derivative of an edge's potential with the mean stretch of the edges that "
+        "cross it, per crossing yarn",
     )
-    dW_crossing2 = array(
-        "size",
+    f_over_stretch = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a weft edge with the mean stretch of the warp "
-        "edges that cross it, per warp yarn",
+        "axial force of an edge over its stretch, times A or B the nodal force (memory "
+        "of dW_crossing)",
     )
-    f_over_stretch1 = array(
-        "size",
-        "N",
-        "axial force of a warp edge over its stretch, times A the nodal force (memory "
-        "of dW_crossing1)",
-    )
-    f_over_stretch2 = array(
-        "size", "N", "axial force of a weft edge over its stretch (memory of dW_crossing2)"
-    )
-    trellis_f1 = array(
-        "size",
+    trellis_turn = array(
+        "2 x size",
         "J",
-        "minus derivative of an element's shear energy with the stretch of each of its warp edges",
+        "minus derivative of an element's shear energy with the stretch of each of its edges",
     )
-    trellis_f2 = array(
-        "size",
-        "J",
-        "minus derivative of an element's shear energy with the stretch of each of its weft edges",
-    )
-    trellis_f12 = array(
+    trellis_cross = array(
         "size",
         "J",
         "derivative of an element's shear energy with the product a.b of its mean edges, over 4",

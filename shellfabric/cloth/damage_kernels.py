@@ -9,12 +9,11 @@ from numba import types
 from numba.extending import overload
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.membrane_kernels import ONE
+from shellfabric.cloth.membrane_kernels import ONE, WARP, WEFT
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, equal_bytes, movemask
 from shellfabric.state import unit
 
-WARP, WEFT = 0, 1
 _ALL = 2**WIDTH - 1  # bits of eight that are whole
 
 
@@ -77,86 +76,102 @@ def sum_crossing(const, family, i, j, alpha, x, shift):
     return count, present, total
 
 
-@unit(later=True, x="n", mean="n")
-def damaged_means(const, state, family, first, last, shift, x, mean):
-    """Mean of x over the crossing edges, weighted by their intact fraction, for damaged edges of the rows first ..
-    last - 1."""
+@unit(later=True)
+def damaged_means(state, const, work, family, first, last):
+    """Mean stretch of the crossing edges, weighted by their intact fraction, for damaged edges of a block: of the rows
+    that `average_crossing` has."""
     columns = const.row_stride if family == WARP else const.nj
-    for i in range(first, last):
+    shift = (first - 2) * const.row_stride
+    intact = state.intact_fraction[1 - family]
+    stretch = work.stretch[1 - family]
+    low = max(first - 1, 0) if family == WARP else first
+    for i in range(low, last_row(family, last)):
         for start in range(0, columns, WIDTH):
             if not edges_damaged(const, state, family, i, start):
                 continue
             for j in range(start, min(start + WIDTH, columns)):
-                _, present, total = sum_crossing(
-                    const, family, i, j, state.intact_fraction[1 - family], x, shift
-                )
+                _, present, total = sum_crossing(const, family, i, j, intact, stretch, shift)
                 if present > 0.0:
-                    mean[np.uint64(i * const.row_stride + j - shift)] = total / present
+                    at = np.uint64(i * const.row_stride + j - shift)
+                    work.mean_stretch[1 - family][at] = total / present
 
 
-@unit(later=True, L="n", F="n")
-def damaged_forces(const, state, family, first, last, shift, L, F):
-    """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
+@kernel()
+def last_row(family, last):
+    """One behind the last row of edges that the element rows up to `last` - 1 need."""
+    return last if family == WARP else last + 1
+
+
+@unit(later=True)
+def damaged_forces(state, const, work, family, first, last):
+    """T = kappa T + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
     w, S0, EA = yarn_properties(const, family)
     columns = const.row_stride if family == WARP else const.nj
-    for i in range(first, last):
+    shift = (first - 2) * const.row_stride
+    own = state.intact_fraction[family]
+    other = state.intact_fraction[1 - family]
+    stretch = work.stretch[family]
+    T = work.T[family]
+    for i in range(first, last_row(family, last)):
         for start in range(0, columns, WIDTH):
             if not edges_damaged(const, state, family, i, start):
                 continue
             for j in range(start, min(start + WIDTH, columns)):
+                k = np.uint64(i * const.row_stride + j)
                 m = np.uint64(i * const.row_stride + j - shift)
-                if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
-                    F[m] = 0.0
+                if own[k] == 0.0:
+                    T[m] = 0.0
                     continue
-                count, present, _ = sum_crossing(
-                    const, family, i, j, state.intact_fraction[1 - family], L, shift
-                )
+                count, present, _ = sum_crossing(const, family, i, j, other, stretch, shift)
                 if present < count:
                     crossed = present / count
-                    alone = yarn_alone(L[m], w, S0, EA)[0]
-                    F[m] = crossed * F[m] + (1.0 - crossed) * alone
+                    alone = yarn_alone(stretch[m], w, S0, EA)[0]
+                    T[m] = crossed * T[m] + (1.0 - crossed) * alone
 
 
-@unit(later=True, L="n", own="n", shared="n", N="n")
-def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N):
-    """The variational force of damaged edges: own share, and, of each crossing edge, the share `shared` that it
-    gives."""
+@unit(later=True)
+def damaged_gradient(state, const, work, family, first, last):
+    """The variational force of damaged edges: own share, and, of each crossing edge, the share that it gives."""
     w, S0, EA = yarn_properties(const, family)
-    other, columns = (
-        state.intact_fraction[1 - family],
-        const.row_stride if family == WARP else const.nj,
-    )
-    for i in range(first, last):
+    columns = const.row_stride if family == WARP else const.nj
+    shift = (first - 2) * const.row_stride
+    intact = state.intact_fraction[family]
+    other = state.intact_fraction[1 - family]
+    given = work.dW_crossing[1 - family]
+    N = work.N[family]
+    for i in range(first, last_row(family, last)):
         for start in range(0, columns, WIDTH):
             if not edges_damaged(const, state, family, i, start):
                 continue
             for j in range(start, min(start + WIDTH, columns)):
+                k = np.uint64(i * const.row_stride + j)
                 m = np.uint64(i * const.row_stride + j - shift)
-                if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                if intact[k] == 0.0:
                     N[m] = 0.0
                     continue
-                count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
+                count, present, total = sum_crossing(const, family, i, j, other, given, shift)
                 crossed = present / count
-                alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
-                N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
+                N[m] = 0.5 * (crossed * work.dW_own[family][m] + total / count)
+                if present < count:
+                    alone = yarn_alone(work.stretch[family][m], w, S0, EA)[0]
+                    N[m] += (1.0 - crossed) * alone
 
 
-@unit(later=True, turn1="n", turn2="n", cross="n")
-def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
+@unit(later=True)
+def damaged_trellis(state, const, work, first, last):
     """Shear forces of damaged elements, scaled by the intact fractions of both families."""
     s = const.row_stride
-    for i in range(first, last):
+    shift = (first - 2) * s
+    for i in range(max(first - 1, 0), last):
         for start in range(0, const.nj, WIDTH):
             if not damage_near(state.element_flag, i * s + start, s, 0, 0):
                 continue
             for j in range(start, min(start + WIDTH, const.nj)):
-                m, left = (
-                    i * s + j - shift,
-                    trellis_intact_fraction(const, state, np.uint64(i * s + j)),
-                )
-                turn1[m] *= left
-                turn2[m] *= left
-                cross[m] *= left
+                left = trellis_intact_fraction(const, state, np.uint64(i * s + j))
+                m = i * s + j - shift
+                work.trellis_turn[WARP][m] *= left
+                work.trellis_turn[WEFT][m] *= left
+                work.trellis_cross[m] *= left
 
 
 @kernel()

@@ -25,18 +25,9 @@ acted.
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth import energy_kernels, strength_kernels
-from shellfabric.cloth.damage_kernels import (
-    WARP,
-    WEFT,
-    sum_crossing,
-    trellis_intact_fraction,
-    yarn_properties,
-)
-from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
-from shellfabric.cloth.table_kernels import max_value, potential
-from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
+from shellfabric.cloth import strength_kernels
+from shellfabric.cloth.membrane_kernels import WARP, WARP_FAILED, WEFT, WEFT_FAILED
+from shellfabric.cloth.table_kernels import max_value
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 from shellfabric.state import unit
@@ -146,77 +137,6 @@ def flag_elements(const, state, family, i, j):
         state.block_damage[row // const.rows_per_block] = 2
 
 
-@unit("2 numbers")
-def stored_energy(const, state, first, last):
-    """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
-
-    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
-    """
-    cells, trellis = 0.0, 0.0
-    for family in range(2):
-        for i in range(first, last if family == WARP else last + 1):
-            lines = const.row_stride if family == WARP else const.nj
-            begin, end = lines, lines  # of what is whole, and has four crossing edges
-            if row_intact(const, state, i) and family == WARP:
-                begin, end = 1, const.nj
-            elif row_intact(const, state, i) and 0 < i < const.ni:
-                begin, end = 0, const.nj
-            for j in range(begin):
-                cells += edge_energy(const, state, family, i, j)
-            for j in range(end, lines):
-                cells += edge_energy(const, state, family, i, j)
-            cells += energy_kernels.yarn_energy(const, state, family, i, begin, end)
-    for i in range(first, last):
-        if row_intact(const, state, i):
-            trellis += energy_kernels.trellis_energy(const, state, i)
-            continue
-        for j in range(const.nj):
-            k = np.uint64(i * const.row_stride + j)
-            left = trellis_intact_fraction(const, state, k)
-            if left > 0.0:
-                sine = shear_sine(const, state, k)
-                V = item_or_scalar(const.trellis_volume, k)
-                trellis += left * shear_energy(
-                    sine, V, const.G1, const.G2, const.gamma1, const.gamma2
-                )
-    return cells, trellis
-
-
-@kernel(_nrt=False)
-def row_intact(const, state, i):
-    """Whether no failed yarn has a part in the energy of row i."""
-    return state.block_damage[min(i, const.ni - 1) // const.rows_per_block] == 0
-
-
-@kernel(_nrt=False)
-def edge_energy(const, state, family, i, j):
-    """[J] of the edge (i, j), of which yarns may have failed, as those that cross it may."""
-    w, S0, EA = yarn_properties(const, family)
-    k = np.uint64(i * const.row_stride + j)
-    y = state.yarn_length[family][k]
-    if y == 0.0:
-        return 0.0
-    L = state.stretch[family][k]
-    other = 1 - family
-    count, present, total = sum_crossing(
-        const, family, i, j, state.intact_fraction[other], state.stretch[other], 0
-    )
-    crossed, found = present / count, 0.0
-    if crossed > 0.0:
-        pair = (L, total / present) if family == WARP else (total / present, L)
-        W = potential(
-            *pair,
-            const.table_grid,
-            const.potential_coefficients,
-            const.table_beyond,
-            const.potential_constant,
-        )
-        found += 0.5 * y / (2.0 * w) * crossed * W
-    if crossed < 1.0:
-        found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
-    return found
-
-
 @unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
     """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
@@ -230,20 +150,3 @@ def half_step_work(const, state, first, last):
                 work += 0.5 * state.yarn_length[family][k] * state.N[family][k] * d
                 viscous += 0.5 * state.yarn_length[family][k] * item_or_scalar(cv, k) * d * d
     return work, viscous
-
-
-@kernel()
-def shear_sine(const, state, k):
-    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
-    s, L1, L2 = np.uint64(const.row_stride), state.stretch[WARP], state.stretch[WEFT]
-    dot = 0.0
-    for c in range(3):
-        u = state.u[c]
-        u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
-        a = item_or_scalar(const.inv_dx, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
-        b = item_or_scalar(const.inv_dy, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
-        dot += a * b
-    return dot / (
-        regularized_stretch_scalar(L1[k] + L1[k + ONE])
-        * regularized_stretch_scalar(L2[k] + L2[k + s])
-    )

@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from shellfabric.cloth.bending_kernels import rest_length
-from shellfabric.cloth.membrane_kernels import DRAWN_OUT, ONE
+from shellfabric.cloth.membrane_kernels import DRAWN_OUT, ONE, scratch_slot
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
 from shellfabric.state import ModuleTable, unit
@@ -33,21 +33,28 @@ _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
 
 
-@unit("flag", A="3 x n", B="3 x n", share="number")
-def has_packed(m0, n, s, A, B, share):
-    """Whether one of n elements has less than `share` of its area at rest.
-
-    A, B : scratch, from m0 on: warp and weft sides over their length at rest
-    """
+@unit("flag")
+def has_packed(state, const, work, first, last):
+    """Whether an element of a block's rows has less than the share of its area at rest that packed fabric keeps."""
+    s = const.row_stride
+    A = work.A
+    B = work.B
+    share = const.packing[SHARE]
+    end = scratch_slot(const, first, last)
     least = broadcast(16.0)
-    for j in range(m0, m0 + n, WIDTH):
-        a_x, b_x = load(A[0], j) + load(A[0], j + 1), load(B[0], j) + load(B[0], j + s)
-        a_y, b_y = load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s)
-        a_z, b_z = load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s)
-        n_x, n_y, n_z = a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
+    for j in range(2 * s, end, WIDTH):
+        a_x = load(A[0], j) + load(A[0], j + 1)
+        a_y = load(A[1], j) + load(A[1], j + 1)
+        a_z = load(A[2], j) + load(A[2], j + 1)
+        b_x = load(B[0], j) + load(B[0], j + s)
+        b_y = load(B[1], j) + load(B[1], j + s)
+        b_z = load(B[2], j) + load(B[2], j + s)
+        n_x = a_y * b_z - a_z * b_y
+        n_y = a_z * b_x - a_x * b_z
+        n_z = a_x * b_y - a_y * b_x
         square = fma(n_x, n_x, fma(n_y, n_y, n_z * n_z))
         # behind the last element lies what the scratch holds of another block
-        least = minimum(least, where(head_mask(m0 + n - j), square, 16.0))
+        least = minimum(least, where(head_mask(end - j), square, 16.0))
     # the sums of two sides are twice their mean, and their product four times the area
     return -reduce_max(0.0 - least) < 16.0 * share * share
 

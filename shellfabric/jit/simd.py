@@ -113,21 +113,38 @@ def _function(name, count):
     """An LLVM function of `count` numbers that works lane by lane."""
 
     def codegen(context, builder, signature, arguments):
-        values = [
-            _broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args)
-        ]
-        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * count)
-        return builder.call(
-            cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values
-        )
+        if signature.return_type is not FLOAT64X8:
+            function = _llvm_function(builder, f"llvm.{name}.f64", _DOUBLE, count)
+            return builder.call(function, arguments)
+        function = _llvm_function(builder, f"llvm.{name}.v{WIDTH}f64", _FLOAT64X8, count)
+        pairs = zip(arguments, signature.args)
+        return builder.call(function, [_broadcast(builder, value, kind) for value, kind in pairs])
 
     return codegen
 
 
+def _llvm_function(builder, name, number, count):
+    """A function of LLVM's from `count` numbers to one."""
+    kind = ir.FunctionType(number, [number] * count)
+    return cgutils.get_or_insert_function(builder.module, kind, name)
+
+
+def _constant(kind, value):
+    """The same number in all lanes."""
+    return ir.Constant(kind, [value] * WIDTH if isinstance(kind, ir.VectorType) else value)
+
+
+def _signature(*kinds):
+    """Of a function of floats, or of vectors and floats."""
+    if FLOAT64X8 in kinds:
+        return FLOAT64X8(*kinds)
+    return types.float64(*(types.float64,) * len(kinds))
+
+
 @intrinsic
 def fma(typing, a, b, c):
-    """a b + c"""
-    return FLOAT64X8(a, b, c), _function("fmuladd", 3)
+    """a b + c, of vectors or of floats."""
+    return _signature(a, b, c), _function("fmuladd", 3)
 
 
 @intrinsic
@@ -145,22 +162,19 @@ def rsqrt(typing, a):
 
     def codegen(context, builder, signature, arguments):
         (a,) = arguments
-        small = ir.VectorType(ir.FloatType(), WIDTH)
-        root = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(small, [small]), f"llvm.sqrt.v{WIDTH}f32"
-        )
-        guess = builder.fdiv(
-            ir.Constant(small, [1.0] * WIDTH), builder.call(root, [builder.fptrunc(a, small)])
-        )
-        guess = builder.fpext(guess, _FLOAT64X8)
-        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * 3)
-        fuse = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64")
-        number = lambda value: ir.Constant(_FLOAT64X8, [value] * WIDTH)  # noqa: E731
+        wide, small, suffix = _DOUBLE, ir.FloatType(), ""
+        if signature.return_type is FLOAT64X8:
+            wide, small, suffix = _FLOAT64X8, ir.VectorType(small, WIDTH), f"v{WIDTH}"
+        number = lambda value, kind=wide: _constant(kind, value)  # noqa: E731
+        root = _llvm_function(builder, f"llvm.sqrt.{suffix}f32", small, 1)
+        fuse = _llvm_function(builder, f"llvm.fmuladd.{suffix}f64", wide, 3)
+        root = builder.call(root, [builder.fptrunc(a, small)])
+        guess = builder.fpext(builder.fdiv(number(1.0, small), root), wide)
         off = builder.call(fuse, [builder.fneg(builder.fmul(a, guess)), guess, number(1.0)])
         step = builder.call(fuse, [off, number(0.375), number(0.5)])
         return builder.call(fuse, [builder.fmul(guess, off), step, guess])
 
-    return FLOAT64X8(a), codegen
+    return _signature(a), codegen
 
 
 @intrinsic

@@ -216,11 +216,9 @@ def work(panel: Panel) -> Work:
     const = panel.constants()
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
-    rows["T1"] = rows["dW_own1"]
-    rows["T2"] = rows["dW_own2"]
-    rows["f_over_stretch1"] = rows["dW_crossing1"]
-    rows["f_over_stretch2"] = rows["dW_crossing2"]
-    rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
+    rows["T"] = rows["dW_own"]
+    rows["f_over_stretch"] = rows["dW_crossing"]
+    rows["f_next_row"] = *rows["mean_stretch"], rows["dW_own"][0]
     return Work(**rows, contact_scratch=contact.scratch(const))
 
 

@@ -22,9 +22,16 @@ from shellfabric.cloth import (
     failure_kernels,
     packing_kernels,
 )
+from shellfabric.cloth.membrane_kernels import (
+    DAMAGED,
+    LOST_TRELLIS,
+    LOST_YARN,
+    REDO,
+    VISCOUS,
+    WORK,
+)
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
-from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import (
     AT_REST,
     FAILURES,
@@ -59,7 +66,7 @@ def other_forces(state, const, first, last, acting):
 @kernel(_nrt=False)
 def stored_energy(state, const, low, high):
     """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
-    yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
+    yarns, sheared = energy_kernels.stored_energy(const, state, low, high)
     return yarns, sheared + other_forces(state, const, low, high, False)
 
 
@@ -219,4 +226,4 @@ def energies(state, const, out):
         out[BENDING + m] = module_force(state, const, m, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
-    out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
+    out[STORED], out[SHEAR] = energy_kernels.stored_energy(const, state, 0, const.ni)
