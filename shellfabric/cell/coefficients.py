@@ -10,7 +10,10 @@ from fabrics.base.checks import FloatArray
 def grid(lowest: float, highest: float, n: int) -> FloatArray:
     """(n,) uniform, one of them 1, from `lowest` or a step below it to at least `highest`; lowest <= 1 < highest."""
     below = int((1 - lowest) / (highest - lowest) * (n - 1))
-    step = (1 - lowest) / below if below else (highest - 1) / (n - 2)
+    if below:
+        step = (1 - lowest) / below
+    else:
+        step = (highest - 1) / (n - 2)
     below = below or int(lowest < 1)
     return 1 + step * (np.arange(n) - below)
 

@@ -33,14 +33,17 @@ from shellfabric.cell.yarn_kernels import (
 )
 from shellfabric.jit.compile import entry, kernel
 
-EQUILIBRIUM, VARIATIONAL = 0, 1
+EQUILIBRIUM = 0
+VARIATIONAL = 1
 _MAX_STEPS = 200
 
 
 @kernel()
 def work_share(form):
     """q, the force that does work on a change of height over the contact force."""
-    return 0.25 * math.pi if form == VARIATIONAL else 1.0
+    if form == VARIATIONAL:
+        return 0.25 * math.pi
+    return 1.0
 
 
 @kernel()
@@ -143,7 +146,10 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
         step = r / slope
         F -= step
         if not low < F < high:
-            F = math.sqrt(low * high) if low > 0.0 else 0.125 * high
+            if low > 0.0:
+                F = math.sqrt(low * high)
+            else:
+                F = 0.125 * high
         if abs(step) <= 1e-14 * F or high - low <= 1e-15 * high or high < 1e-14:
             return F
     return -1.0
@@ -190,7 +196,10 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     w2 = stretch2 * weft[0]
     free1 = free_height(w1, warp[1])
     free2 = free_height(w2, weft[1])
-    F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
+    if coupled:
+        F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess)
+    else:
+        F = 0.0
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
     h1 = height(w1, F, warp, free1, form)[0]

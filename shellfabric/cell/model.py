@@ -164,7 +164,9 @@ class CellModel:
             return 0.0
         from scipy.optimize import brentq
 
-        return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
+        if too_long(straight) > 0:
+            return brentq(too_long, _CLOSED, straight)
+        return straight
 
     def table(self, n: int = 201) -> CellTable:
         """Fill a table of n x n stretches; see CellTable.fill."""

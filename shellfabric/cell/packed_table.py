@@ -30,7 +30,8 @@ def beyond(table: CellTable) -> tuple[float, ...]:
     """What `table_kernels` goes on with beyond the table: its reach in cells along both stretches, and at its corner
     both slopes of the potential and both its curvatures [J]."""
     corner = table.spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
-    (_, first1, second1), (_, first2, second2) = corner.sum(axis=1), corner.sum(axis=0)
+    _, first1, second1 = corner.sum(axis=1)
+    _, first2, second2 = corner.sum(axis=0)
     curvatures = max(2 * second1, 0.0), max(2 * second2, 0.0)
     reaches = (REACH / step for step in table.steps)
     return tuple(map(float, (*reaches, first1 + 2 * second1, first2 + 2 * second2, *curvatures)))
@@ -50,7 +51,9 @@ def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
                 np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1))
                 for x in (spline, tensions)
             )
-            W, T = (W, T) if family == 0 else (W.swapaxes(0, 1), T[[0, 2, 1, 3]])
+            if family == 1:
+                W = W.swapaxes(0, 1)
+                T = T[[0, 2, 1, 3]]
             force = np.stack([W[1], W[1] + 2 * W[2]]) / scale
             none = np.zeros_like(T[0])
             tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])

@@ -35,10 +35,9 @@ from shellfabric.cell.model import CellModel, CellTable
 FORMS = ("variational", "direct")
 _SLACK = 1e-4  # share of the strength below which a sampled force counts as none
 _FLOOR = 0.05  # share of the strength below which differences count as if the force were that
-_TRUST, _TRUSTED = (
-    0.03,
-    4e-3,
-)  # least weight of the extension, and [-] the stretch over which it falls to 1 / e
+# least weight of the extension, and [-] the stretch over which it falls to 1 / e
+_TRUST = 0.03
+_TRUSTED = 4e-3
 _LEAST_FADE = 2e-3  # [-] stretch over which contact is lost at the least
 
 
@@ -130,12 +129,13 @@ class SurfaceCell:
         ]
         trust = np.maximum(np.exp(-np.maximum(beyond[0][:, None], beyond[1]) / _TRUSTED), _TRUST)
         W, fx, fy, residual = potential(values["T1"] * per[0], values["T2"] * per[1], floor, trust)
-        kept = self.cell_formulation == "variational"
-        values |= {
-            "W": W,
-            "N1": fx / per[0] if kept else values["T1"],
-            "N2": fy / per[1] if kept else values["T2"],
-        }
+        values["W"] = W
+        if self.cell_formulation == "variational":
+            values["N1"] = fx / per[0]
+            values["N2"] = fy / per[1]
+        else:
+            values["N1"] = values["T1"]
+            values["N2"] = values["T2"]
         return CellTable.of(self, x, y, values, fx, fy, residual)
 
     def _alone(self, m, stretch):
@@ -157,11 +157,10 @@ class SurfaceCell:
         high = weave.S0[m] / (2 * weave.w[m])
         for _ in range(60):  # the length at this height rises with the stretch
             middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high)
-                if arc_length(middle * weave.w[m], height) < weave.S0[m]
-                else (low, middle)
-            )
+            if arc_length(middle * weave.w[m], height) < weave.S0[m]:
+                low = middle
+            else:
+                high = middle
         return low
 
 

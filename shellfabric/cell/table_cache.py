@@ -25,7 +25,9 @@ def folder() -> Path | None:
     """Folder of the kept tables, or None where none are kept."""
     given = os.environ.get("WEAVECELL_CACHE_DIR")
     if given is not None:
-        return Path(given, "tables") if given else None
+        if given:
+            return Path(given, "tables")
+        return None
     root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(root, "weavecell", "tables")
 

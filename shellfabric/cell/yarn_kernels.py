@@ -21,7 +21,9 @@ def elliptic(k2):
     c2 = k2
     while c2 > 1e-17 * a * a:
         c = 0.5 * (a - b)
-        a, b = 0.5 * (a + b), math.sqrt(a * b)
+        mean = 0.5 * (a + b)
+        b = math.sqrt(a * b)
+        a = mean
         power *= 2.0
         c2 = c * c
         total += power * c2
@@ -34,7 +36,10 @@ def arc(w, h):
     """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum E-09)."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
-    slope = -2.0 * K_minus_E / k if k > 0.0 else 0.0
+    if k > 0.0:
+        slope = -2.0 * K_minus_E / k
+    else:
+        slope = 0.0
     return 4.0 * w / math.pi * E, slope
 
 
@@ -44,11 +49,9 @@ def arc_curvature(w, h):
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
-    return (
-        math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
-        if k > 0.0
-        else 0.25 * math.pi**2 / w
-    )
+    if k > 0.0:
+        return math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    return 0.25 * math.pi**2 / w
 
 
 @kernel()

@@ -10,6 +10,7 @@ import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth.damage_kernels import (
+    edges_in_row,
     sum_crossing,
     trellis_intact_fraction,
     yarn_properties,
@@ -70,9 +71,8 @@ def row_energy(const, state, family, i, whole):
     """[J] of the edges (i, 0), (i, 1), ... of a family. whole : none has failed, nor the four that cross each; of warp
     edges but for those at the ends of the row, which two cross."""
     s = const.row_stride
-    columns = s if family == WARP else const.nj
     found = 0.0
-    for j in range(columns):
+    for j in range(edges_in_row(const, family)):
         k = np.uint64(i * s + j)
         length = state.yarn_length[family][k]
         if length == 0.0:  # failed
@@ -149,7 +149,10 @@ def trellis_energy(const, state, i, whole):
     found = 0.0
     for j in range(const.nj):
         k = np.uint64(i * const.row_stride + j)
-        left = 1.0 if whole else trellis_intact_fraction(const, state, k)
+        if whole:
+            left = 1.0
+        else:
+            left = trellis_intact_fraction(const, state, k)
         if left > 0.0:
             sine = shear_sine(const, state, k)
             V = item_or_scalar(const.trellis_volume, k)

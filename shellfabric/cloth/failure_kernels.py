@@ -26,7 +26,8 @@ acted.
 import numpy as np
 
 from shellfabric.cloth import strength_kernels
-from shellfabric.cloth.membrane_kernels import WARP, WARP_FAILED, WEFT, WEFT_FAILED
+from shellfabric.cloth.damage_kernels import edges_in_row
+from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT, WEFT_FAILED
 from shellfabric.cloth.table_kernels import max_value
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
@@ -36,11 +37,19 @@ from shellfabric.state import unit
 @kernel(_nrt=False)
 def mean_tension(const, state, family, i, j):
     """M [N] of the edge (i, j): see the module."""
-    lines, tension, intact = const.warp_lines, state.T[family], state.intact_fraction[family]
-    line, step, k = j, 1, i * const.row_stride
+    lines = const.warp_lines
+    tension = state.T[family]
+    intact = state.intact_fraction[family]
+    line = j
+    step = 1
+    k = i * const.row_stride
     if family == WEFT:
-        lines, line, step, k = const.weft_lines, i, const.row_stride, j
-    total, weight = 0.0, 0.0
+        lines = const.weft_lines
+        line = i
+        step = const.row_stride
+        k = j
+    total = 0.0
+    weight = 0.0
     for m in range(lines.weights.shape[1]):
         at = np.uint64(k + (lines.first[line] + m) * step)
         part = lines.weights[line, m] * intact[at]
@@ -67,22 +76,30 @@ def find_failures(const, state, family, first, last):
     Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with its edge and step.
     Returns how many edges break.
     """
-    lines, s, columns, count = const.warp_lines, const.row_stride, const.nj + 1, 0
+    lines = const.warp_lines
+    s = const.row_stride
+    columns = const.nj + 1
+    count = 0
     lowest = const.half_strength1
     if family == WEFT:
-        lines, columns, lowest = const.weft_lines, const.nj, const.half_strength2
-    tension, slow, intact = (
-        state.T[family],
-        state.filtered_tension[family],
-        state.intact_fraction[family],
-    )
+        lines = const.weft_lines
+        columns = const.nj
+        lowest = const.half_strength2
+    tension = state.T[family]
+    slow = state.filtered_tension[family]
+    intact = state.intact_fraction[family]
     for i in range(first, last):
         watched = min(state.peak_tension[family], lowest)
         if not state.warm_rows[family, i] and max_value(i * s, columns, tension) <= watched:
             continue
         state.warm_rows[family, i] = False
         for j in range(columns):
-            k, (line, place) = np.uint64(i * s + j), (j, i) if family == WARP else (i, j)
+            k = np.uint64(i * s + j)
+            line = j
+            place = i
+            if family == WEFT:
+                line = i
+                place = j
             half = lines.half_strength[line]
             if intact[k] == 0.0 or (
                 slow[k] <= half and tension[k] <= min(state.peak_tension[family], half)
@@ -93,10 +110,8 @@ def find_failures(const, state, family, first, last):
                 slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
             if min(mean, slow[k]) > state.peak_tension[family]:
                 state.peak_tension[family] = min(mean, slow[k])
-                state.peak_segment[family, 0], state.peak_segment[family, 1] = (
-                    k,
-                    state.counter[0] + 1,
-                )
+                state.peak_segment[family, 0] = k
+                state.peak_segment[family, 1] = state.counter[0] + 1
             if slow[k] <= half:
                 continue
             state.warm_rows[family, i] = True
@@ -116,9 +131,11 @@ def find_failures(const, state, family, first, last):
 @unit(later=True)
 def break_edges(const, state, family, first, last):
     """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
-    columns = const.nj + 1 if family == WARP else const.nj
-    for i in range(first, min(last, const.ni - 1 if family == WARP else const.ni) + 1):
-        for j in range(columns):
+    end = min(last + 1, const.ni)
+    if family == WEFT:
+        end = min(last, const.ni) + 1
+    for i in range(first, end):
+        for j in range(edges_in_row(const, family)):
             k = np.uint64(i * const.row_stride + j)
             if state.failed[family][k] != 0 and state.intact_fraction[family][k] > 0.0:
                 state.intact_fraction[family][k] = state.yarn_length[family][k] = 0.0
@@ -128,9 +145,14 @@ def break_edges(const, state, family, first, last):
 @kernel(_nrt=False)
 def flag_elements(const, state, family, i, j):
     """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces depend on it."""
-    bit = WARP_FAILED if family == WARP else WEFT_FAILED
     for side in range(2):
-        p, q = (i, j - side) if family == WARP else (i - side, j)
+        bit = WARP_FAILED
+        p = i
+        q = j - side
+        if family == WEFT:
+            bit = WEFT_FAILED
+            p = i - side
+            q = j
         if 0 <= p < const.ni and 0 <= q < const.nj:
             state.element_flag[np.uint64(p * const.row_stride + q)] |= bit
     for row in range(max(i - 2, 0), min(i + 2, const.ni - 1) + 1):
@@ -140,10 +162,15 @@ def flag_elements(const, state, family, i, j):
 @unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
     """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
-    work, viscous = 0.0, 0.0
+    work = 0.0
+    viscous = 0.0
     for family in range(2):
-        cv = const.cv1 if family == WARP else const.cv2
-        for i in range(first, last if family == WARP else last + 1):
+        cv = const.cv1
+        end = last
+        if family == WEFT:
+            cv = const.cv2
+            end = last + 1
+        for i in range(first, end):
             for j in range(const.row_stride):
                 k = np.uint64(i * const.row_stride + j)
                 d = state.dstretch[family][k]

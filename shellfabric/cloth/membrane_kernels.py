@@ -11,15 +11,18 @@ one along its line is a segment of yarn of the stretch Lambda; <> is the mean ov
 
 c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the
 D of `panel.model`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of a crossing line before and behind a node
-count by their length, so that a mean is its own transpose; constants become arrays of slots (`load_or_broadcast`).
+count by their length, so that a mean is its own transpose; constants become arrays of slots (`item_or_scalar`).
 
 Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to (i+1, j), the
 weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and quadrilaterals leave
 the last slot of a row idle. An element row adds to the node rows below and above it; node rows between two blocks have
-two places for this, f_int and f_int_above, so that the result does not depend on the order of the blocks. Every loop
-runs over a block of rows, eight slots at a time (`simd`). Scratch may be overrun by up to seven slots, the panel's
-arrays may not. Scratch begins two rows before the block's first: one is idle, one repeats the last row of the block
-before; another row follows the block's last.
+two places for this, f_int and f_int_above, so that the result does not depend on the order of the blocks.
+
+Kernels work on the rows first .. last - 1 of a block. Loops are plain ones over slices, which LLVM turns into vector
+instructions. Three are written eight slots at a time (`simd`), since LLVM gives up on them or is slower: the look-up in
+the cell's table, the trellis and the scatter. These may overrun scratch by up to seven slots, the panel's arrays not.
+Scratch begins two rows before the block's first: one is idle, one repeats the last row of the block before; another row
+follows the block's last.
 """
 
 import numpy as np
@@ -39,14 +42,23 @@ from shellfabric.jit.simd import (
 )
 from shellfabric.state import unit
 
-WARP, WEFT = 0, 1
+WARP = 0
+WEFT = 1
 ONE = np.uint64(1)
 # of state.energy_sums; what is lost with failed yarns, and with trellis and turns
-WORK, VISCOUS, LOST_YARN, LOST_TRELLIS = 0, 1, 2, 3
+WORK = 0
+VISCOUS = 1
+LOST_YARN = 2
+LOST_TRELLIS = 3
 # of state.block_damage: a block without failures, with some, with some of this step
-INTACT, DAMAGED, REDO = 0, 1, 2
+INTACT = 0
+DAMAGED = 1
+REDO = 2
 # of state.element_flag; DRAWN_OUT: torn, and twice its size
-WARP_FAILED, WEFT_FAILED, ERODED, DRAWN_OUT = 1, 2, 4, 8
+WARP_FAILED = 1
+WEFT_FAILED = 2
+ERODED = 4
+DRAWN_OUT = 8
 SUM = {"reassoc", "nsz", "contract"}  # lets LLVM add up in any order, in vectors
 
 
@@ -223,7 +235,10 @@ def step_work(again, cv, k, length, stretch, N, kept):
     viscous = 0.0
     for j in range(stretch.size):
         last = np.float64(D[j])
-        d = last if again else stretch[j] - L[j]
+        if again:
+            d = last
+        else:
+            d = stretch[j] - L[j]
         part = length[j] * d
         work += part * (N[j] + P[j])
         viscous += item_or_scalar(cv, np.uint64(k + j)) * part * (d + last)
@@ -249,11 +264,15 @@ def pull_yarns(state, const, work, block, first, last):
         n = (last - first) * s
         if family == WEFT and last == const.ni:
             n += s  # the weft on the far side of the panel has no row of its own
-        beside = 1 if family == WARP else s
+        beside = 1
+        if family == WEFT:
+            beside = s
         cv = (const.cv1, const.cv2)[family]
         length = state.yarn_length[family][k : k + n]
         stretch = work.stretch[family][m : m + n]
-        N = (work.N if const.variational else work.T)[family][m : m + n]
+        N = work.T[family][m : m + n]
+        if const.variational:
+            N = work.N[family][m : m + n]
         kept = (
             state.stretch[family][k : k + n],
             state.N[family][k : k + n],
@@ -288,7 +307,10 @@ def pull_edges(again, k, factors, edges, turned, kept, on):
     one_side, other_side = turned
     L, P, D = kept
     for j in range(on.size):
-        d = np.float64(D[j]) if again else stretch[j] - L[j]
+        if again:
+            d = np.float64(D[j])
+        else:
+            d = stretch[j] - L[j]
         pull = length[j] * fma(item_or_scalar(cv, np.uint64(k + j)), d, N[j]) - (
             one_side[j] + other_side[j]
         )
@@ -319,7 +341,9 @@ def scatter_forces(state, const, work, block, first, last):
             work.f_next_row[c][m0 + j] = 0.0
             if at_rest:
                 kept[c * s + j] = state.f_int[c][k0 + j]
-    length = n if s >= WIDTH else s
+    length = n
+    if s < WIDTH:
+        length = s
     for start in range(0, n, length):
         # of the eight slots before; the first before a row is idle, and has nothing
         nothing = broadcast(0.0)

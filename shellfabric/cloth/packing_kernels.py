@@ -28,7 +28,9 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
 from shellfabric.state import ModuleTable, unit
 
-STIFFNESS, SHARE = 0, 1  # of const.packing
+# of const.packing
+STIFFNESS = 0
+SHARE = 1
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
 
@@ -63,7 +65,8 @@ def has_packed(state, const, work, first, last):
 def packing_forces(state, const, own, first, last, acting):
     """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to state.f_int if `acting`
     (a unit of `panel.forces`, without a row)."""
-    total, per = 0.0, const.rows_per_block
+    total = 0.0
+    per = const.rows_per_block
     for block in range(first // per, (last + per - 1) // per):
         if not state.packed_blocks[block]:
             continue
@@ -76,19 +79,26 @@ def packing_forces(state, const, own, first, last, acting):
 @kernel(_nrt=False)
 def packing_force(state, const, k, acting):
     """Energy [J] of the element at slot k; adds its forces to state.f_int if `acting`."""
-    share, s = const.packing[SHARE], np.uint64(const.row_stride)
+    share = const.packing[SHARE]
+    s = np.uint64(const.row_stride)
     a, b = mean_sides(state, const, k)
-    n_x, n_y, n_z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    n_x = a[1] * b[2] - a[2] * b[1]
+    n_y = a[2] * b[0] - a[0] * b[2]
+    n_z = a[0] * b[1] - a[1] * b[0]
     area = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
     if area >= share or not is_fabric(state, const, k):
         return 0.0
-    dx, dy = rest_length(const.dx, const.inv_dx, k), rest_length(const.dy, const.inv_dy, k)
-    stiffness, missing = const.packing[STIFFNESS] * dx * dy, share - area
+    dx = rest_length(const.dx, const.inv_dx, k)
+    dy = rest_length(const.dy, const.inv_dy, k)
+    stiffness = const.packing[STIFFNESS] * dx * dy
+    missing = share - area
     if acting and area > _LEAST_AREA:
         push = 0.5 * stiffness * missing / (share * area)
         for c in range(3):
-            d, e = (c + 1) % 3, (c + 2) % 3
-            normal_d, normal_e = (n_y, n_z, n_x)[c], (n_z, n_x, n_y)[c]
+            d = (c + 1) % 3
+            e = (c + 2) % 3
+            normal_d = (n_y, n_z, n_x)[c]
+            normal_e = (n_z, n_x, n_y)[c]
             along_warp = push / dx * (b[d] * normal_e - b[e] * normal_d)
             along_weft = push / dy * (normal_d * a[e] - normal_e * a[d])
             f = state.f_int[c]
@@ -106,9 +116,12 @@ def mean_sides(state, const, k):
     half1 = 0.5 / rest_length(const.dx, const.inv_dx, k)
     half2 = 0.5 / rest_length(const.dy, const.inv_dy, k)
     x, y, z = state.u
-    up_x, side_x = x[k + s + ONE] - x[k], x[k + s] - x[k + ONE]
-    up_y, side_y = y[k + s + ONE] - y[k], y[k + s] - y[k + ONE]
-    up_z, side_z = z[k + s + ONE] - z[k], z[k + s] - z[k + ONE]
+    up_x = x[k + s + ONE] - x[k]
+    side_x = x[k + s] - x[k + ONE]
+    up_y = y[k + s + ONE] - y[k]
+    side_y = y[k + s] - y[k + ONE]
+    up_z = z[k + s + ONE] - z[k]
+    side_z = z[k + s] - z[k + ONE]
     warp = 1.0 + half1 * (up_x + side_x), half1 * (up_y + side_y), half1 * (up_z + side_z)
     weft = half2 * (up_x - side_x), 1.0 + half2 * (up_y - side_y), half2 * (up_z - side_z)
     return warp, weft
@@ -117,10 +130,12 @@ def mean_sides(state, const, k):
 @kernel(_nrt=False)
 def is_fabric(state, const, k):
     """Whether the element at slot k has yarns of both families, and is not torn and drawn out."""
-    flag, s = state.element_flag[k], np.uint64(const.row_stride)
+    flag = state.element_flag[k]
+    s = np.uint64(const.row_stride)
     if flag == 0:
         return True
-    warp, weft = state.intact_fraction[0], state.intact_fraction[1]
+    warp = state.intact_fraction[0]
+    weft = state.intact_fraction[1]
     if warp[k] + warp[k + ONE] == 0.0 or weft[k] + weft[k + s] == 0.0:
         return False
     return flag & DRAWN_OUT == 0
@@ -145,8 +160,13 @@ def let_go(state, const):
 def is_drawn_out(state, const, k):
     """Whether a diagonal of the element at slot k is longer than that of fabric may be."""
     (a_x, a_y, a_z), (b_x, b_y, b_z) = mean_sides(state, const, k)
-    dx, dy = rest_length(const.dx, const.inv_dx, k), rest_length(const.dy, const.inv_dy, k)
-    u_x, u_y, u_z = dx * a_x + dy * b_x, dx * a_y + dy * b_y, dx * a_z + dy * b_z
-    v_x, v_y, v_z = dx * a_x - dy * b_x, dx * a_y - dy * b_y, dx * a_z - dy * b_z
+    dx = rest_length(const.dx, const.inv_dx, k)
+    dy = rest_length(const.dy, const.inv_dy, k)
+    u_x = dx * a_x + dy * b_x
+    u_y = dx * a_y + dy * b_y
+    u_z = dx * a_z + dy * b_z
+    v_x = dx * a_x - dy * b_x
+    v_y = dx * a_y - dy * b_y
+    v_z = dx * a_z - dy * b_z
     longest = max(u_x * u_x + u_y * u_y + u_z * u_z, v_x * v_x + v_y * v_y + v_z * v_z)
     return longest > _MOST_LENGTH * _MOST_LENGTH * (dx * dx + dy * dy)

@@ -64,7 +64,9 @@ def arcsine_terms(z, z2, m):
 def arcsine(sine):
     """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
     x = minimum(fabs(sine), 0.999)
-    high, root, z = greater(x, 0.5), x, x * x
+    high = greater(x, 0.5)
+    root = x
+    z = x * x
     if any_lane(high):
         z = where(high, fma(x, -0.5, broadcast(0.5)), z)
         root = where(high, sqrt(z), x)
@@ -83,7 +85,8 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
     `trellis_law` written without branches.
     """
     x = minimum(fabs(sine), 0.999)
-    angle, cosine = arcsine(x), 1.0 - x * x
+    angle = arcsine(x)
+    cosine = 1.0 - x * x
     span = gamma2 - gamma1
     middle = minimum(maximum(angle - gamma1, 0.0), span)
     stress = fma((0.5 * (G2 - G1) / span) * middle, middle, G1 * angle)

@@ -83,9 +83,9 @@ def heights(
 def compression(yarn: tuple[float, ...], force: FloatArray) -> FloatArray:
     """[m] of a yarn at the contact forces [N]."""
     a, b, shift = yarn[4:7]
-    return (
-        np.zeros_like(force) if a == 0 else a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
-    )
+    if a == 0:
+        return np.zeros_like(force)
+    return a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
 
 
 def contact_forces(

@@ -110,7 +110,10 @@ def relax(
             energy = now
         x += v
     scale = max(reaction, force_floor)
-    residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
+    if scale > 0 or np.isnan(scale):
+        residual = out / scale
+    else:
+        residual = float(out > 0)
     return State(
         load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled
     )
@@ -193,13 +196,21 @@ def relax_path(
 
 def _start(body, x, held, states, load, target, force_floor):
     """(n, d) [m] from where a load step begins: see `relax_path`."""
-    done, last = (states[-1].load, states[-1].x) if states else (0.0, np.array(x, float))
+    if states:
+        done = states[-1].load
+        last = states[-1].x
+    else:
+        done = 0.0
+        last = np.array(x, float)
     if (
         states and states[-1].history[-1, 1] > force_floor
     ):  # it carried a load, and so had a definite shape
-        before, earlier = (
-            (states[-2].load, states[-2].x) if len(states) > 1 else (0.0, np.array(x, float))
-        )
+        if len(states) > 1:
+            before = states[-2].load
+            earlier = states[-2].x
+        else:
+            before = 0.0
+            earlier = np.array(x, float)
         return last + (load - done) / (done - before) * (last - earlier)
     return last + body.spread(np.where(held[:, None], target - last, 0.0), held)
 

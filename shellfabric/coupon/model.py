@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 # [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point of the grid that a
 # coupon is cut from, then 1,900 to 2,500 of each element, most of them in `Coupon.spread`
-GRID_POINT, ELEMENT = 80.0, 2500.0
+GRID_POINT = 80.0
+ELEMENT = 2500.0
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,8 @@ class Coupon:
     def _arguments(self):
         table = self.table
         weave = self.weave
-        (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
+        rx, ry = (1 / step for step in table.steps)
+        shear = self.table.model.fabric.shear
         grid = (
             table.stretch1[0],
             rx,
@@ -96,11 +98,10 @@ class Coupon:
         rows = zip(weave.w, weave.S0, weave.yarns)
         yarns = tuple((w, S0, self.yarn_share * yarn.EA) for w, S0, yarn in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
-        law = (
-            (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
-            if self.trellis and shear
-            else (0.0, 0.0, 0.0, 0.5, 1.0)
-        )
+        if self.trellis and shear:
+            law = (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
+        else:
+            law = (0.0, 0.0, 0.0, 0.5, 1.0)
         potential = self.yarn_share * table.spline.reshape(-1, 9)
         return (
             self.edges,
@@ -154,7 +155,10 @@ class Coupon:
             count = there.sum(axis=1)
             mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
             alone = model.alone(m, own)
-            pair = (own, mean) if m == 0 else (mean, own)
+            if m == 0:
+                pair = (own, mean)
+            else:
+                pair = (mean, own)
             crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[
                 ("T1", "T2")[m]
             ]

@@ -71,7 +71,10 @@ class PullOut:
                 key="cell_formulation", value=self.table.model.cell_formulation, allowed=allowed
             )
         for key in ("crossover_friction", "crossover_cohesion"):
-            value = self.mu if key == "crossover_friction" else self.cohesion
+            if key == "crossover_friction":
+                value = self.mu
+            else:
+                value = self.cohesion
             if not 0 <= value < inf:
                 raise InputError(key=key, value=value, allowed="at least 0")
         if not min(self.bending) >= 0:
@@ -138,7 +141,10 @@ class PullOut:
         high = np.full_like(behind, self.table.stretch1[-1])
         for _ in range(BISECTIONS):
             ahead = 0.5 * (low + high)
-            pressed = ahead if at_tail else 0.5 * (behind + ahead)
+            if at_tail:
+                pressed = ahead
+            else:
+                pressed = 0.5 * (behind + ahead)
             friction = np.interp(pressed, self.table.stretch1, self.thresholds)
             slides = self.tension(ahead) > self.tension(behind) + friction
             low = np.where(slides, low, ahead)

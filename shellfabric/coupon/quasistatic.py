@@ -263,7 +263,10 @@ def uniaxial(
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
-    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    if failure:
+        hooks = (no_fold(coupon), at_strength(coupon))
+    else:
+        hooks = (no_fold(coupon),)
     return run(coupon, grips, path, strain, steps, hooks, **relaxing)
 
 
@@ -317,14 +320,20 @@ def biaxial(
         [1, 2, 3, 4],
     )
 
-    along = strain if callable(strain) else lambda load: load * np.asarray(strain)
+    def along(load):
+        if callable(strain):
+            return strain(load)
+        return load * np.asarray(strain)
 
     def path(load):
         return coupon.points * (
             1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
         )
 
-    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    if failure:
+        hooks = (no_fold(coupon), at_strength(coupon))
+    else:
+        hooks = (no_fold(coupon),)
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
 
 

@@ -77,7 +77,9 @@ def mean_crossing(L, across, e):
         if across[e, c] >= 0:
             total += L[across[e, c]]
             count += 1
-    return (total / count, 1.0 / count) if count else (1.0, 0.0)
+    if count:
+        return (total / count, 1.0 / count)
+    return (1.0, 0.0)
 
 
 @kernel()
@@ -88,7 +90,9 @@ def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pu
     lengths, pulls, rows : of this family and of the other: length at rest of an edge [m]; (e,) dE/dLambda and parts of
         the bound, added to
     """
-    (length, length_other), (pull, other), (row, row_other) = lengths, pulls, rows
+    length, length_other = lengths
+    pull, other = pulls
+    row, row_other = rows
     x0, rx, top1, y0, ry, top2 = grid
     energy = 0.0
     for e in range(L.size):
@@ -169,12 +173,21 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
         far = math.sqrt((px - qx) ** 2 + (py - qy) ** 2)
         curved = V * abs(stress) * (1.0 / (aa * dX * dX) + 1.0 / (bb * dY * dY))
         for corner in range(4):
-            sa = 1.0 if corner == 1 or corner == 2 else -1.0
-            sb = 1.0 if corner == 2 or corner == 3 else -1.0
+            if corner == 1 or corner == 2:
+                sa = 1.0
+            else:
+                sa = -1.0
+            if corner == 2 or corner == 3:
+                sb = 1.0
+            else:
+                sb = -1.0
             node = quads[k, corner]
             f[node, 0] -= V * stress * (sa * px + sb * qx)
             f[node, 1] -= V * stress * (sa * py + sb * qy)
-            own = near if corner == 0 or corner == 2 else far
+            if corner == 0 or corner == 2:
+                own = near
+            else:
+                own = far
             bound[node] += 2.0 * V * tangent * own * (near + far) + curved
     return energy
 
@@ -189,7 +202,8 @@ def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, w
     shear : V [m3], G1, G2 [Pa], gamma1, gamma2 [rad]
     work : (2, 5, edges) scratch: stretch, direction (2), pull and row of both families
     """
-    (warp, weft), (dX, dY) = edges, spacing
+    warp, weft = edges
+    dX, dY = spacing
     f = np.zeros_like(x)
     bound = np.zeros(x.shape[0])
     n1 = warp.shape[0]
@@ -236,9 +250,10 @@ def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, w
     scatter_edge_forces(warp, dX, L1, tx1, ty1, pull1, row1, f, bound)
     scatter_edge_forces(weft, dY, L2, tx2, ty2, pull2, row2, f, bound)
     V, G1, G2, gamma1, gamma2 = shear
-    sheared = (
-        trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound) if V > 0.0 else 0.0
-    )
+    if V > 0.0:
+        sheared = trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound)
+    else:
+        sheared = 0.0
     return f, bound, stored, sheared
 
 

@@ -36,8 +36,6 @@ def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
 def energy_gain_message(taken: float, strike_energy: float) -> str:
     """Message for a contact that has taken in `taken` [J]; "" unless it has given more than ENERGY_GAIN_LIMIT."""
     share = -taken / strike_energy
-    return (
-        f"has given {100 * share:.2g} % of the strike energy that it never took"
-        if share > ENERGY_GAIN_LIMIT
-        else ""
-    )
+    if share > ENERGY_GAIN_LIMIT:
+        return f"has given {100 * share:.2g} % of the strike energy that it never took"
+    return ""

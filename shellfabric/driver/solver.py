@@ -40,10 +40,9 @@ OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
 ENERGY_CHECK_SHARE = (
     0.05  # of the strike energy that may be exchanged from one check of the energy to the next
 )
-BUSY_TIME, BUSY_SHARE = (
-    0.05,
-    0.75,
-)  # [s] of steps with several threads after which the main thread must have had so
+# [s] of steps with several threads after which the main thread must have had so
+BUSY_TIME = 0.05
+BUSY_SHARE = 0.75
 # much of the processor that the run goes on with them
 
 
@@ -214,7 +213,9 @@ class ExplicitSolver:
     @property
     def residual_velocity(self) -> float:
         """[m/s] along the normal at the end; 0 of a stopped projectile, which has turned back."""
-        return 0.0 if self.outcome == OUTCOMES[STOPPED] else float(self.sample("v")[-1])
+        if self.outcome == OUTCOMES[STOPPED]:
+            return 0.0
+        return float(self.sample("v")[-1])
 
     @property
     def strike_energy(self) -> float:

@@ -153,7 +153,9 @@ def _type_on(grid, name, known):
     kind = known.get(name, "integer")
     if name not in known and name.removesuffix("s") in known:
         return RowsType(known[name.removesuffix("s")].types[grid])
-    return type_of(kind, grid) if isinstance(kind, str) else kind.types[grid]
+    if isinstance(kind, str):
+        return type_of(kind, grid)
+    return kind.types[grid]
 
 
 class Unit:
@@ -164,7 +166,9 @@ class Unit:
     """
 
     def __init__(self, function, returns, grids, later):
-        self.py_func, self.returns, self.later = function, returns, later
+        self.py_func = function
+        self.returns = returns
+        self.later = later
         self.__module__ = function.__module__
         with kernel_cache(function.__code__.co_filename):
             self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
@@ -235,7 +239,9 @@ class Cell:
     """Where the address of the machine code of a unit stands: at first that of a way to Python, which compiles it."""
 
     def __init__(self, unit, kinds, number):
-        self.unit, self.kinds, self.full = unit, kinds, False
+        self.unit = unit
+        self.kinds = kinds
+        self.full = False
         name = f"{unit.py_func.__module__}.{unit.py_func.__qualname__}"
         self.symbol = f"unit_{name}_{number}".replace(".", "_")
         self.way_to_python = self._way_to_python()  # kept: its machine code lives as long
@@ -247,7 +253,8 @@ class Cell:
         """Load or compile the machine code, and put its address into the cell; whether it was compiled just now."""
         if self.full:
             return False
-        dispatcher, returns = self.unit.dispatcher, self.unit.returns
+        dispatcher = self.unit.dispatcher
+        returns = self.unit.returns
         dispatcher.compile(self.kinds)
         found = dispatcher.overloads[self.kinds]
         if found.signature.return_type != returns:
@@ -324,4 +331,6 @@ def _c_type(kind):
         return ctypes.c_void_p
     if isinstance(kind, ir.IntType):
         return C_TYPES[kind.width]
-    return ctypes.c_float if isinstance(kind, ir.FloatType) else ctypes.c_double
+    if isinstance(kind, ir.FloatType):
+        return ctypes.c_float
+    return ctypes.c_double

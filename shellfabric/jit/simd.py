@@ -24,7 +24,8 @@ from numba.extending import intrinsic, lower_builtin, models, overload, register
 from shellfabric.jit.compile import kernel
 
 WIDTH = 8
-_DOUBLE, _INT = ir.DoubleType(), ir.IntType(64)
+_DOUBLE = ir.DoubleType()
+_INT = ir.IntType(64)
 _FLOAT64X8 = ir.VectorType(_DOUBLE, WIDTH)
 _INT64X8 = ir.VectorType(_INT, WIDTH)
 _INT32X8 = ir.VectorType(ir.IntType(32), WIDTH)
@@ -51,7 +52,9 @@ class MaskType(types.Type):
         super().__init__(name="Mask")
 
 
-FLOAT64X8, INT32X8, MASK = Float64x8Type(), Int32x8Type(), MaskType()
+FLOAT64X8 = Float64x8Type()
+INT32X8 = Int32x8Type()
+MASK = MaskType()
 
 
 @register_model(Float64x8Type)
@@ -162,9 +165,13 @@ def rsqrt(typing, a):
 
     def codegen(context, builder, signature, arguments):
         (a,) = arguments
-        wide, small, suffix = _DOUBLE, ir.FloatType(), ""
+        wide = _DOUBLE
+        small = ir.FloatType()
+        suffix = ""
         if signature.return_type is FLOAT64X8:
-            wide, small, suffix = _FLOAT64X8, ir.VectorType(small, WIDTH), f"v{WIDTH}"
+            wide = _FLOAT64X8
+            small = ir.VectorType(small, WIDTH)
+            suffix = f"v{WIDTH}"
         number = lambda value, kind=wide: _constant(kind, value)  # noqa: E731
         root = _llvm_function(builder, f"llvm.sqrt.{suffix}f32", small, 1)
         fuse = _llvm_function(builder, f"llvm.fmuladd.{suffix}f64", wide, 3)
@@ -335,17 +342,24 @@ def load(typing, array, k):
     def codegen(context, builder, signature, arguments):
         kind = signature.args[0]
         small = kind.dtype == types.float32
-        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
+        if small:
+            part = ir.VectorType(ir.FloatType(), WIDTH)
+        else:
+            part = _FLOAT64X8
         pointer = _pointer(context, builder, kind, *arguments, part)
         found = builder.load(pointer, align=4 if small else 8, **_load_type(part))
-        return builder.fpext(found, _FLOAT64X8) if small else found
+        if small:
+            return builder.fpext(found, _FLOAT64X8)
+        return found
 
     return FLOAT64X8(array, k), codegen
 
 
 def _load_type(part):
     """llvmlite of late wants the type of what is loaded."""
-    return {"typ": part} if "typ" in ir.IRBuilder.load.__code__.co_varnames else {}
+    if "typ" in ir.IRBuilder.load.__code__.co_varnames:
+        return {"typ": part}
+    return {}
 
 
 @intrinsic
@@ -353,11 +367,14 @@ def store(typing, array, k, value):
     """array[k : k + 8] = value; float32 arrays take it rounded."""
 
     def codegen(context, builder, signature, arguments):
-        kind, (array, k, value) = signature.args[0], arguments
+        kind = signature.args[0]
+        array, k, value = arguments
         value = _broadcast(builder, value, signature.args[2])
         small = kind.dtype == types.float32
-        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
-        value = builder.fptrunc(value, part) if small else value
+        part = _FLOAT64X8
+        if small:
+            part = ir.VectorType(ir.FloatType(), WIDTH)
+            value = builder.fptrunc(value, part)
         builder.store(
             value, _pointer(context, builder, kind, array, k, part), align=4 if small else 8
         )
@@ -548,21 +565,27 @@ def _transposed(builder, rows, count):
             for a, b in ((0, 1), (2, 3))
             for m in ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15])
         ]  # (c0 c2) of 0 1; (c1 c3) of 0 1; the same of 2 3
-        low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+        low = [0, 1, 8, 9, 4, 5, 12, 13]
+        high = [2, 3, 10, 11, 6, 7, 14, 15]
         return [
             builder.shuffle_vector(pairs[p], pairs[p + 2], ir.Constant(_INT32X8, m))
             for p, m in ((0, low), (1, low), (0, high), (1, high))
         ]
-    even, odd = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+    even = [0, 8, 2, 10, 4, 12, 6, 14]
+    odd = [1, 9, 3, 11, 5, 13, 7, 15]
     shuffle = lambda a, b, m: builder.shuffle_vector(a, b, ir.Constant(_INT32X8, m))  # noqa: E731
     first = [shuffle(rows[r], rows[r + 1], m) for r in (0, 2, 4, 6) for m in (even, odd)]
-    low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+    low = [0, 1, 8, 9, 4, 5, 12, 13]
+    high = [2, 3, 10, 11, 6, 7, 14, 15]
     second = {}
     for g in (0, 4):  # rows g .. g + 3
         for parity in (0, 1):
-            a, b = first[g + parity], first[g + 2 + parity]
-            second[g, parity], second[g, parity + 2] = shuffle(a, b, low), shuffle(a, b, high)
-    lower, upper = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
+            a = first[g + parity]
+            b = first[g + 2 + parity]
+            second[g, parity] = shuffle(a, b, low)
+            second[g, parity + 2] = shuffle(a, b, high)
+    lower = [0, 1, 2, 3, 8, 9, 10, 11]
+    upper = [4, 5, 6, 7, 12, 13, 14, 15]
     return [shuffle(second[0, m], second[4, m], lower) for m in range(4)] + [
         shuffle(second[0, m], second[4, m], upper) for m in range(4)
     ]
@@ -593,4 +616,5 @@ def _tree_reduction(symbol):
     return fold
 
 
-reduce_add, reduce_max = _tree_reduction("+"), _tree_reduction(">")
+reduce_add = _tree_reduction("+")
+reduce_max = _tree_reduction(">")

@@ -46,7 +46,9 @@ from shellfabric.jit.aligned import aligned_zeros
 
 WORD = ir.IntType(64)
 KINDS = ("int64", "int32", "uint8", "boolean", "float32")  # of arrays, besides doubles
-UNIFORM, GRADED = 0, 1  # grids: what is one number on a uniform one may be an array on a graded one
+# grids: what is one number on a uniform one may be an array on a graded one
+UNIFORM = 0
+GRADED = 1
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,9 @@ def type_of(text: str, grid: int) -> Any:
         return types.UniTuple(types.float64, int(text.split()[0]))
     if text.endswith("per slot"):
         count = text.removesuffix("per slot").removesuffix(" x ")
-        return types.UniTuple(PER_SLOT[grid], int(count)) if count else PER_SLOT[grid]
+        if count:
+            return types.UniTuple(PER_SLOT[grid], int(count))
+        return PER_SLOT[grid]
     return array_type(text)
 
 
@@ -273,7 +277,10 @@ def _check_lengths(table, values):
     known = {}
     for name, field in table.fields.items():
         value = values[name]
-        arrays = value if isinstance(value, tuple) else (value,)
+        if isinstance(value, tuple):
+            arrays = value
+        else:
+            arrays = (value,)
         if not isinstance(arrays[0], np.ndarray) or len(set(field.kinds)) > 1:
             continue
         _, dimensions, _ = parts_of(field.shape)
@@ -281,7 +288,10 @@ def _check_lengths(table, values):
             for word, length in zip(dimensions, found.shape):
                 if word[0] == "n" or not found.size:
                     continue
-                needed = int(word) if word.isdigit() else known.setdefault(word, length)
+                if word.isdigit():
+                    needed = int(word)
+                else:
+                    needed = known.setdefault(word, length)
                 if length != needed:
                     place = f"{table.__name__}.{name}"
                     raise TypeError(f"{place}: {length} instead of {needed} of {word}")
@@ -296,12 +306,16 @@ def _nothing(kind):
     if isinstance(kind, types.UniTuple):
         return (_nothing(kind.dtype),) * kind.count
     dtype = numpy_support.as_dtype(kind.dtype if isinstance(kind, types.Array) else kind)
-    return np.zeros((0,) * kind.ndim, dtype) if isinstance(kind, types.Array) else dtype.type(0)
+    if isinstance(kind, types.Array):
+        return np.zeros((0,) * kind.ndim, dtype)
+    return dtype.type(0)
 
 
 def _as_tuples(value):
     if isinstance(value, np.ndarray):
-        return value if value.ndim == 1 else tuple(map(_as_tuples, value))
+        if value.ndim == 1:
+            return value
+        return tuple(map(_as_tuples, value))
     if isinstance(value, (tuple, list)):
         return tuple(map(_as_tuples, value))
     return value
@@ -314,9 +328,13 @@ def _grid_of(table, values):
         if uniform == graded:
             continue
         if isinstance(uniform, types.Float):
-            return GRADED if isinstance(values[name], np.ndarray) else UNIFORM
+            if isinstance(values[name], np.ndarray):
+                return GRADED
+            return UNIFORM
         if isinstance(uniform, RowType):
-            return GRADED if values[name]._numba_type_ == graded else UNIFORM
+            if values[name]._numba_type_ == graded:
+                return GRADED
+            return UNIFORM
     return UNIFORM
 
 
@@ -330,14 +348,18 @@ def _zeros(shape, sizes):
     if not counts and dimensions != ["slots"]:
         return np.zeros(lengths, dtype)
     found = aligned_zeros(*counts or [1], *lengths, dtype)
-    return found if counts else found[0]
+    if counts:
+        return found
+    return found[0]
 
 
 def width(kind: Any) -> int:
     """Words of a value of a numba type."""
     if isinstance(kind, types.UniTuple):
         return kind.count * width(kind.dtype)
-    return 1 + kind.ndim if isinstance(kind, types.Array) else 1
+    if isinstance(kind, types.Array):
+        return 1 + kind.ndim
+    return 1
 
 
 def words_of(kind: Any, value: Any, name: str) -> list[int]:
@@ -479,7 +501,9 @@ class _Attribute(AttributeTemplate):
     key = RowType
 
     def generic_resolve(self, kind, name):
-        return kind.members[name][0] if name in kind.members else None
+        if name in kind.members:
+            return kind.members[name][0]
+        return None
 
 
 @lower_getattr_generic(RowType)

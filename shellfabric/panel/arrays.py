@@ -41,17 +41,35 @@ def constants(panel: Panel) -> Constants:
 
 def _constants(panel):
     """The constants, computed anew."""
-    (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
-    weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
-    (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
+    ni, nj = panel.counts
+    dx, dy = panel.spacing
+    mirror_x, mirror_y = panel.mirrors
+    weave = panel.weave
+    table = panel.table
+    knobs = panel.numerics
+    dt = panel.time_step
+    w1, w2 = weave.w
+    S01, S02 = weave.S0
+    warp, weft = weave.yarns
     rx, ry = (1 / step for step in table.steps)
-    shear = panel.fabric.shear if panel.trellis else None
-    G1, G2, gamma1, gamma2 = (
-        (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
-    )
+    if panel.trellis:
+        shear = panel.fabric.shear
+    else:
+        shear = None
+    if shear:
+        G1 = shear.G1
+        G2 = shear.G2
+        gamma1 = shear.gamma1
+        gamma2 = shear.gamma2
+    else:
+        G1 = 0.0
+        G2 = 0.0
+        gamma1 = 0.5
+        gamma2 = 1.0
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
-    (x0, y0), shot = panel.origin, panel.shot
+    x0, y0 = panel.origin
+    shot = panel.shot
     rim_node, rim_axis, rim = boundary.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
@@ -124,18 +142,18 @@ def _constants(panel):
         EA2=weft.EA,
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
-        rate_law=np.zeros((2, 3, 0)) if panel.rate_law is None else panel.rate_law,
+        rate_law=panel.rate_law,
         erosion_gap_ratio=knobs.widest,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
         projectile_radius=shot.radius,
         edge_radius=shot.edge_radius,
         projectile_mass=shot.mass * panel.share,
-        free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
+        free_dofs=(float(not mirror_x), float(not mirror_y), 1.0),
         perforation_delay_steps=max(1, round(knobs.clear_time / dt)),
         nose_shape=shot.number,
         nose_parameters=shot.form,
-        projectile_length=inf if shot.length is None else shot.length,
+        projectile_length=shot.length or inf,
         frame=shot.frame,
         tilted=shot.tilted,
         window_follows=roaming,
@@ -161,7 +179,8 @@ def state(panel: Panel, strike_velocity: float) -> State:
     The kernels of a run compute its forces before the first step.
     """
     const = panel.constants()
-    state, ni = undeformed(panel, const, strike_velocity), const.ni
+    state = undeformed(panel, const, strike_velocity)
+    ni = const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
         state.active_rows[:] = (
@@ -186,7 +205,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     loose = np.flatnonzero(boundary.loose(panel))
     found["inverse_mass"][loose] = 1.0 / mass[loose]
     found["dt_over_mass"][:] = const.dt * found["inverse_mass"]
-    lengths = zip(found["yarn_length"], _yarn_lengths(panel, const), found["stretch"])
+    lengths = zip(found["yarn_length"], _yarn_lengths(panel), found["stretch"])
     for y, length, stretch in lengths:
         y[: length.size] = length
         stretch[:] = 1.0
@@ -194,8 +213,13 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         found["T"] = found["N"]
     found["intact_fraction"] = tuple((y > 0).astype(float) for y in found["yarn_length"])
     _fill_half_strengths(const, found["filtered_tension"])
-    found["rate_damage"] = aligned_zeros(2, slots if const.rate_law.size else 0)
-    found["f_block_cloth"] = aligned_zeros(3, slots if const.has_backing else 0)
+    # arrays that most runs do not need are empty
+    found["rate_damage"] = aligned_zeros(2, 0)
+    if const.rate_law.size:
+        found["rate_damage"] = aligned_zeros(2, slots)
+    found["f_block_cloth"] = aligned_zeros(3, 0)
+    if const.has_backing:
+        found["f_block_cloth"] = aligned_zeros(3, slots)
     found |= contact.contact_state(
         const.window_limits, const.points_per_side, const.shape_functions, const.friction
     )
@@ -241,7 +265,8 @@ def _block(panel):
 
 def _contact(panel, mass):
     """Constants of the contact of elements of a mass [kg]."""
-    knobs, usual = panel.numerics, panel.numerics.contact_points or USUAL_POINTS
+    knobs = panel.numerics
+    usual = panel.numerics.contact_points or USUAL_POINTS
     points = max(2, -(-usual * panel.finest // panel.lines_per_crossover))
     if knobs.contact_points is None:
         resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
@@ -251,21 +276,11 @@ def _contact(panel, mass):
     )
 
 
-def _yarn_lengths(panel, const):
+def _yarn_lengths(panel):
     """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
-    if panel.sides is not None:
-        (a, b), (m, n) = panel.sides, map(grading.tributary, panel.sides)
-        warp, weft = np.zeros((2, const.ni + 1, const.row_stride))
-        warp[:-1], weft[:, :-1] = np.multiply.outer(a, n), np.multiply.outer(m, b)
-        return [(panel.weave.warp_count * warp).ravel(), (panel.weave.weft_count * weft).ravel()]
-    found, area = [], const.dx * const.dy
-    for count, axis in ((panel.weave.warp_count, 0), (panel.weave.weft_count, 1)):
-        y = np.zeros((const.ni + 1, const.row_stride))
-        lines = np.moveaxis(y, axis, 0)[:-1]
-        lines[:] = area * count
-        lines[:, [0, -1]] *= 0.5
-        found.append(y.ravel())
-    return found
+    counts = panel.weave.warp_count, panel.weave.weft_count
+    areas = grading.edge_areas(*panel.element_sides)
+    return [(count * area).ravel() for count, area in zip(counts, areas)]
 
 
 def _fill_half_strengths(const, slots):

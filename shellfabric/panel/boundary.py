@@ -92,8 +92,8 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     ------
     InputError : a side that is none of those above
     """
-    families = edge if isinstance(edge, tuple) else (edge, edge)
-    pairs = tuple(family if isinstance(family, tuple) else (family, family) for family in families)
+    families = _both(edge)
+    pairs = tuple(map(_both, families))
     if [len(pair) for pair in pairs] != [2, 2]:
         raise InputError(
             key="boundary", value=edge, allowed="one side, or (warp, weft) of one or two sides each"
@@ -107,6 +107,13 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     return pairs
 
 
+def _both(given):
+    """A pair as it is, anything else twice."""
+    if isinstance(given, tuple):
+        return given
+    return given, given
+
+
 def slips(edge: Any) -> bool:
     """Whether a side of it is not simply clamped or free."""
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
@@ -114,10 +121,11 @@ def slips(edge: Any) -> bool:
 
 def pull_in(edge: Any) -> tuple[float, ...]:
     """(warp, weft) [m] by which fabric slips into the panel at most, of edges without grips."""
-    return tuple(
-        max(side.length if isinstance(side, PullIn) else 0.0 for side in pair)
-        for pair in sides(edge)
-    )
+    found = []
+    for pair in sides(edge):
+        lengths = [side.length for side in pair if isinstance(side, PullIn)]
+        found.append(max(lengths, default=0.0))
+    return tuple(found)
 
 
 def check(panel: Panel) -> None:
@@ -135,33 +143,30 @@ def check(panel: Panel) -> None:
             key="opening", value=panel.opening, allowed="one diameter of a round opening"
         )
     if stepped(panel) and any(side != "clamped" for pair in given for side in pair):
-        what = (
-            "turned in its pack"
-            if panel.ply_angle
-            else "oblique"
-            if panel.weave_angle
-            else "in a round opening"
-        )
+        if panel.ply_angle:
+            what = "turned in its pack"
+        elif panel.weave_angle:
+            what = "oblique"
+        else:
+            what = "in a round opening"
         raise InputError(
             key="boundary", value=panel.boundary, allowed=f"clamped where the weave is {what}"
         )
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
-    inside = (
-        np.hypot(*panel.impact_point) < room[0]
-        if panel.round
-        else np.all(np.abs(panel.impact_point) < room)
-    )
+    if panel.round:
+        inside = np.hypot(*panel.impact_point) < room[0]
+    else:
+        inside = np.all(np.abs(panel.impact_point) < room)
     if any(panel.impact_point) and not inside:
         allowed = "within the opening, two radii of the projectile from its edge"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if not abs(panel.weave_angle) < 1.5708:
         raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
     if panel.weave_angle and any(panel.mirrors):
-        what = (
-            "a ply is turned by another angle than 90 deg"
-            if panel.ply_angle
-            else "the weave is oblique"
-        )
+        if panel.ply_angle:
+            what = "a ply is turned by another angle than 90 deg"
+        else:
+            what = "the weave is oblique"
         raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
 
 
@@ -172,17 +177,23 @@ def stepped(panel: Panel) -> bool:
 
 def extent(panel: Panel) -> tuple[float, ...]:
     """(along warp, along weft) [m] that the grid has to cover, its middle at `Panel.grid_middle`."""
-    (a, b), (x, y), (c, s) = panel.opening, panel.grid_middle, axes(panel.weave_angle)[0]
+    a, b = panel.opening
+    x, y = panel.grid_middle
+    c, s = axes(panel.weave_angle)[0]
     if s == 0:
         return a + 2 * abs(x), b + 2 * abs(y)
-    wide = (a, b) if panel.round else (a * c + b * abs(s), a * abs(s) + b * c)
+    if panel.round:
+        wide = (a, b)
+    else:
+        wide = (a * c + b * abs(s), a * abs(s) + b * c)
     off = abs(c * x + s * y), abs(c * y - s * x)
     return tuple(side + 2 * far + 4 * w for side, far, w in zip(wide, off, panel.weave.w))
 
 
 def in_frame(panel: Panel) -> FloatArray:
     """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two sides."""
-    (X, Y), (c, s) = panel.coordinates(), axes(panel.weave_angle)[0]
+    X, Y = panel.coordinates()
+    c, s = axes(panel.weave_angle)[0]
     return np.stack([c * X - s * Y + panel.impact_point[0], s * X + c * Y + panel.impact_point[1]])
 
 
@@ -192,13 +203,14 @@ def shown(panel: Panel) -> list[FloatArray]:
     places = panel.coordinates()
     if not stepped(panel):
         return places
-    at, half = in_frame(panel), 0.5 * np.array(panel.opening)[:, None, None]
-    onto = (
-        at * (half[0] / np.maximum(np.hypot(*at), half[0]))
-        if panel.round
-        else np.clip(at, -half, half)
-    )
-    (x, y), (c, s) = onto - np.array(panel.impact_point)[:, None, None], axes(panel.weave_angle)[0]
+    at = in_frame(panel)
+    half = 0.5 * np.array(panel.opening)[:, None, None]
+    if panel.round:
+        onto = at * (half[0] / np.maximum(np.hypot(*at), half[0]))
+    else:
+        onto = np.clip(at, -half, half)
+    x, y = onto - np.array(panel.impact_point)[:, None, None]
+    c, s = axes(panel.weave_angle)[0]
     beyond = np.any(onto != at, axis=0)
     return [
         np.where(beyond, moved, place)
@@ -216,21 +228,29 @@ def loose(panel: Panel) -> BoolArray:
         if pair[0] != "free" and not mirrored:
             rows[0] = False
     if stepped(panel):
-        place, slack = in_frame(panel), 1e-9 * min(panel.spacing)
+        place = in_frame(panel)
+        slack = 1e-9 * min(panel.spacing)
         across, along = np.abs(place)
         inside = (across < 0.5 * panel.opening[0] - slack) & (
             along < 0.5 * panel.opening[1] - slack
         )
-        free &= np.hypot(across, along) < 0.5 * panel.opening[0] - slack if panel.round else inside
+        if panel.round:
+            inside = np.hypot(across, along) < 0.5 * panel.opening[0] - slack
+        free &= inside
     return free
 
 
 def ends(panel: Panel) -> tuple[tuple[int, int], tuple[int, int]]:
     """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at high y."""
-    free, start, found = loose(panel), panel.nearest_lines, []
+    free = loose(panel)
+    start = panel.nearest_lines
+    found = []
     for line, first in ((free[:, start[1]], start[0]), (free[start[0], :], start[1])):
         held = np.flatnonzero(~line[first:])
-        found.append(first + (int(held[0]) if held.size else line.size - 1 - first))
+        if held.size:
+            found.append(first + int(held[0]))
+        else:
+            found.append(line.size - 1)
     return (found[0], start[1]), (start[0], found[1])
 
 
@@ -244,32 +264,33 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
     """
     if not slips(panel.boundary):
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
-    given, (ni, nj), mass = sides(panel.boundary), panel.counts, panel.masses()
+    given = sides(panel.boundary)
+    ni, nj = panel.counts
+    mass = panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
-    nodes, axes, values = [], [], []
+    nodes = []
+    axes = []
+    values = []
     for axis, pair in enumerate(given):
         count = (panel.weave.warp_count, panel.weave.weft_count)[axis]
         place = np.moveaxis(np.array(panel.coordinates()[1 - axis]), axis, 0)[0]
         for end, side in zip((0, -1), pair):
             if isinstance(side, str) or (end == 0 and panel.mirrors[axis]):
                 continue
-            share = np.full(place.size, panel.spacing[1 - axis] * count)
-            share[[0, -1]] *= 0.5
-            if panel.sides is not None:
-                share = count * tributary(panel.sides[1 - axis])
             keep = np.ones(place.size, bool)
             keep[0] = panel.mirrors[1 - axis] or given[1 - axis][0] == "free"
             keep[-1] = given[1 - axis][1] == "free"
             row = np.zeros((place.size, 5))
             row[:, 4] = np.moveaxis(mass, axis, 0)[end]
             if isinstance(side, Grip):
-                row[:, 3] = side.force * share
+                row[:, 3] = side.force * (count * tributary(panel.element_sides[1 - axis]))
             else:
-                inwards = 1.0 if end == 0 else -1.0
-                row[:, 0] = (
-                    inwards * side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
-                )
-                row[:, 1:3] = side.start, side.end
+                drawn = side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
+                if end == -1:
+                    drawn = -drawn  # inwards
+                row[:, 0] = drawn
+                row[:, 1] = side.start
+                row[:, 2] = side.end
             nodes.append(np.moveaxis(numbers, axis, 0)[end][keep])
             axes.append(np.full(keep.sum(), axis))
             values.append(row[keep])
@@ -278,12 +299,11 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
 
 def yarn_ends(panel: Panel) -> IntArray:
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
-    ends = np.array(
-        [
-            [FREE_END if side == "free" else CLAMPED_END for side in pair]
-            for pair in sides(panel.boundary)
-        ]
-    )
+    ends = np.full((2, 2), CLAMPED_END)
+    for family, pair in enumerate(sides(panel.boundary)):
+        for end, side in enumerate(pair):
+            if side == "free":
+                ends[family, end] = FREE_END
     for family, mirrored in enumerate(panel.mirrors):
         if mirrored:
             ends[family, 0] = SYMMETRY_END

@@ -24,7 +24,9 @@ WATCHED = (
 
 def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
     """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the weft."""
-    x, sides, families = panel.lines(), panel.element_sides, []
+    x = panel.lines()
+    sides = panel.element_sides
+    families = []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
     law = panel.rate_law
     for own, (yarn, count) in enumerate(
@@ -32,11 +34,14 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
     ):
         across = 1 - own
         strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
-        strength = strength if panel.yarn_failure else np.full_like(strength, inf)
+        if not panel.yarn_failure:
+            strength = np.full_like(strength, inf)
         first, weights = mean_weights(x[across], panel.fabric.failure_length, panel.mirrors[across])
         wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
-        half = WATCHED * (1.0 if law is None else law[own, 0, 0]) * strength
+        half = WATCHED * strength
+        if law.size:
+            half *= law[own, 0, 0]
         families.append(
             FailureLines(
                 strength=strength,
@@ -68,7 +73,8 @@ def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray,
     """
     x = np.asarray(x, float)
     middles = 0.5 * (x[1:] + x[:-1])
-    low, high = np.insert(middles, 0, x[0]), np.append(middles, x[-1])
+    low = np.insert(middles, 0, x[0])
+    high = np.append(middles, x[-1])
     weights = _hat_integral(low, high, x, length)
     if mirrored:
         weights += _hat_integral(2 * x[0] - high, 2 * x[0] - low, x, length)

@@ -50,10 +50,14 @@ def bending(panel: Any) -> Module:
 
     A yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node.
     """
-    mass, spacing = panel.weave.areal_density, panel.spacing
+    mass = panel.weave.areal_density
+    spacing = panel.spacing
     parts = zip(panel.yarns_a_line, panel.bending, spacing, spacing[::-1])
     stiffness = sum(4 * n * EI / (mass * d**4 * across) for n, EI, d, across in parts)
-    return Module("bending", bending_forces if any(panel.bending) else None, stiffness=stiffness)
+    acts = None
+    if any(panel.bending):
+        acts = bending_forces
+    return Module("bending", acts, stiffness=stiffness)
 
 
 def packing(panel: Any) -> Module:
@@ -73,12 +77,14 @@ def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
     """What the kernels of a uniform or a graded panel take of modules; in another process a copy has
     the addresses of that process."""
     listed = tuple(modules)
-    cells = [module.act.cell(int(graded)).place if module.act else 0 for module in listed]
-    found = ModuleTable(
-        cell=np.array(cells, np.int64),
-        own=np.array([module.own._address if module.own else 0 for module in listed], np.int64),
-        behind=np.zeros(1, np.int64),
-    )
+    cells = np.zeros(len(listed), np.int64)
+    rows = np.zeros(len(listed), np.int64)
+    for m, module in enumerate(listed):
+        if module.act:
+            cells[m] = module.act.cell(int(graded)).place
+        if module.own:
+            rows[m] = module.own._address
+    found = ModuleTable(cell=cells, own=rows, behind=np.zeros(1, np.int64))
     found.__dict__["_made_by"] = table, (listed, graded)
     return found
 

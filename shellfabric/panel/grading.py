@@ -42,7 +42,10 @@ def exact(side: float) -> Fraction:
     value = float(side)
     if 1 <= value <= 64 and value == int(value):
         return Fraction(int(value))
-    n = round(1 / value) if 0 < value < 1 else 0
+    if 0 < value < 1:
+        n = round(1 / value)
+    else:
+        n = 0
     if not (2 <= n <= MOST_LINES and abs(value * n - 1) <= _SNAP):
         allowed = f"sides of 1, 2, ... 64 crossovers, or 1/2, 1/3, ... 1/{MOST_LINES} of one"
         raise InputError(key="grading", value=side, allowed=allowed)
@@ -82,7 +85,8 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     last is as much longer as is needed to end at `length`.
     """
     zones = [(until, exact(side)) for until, side in grading]
-    found, at = [], Fraction(0)
+    found = []
+    at = Fraction(0)
     whole = Fraction(int(length + 1e-9))
     whole -= whole % zones[0][1]
     for (until, side), after in zip(zones, (*zones[1:], None)):
@@ -141,7 +145,8 @@ def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
     factors : (yarns,) [-] of the yarns at the whole crossovers -(yarns - 1) / 2 ... (yarns - 1) / 2
     places : (axes,) [crossovers] of the axes, whole numbers that rise; 0 at the impact point
     """
-    given, at = np.asarray(factors, float), np.asarray(places, np.int64) + np.size(factors) // 2
+    given = np.asarray(factors, float)
+    at = np.asarray(places, np.int64) + np.size(factors) // 2
     halves = 0.5 * np.diff(at)
     low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int)
     high = np.floor(at + np.append(halves, 0.0)).astype(int)
@@ -176,9 +181,18 @@ def tributary(sides: FloatArray) -> FloatArray:
     return 0.5 * (np.append(sides, 0.0) + np.insert(sides, 0, 0.0))
 
 
+def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line stands for."""
+    warp, weft = np.zeros((2, warp_sides.size + 1, weft_sides.size + 1))
+    warp[:-1] = np.multiply.outer(warp_sides, tributary(weft_sides))
+    weft[:, :-1] = np.multiply.outer(tributary(warp_sides), weft_sides)
+    return warp, weft
+
+
 def split(sides: FloatArray) -> FloatArray:
     """(n+1,) [-] share of the element before each line in the two beside it; one half at the ends."""
-    before, behind = np.insert(sides, 0, sides[0]), np.append(sides, sides[-1])
+    before = np.insert(sides, 0, sides[0])
+    behind = np.append(sides, sides[-1])
     return before / (before + behind)
 
 
@@ -201,19 +215,22 @@ def slots(
     viscosity : (warp, weft) [N] of the smallest element
     room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """
-    (a, b), (dx, dy), (cv1, cv2) = sides, finest, viscosity
-    ni, nj = a.size, b.size
+    a, b = sides
+    dx, dy = finest
+    cv1, cv2 = viscosity
+    ni = a.size
+    nj = b.size
 
     def spread(row, column, factor=1.0):
-        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[
-            : ni + 1, : nj + 1
-        ]
+        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))
+        grid = grid[: ni + 1, : nj + 1]
         flat = room(1, (ni + 2) * (nj + 1) + 32)[0]
         flat[:] = factor * grid[0, 0]
         flat[16 : 16 + grid.size] = factor * grid.ravel()
         return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
 
-    rows, columns = np.ones(ni + 1), np.ones(nj + 1)
+    rows = np.ones(ni + 1)
+    columns = np.ones(nj + 1)
     return {
         "inv_dx": spread(1 / a, columns),
         "inv_dy": spread(rows, 1 / b),
@@ -242,10 +259,13 @@ def bending(
     """
     found = []
     for family, (count, EI) in enumerate(zip(yarns, stiffness)):
-        own, other = sides[family], sides[1 - family]
+        own = sides[family]
+        other = sides[1 - family]
         length = 0.5 * (np.append(own, own[-1]) + np.insert(own, 0, own[0]))
         grid = EI * np.multiply.outer(1 / length, count * tributary(other))
         flat = room(1, (sides[0].size + 2) * (sides[1].size + 1) + 32)[0]
-        flat[: grid.size] = (grid if family == 0 else grid.T).ravel()
+        if family == 1:
+            grid = grid.T
+        flat[: grid.size] = grid.ravel()
         found.append(flat)
     return tuple(found)

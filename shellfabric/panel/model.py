@@ -183,7 +183,9 @@ class Panel:
     @cached_property
     def shot(self) -> Projectile:
         """The projectile in the panel's own frame."""
-        return self.projectile.seen_from(self.ply_angle) if self.ply_angle else self.projectile
+        if self.ply_angle:
+            return self.projectile.seen_from(self.ply_angle)
+        return self.projectile
 
     @property
     def axes(self) -> FloatArray:
@@ -192,7 +194,9 @@ class Panel:
 
     def in_pack(self, vectors: FloatArray) -> FloatArray:
         """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
-        return frames.turned_back(vectors, self.axes if self.ply_angle else None)
+        if not self.ply_angle:
+            return vectors
+        return frames.turned_back(vectors, self.axes)
 
     @property
     def mirrors(self) -> tuple[bool, bool]:
@@ -250,7 +254,10 @@ class Panel:
             if self.grid_middle[axis]:
                 edge = 0.5 * self.opening[axis] - abs(self.grid_middle[axis])
                 whole = grading.with_line_at(whole, np.copysign(edge, self.grid_middle[axis]))
-            found.append(outward if self.mirrors[axis] else whole)
+            if self.mirrors[axis]:
+                found.append(outward)
+            else:
+                found.append(whole)
         return tuple(found)
 
     @property
@@ -262,15 +269,22 @@ class Panel:
         """
         oblique = self.weave_angle != 0 or self.round
         if oblique:
-            loose, lengths = self.loose(), np.multiply.outer(*self.element_sides)
+            loose = self.loose()
+            lengths = np.multiply.outer(*self.element_sides)
             moves = loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
-            area = np.prod(self.opening) * (np.pi / 4 if self.round else 1.0)
+            area = np.prod(self.opening)
+            if self.round:
+                area *= np.pi / 4
             scale = (lengths[moves].sum() / self.share / area) ** 0.5
             return scale * self.opening[0], scale * self.opening[1]
         found = []
         for axis, x in enumerate(self.lines()):
-            place, edge = x + self.impact_point[axis], 0.5 * self.opening[axis] * (1 - 1e-9)
-            low = -place[-1] if self.mirrors[axis] else place[place <= -edge].max(initial=place[0])
+            place = x + self.impact_point[axis]
+            edge = 0.5 * self.opening[axis] * (1 - 1e-9)
+            if self.mirrors[axis]:
+                low = -place[-1]
+            else:
+                low = place[place <= -edge].max(initial=place[0])
             found.append(float(place[place >= edge].min(initial=place[-1]) - low))
         return found[0], found[1]
 
@@ -278,20 +292,26 @@ class Panel:
         """(along warp, along weft) elements of the first zone from the impact point outwards."""
         if self.sides is None:
             return self._half_counts
-        alike = (
-            np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing)
-        )
-        return tuple(
-            int(each.sum()) // (1 if mirrored else 2) for each, mirrored in zip(alike, self.mirrors)
-        )
+        found = []
+        for sides, step, mirrored in zip(self.sides, self.spacing, self.mirrors):
+            smallest = int((np.abs(sides - step) < 1e-9 * step).sum())
+            if not mirrored:
+                smallest //= 2  # they lie on both sides
+            found.append(smallest)
+        return tuple(found)
 
     def first_zone(self) -> tuple[int, ...]:
         """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded panel those of the
         first zone but for the outermost, which the smooth surface of the others needs beside them; else all."""
+        rim = 1
+        if self.sides is None:
+            rim = 0
         bounds = []
         for fine, count, mirrored in zip(self._fine(), self.counts, self.mirrors):
-            middle, rim = (0 if mirrored else count // 2), (0 if self.sides is None else 1)
-            bounds += [0 if mirrored else middle - fine + rim, middle + fine - rim]
+            if mirrored:
+                bounds += [0, fine - rim]
+            else:
+                bounds += [count // 2 - fine + rim, count // 2 + fine - rim]
         return tuple(bounds)
 
     @property
@@ -300,7 +320,12 @@ class Panel:
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
         halves = zip(self._half_counts, self.mirrors)
-        return tuple(n if mirrored else 2 * n for n, mirrored in halves)
+        found = []
+        for n, mirrored in halves:
+            if not mirrored:
+                n *= 2
+            found.append(n)
+        return tuple(found)
 
     @property
     def yarn_counts(self) -> tuple[int, ...]:
@@ -320,9 +345,15 @@ class Panel:
     @property
     def membrane_stiffness(self) -> float:
         """[N/m] the D of the time step's bound."""
-        stiffness, shear = self.table.stiffness(), self.fabric.shear
-        locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
-        return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
+        stiffness = self.table.stiffness()
+        shear = self.fabric.shear
+        if self.trellis and shear is not None:
+            locked = 2 * shear.G2 * self.weave.thickness
+        else:
+            locked = 0.0
+        if locked <= stiffness:
+            return stiffness
+        return (stiffness + locked) ** 2 / (4 * locked)
 
     @property
     def critical_step(self) -> float:
@@ -368,19 +399,28 @@ class Panel:
         found = []
         for sides, mirrored in zip(self.sides, self.mirrors):
             x = np.insert(np.cumsum(sides), 0, 0.0)
-            found.append(x if mirrored else x - x[sides.size // 2])
+            if not mirrored:
+                x -= x[sides.size // 2]
+            found.append(x)
         return tuple(found)
 
     @cached_property
     def _yarns(self):
         """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
-        per, found = self.lines_per_crossover, []
+        per = self.lines_per_crossover
+        found = []
         for x, d, w, mirrored in zip(self.lines(), self.spacing, self.weave.w, self.mirrors):
-            places = np.rint(x / d) if per > 1 else np.arange(x.size)
+            if per > 1:
+                places = np.rint(x / d)
+            else:
+                places = np.arange(x.size)
             if per > 1 and self.sides is not None:  # the edge is the axis of the last whole yarn
                 last = max(per * int(x[-1] / (2 * w) + 1e-9), places[-2] + 1)
                 places[-1] = last
-                places[0] = 0 if mirrored else -last
+                if mirrored:
+                    places[0] = 0
+                else:
+                    places[0] = -last
             found.append(grading.nearest_yarns(places, per))
         return tuple(found)
 
@@ -404,7 +444,9 @@ class Panel:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
         impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
         clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        return self.impact_point if clamped or self.weave_angle or self.round else (0.0, 0.0)
+        if clamped or self.weave_angle or self.round:
+            return self.impact_point
+        return (0.0, 0.0)
 
     @property
     def origin(self) -> tuple[float, ...]:
@@ -413,11 +455,14 @@ class Panel:
 
         There the smallest are where they would be then, and nothing else is looked for by its place.
         """
-        off = (middle - struck for middle, struck in zip(self.grid_middle, self.impact_point))
-        return tuple(
-            0.0 if m else c - 0.5 * n * d
-            for m, n, d, c in zip(self.mirrors, self.counts, self.spacing, off)
-        )
+        found = []
+        for axis, mirrored in enumerate(self.mirrors):
+            low = 0.0
+            if not mirrored:
+                middle = self.grid_middle[axis] - self.impact_point[axis]
+                low = middle - 0.5 * self.counts[axis] * self.spacing[axis]
+            found.append(low)
+        return tuple(found)
 
     @property
     def nearest_lines(self) -> tuple[int, ...]:
@@ -453,11 +498,8 @@ class Panel:
     @cached_property
     def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge stands for."""
-        lengths = [side / (2 * w) for side, w in zip(self.element_sides, self.weave.w)]
-        warp, weft = np.zeros((2, self.counts[0] + 1, self.counts[1] + 1))
-        warp[:-1] = np.multiply.outer(lengths[0], grading.tributary(lengths[1]))
-        weft[:, :-1] = np.multiply.outer(grading.tributary(lengths[0]), lengths[1])
-        return [warp, weft]
+        lengths = (side / (2 * w) for side, w in zip(self.element_sides, self.weave.w))
+        return list(grading.edge_areas(*lengths))
 
     @cached_property
     def areas(self) -> FloatArray:
@@ -466,22 +508,19 @@ class Panel:
 
     def masses(self) -> FloatArray:
         """(ni+1, nj+1) [kg] of the nodes."""
-        (ni, nj), (dx, dy) = self.counts, self.spacing
-        corner = (
-            0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
-        )
-        corner = corner * (dy if self.sides is None else self.sides[1])
-        mass = np.zeros((ni + 1, nj + 1))
+        warp_sides, weft_sides = self.element_sides
+        corner = 0.25 * self.weave.areal_density * warp_sides[:, None] * weft_sides
+        mass = np.zeros([n + 1 for n in self.counts])
         for i in (slice(None, -1), slice(1, None)):
             for j in (slice(None, -1), slice(1, None)):
                 mass[i, j] += corner
         return mass
 
     @property
-    def rate_law(self) -> FloatArray | None:
-        """(2, 3, n) `RateLaw.table` of warp and weft; None where strengths do not depend on the strain rate."""
+    def rate_law(self) -> FloatArray:
+        """(2, 3, n) `RateLaw.table` of warp and weft; n = 0 if strengths do not depend on the strain rate."""
         if not self.rate_dependence:
-            return None
+            return np.zeros((2, 3, 0))
         assert self.fabric.strain_rate is not None  # checked by _check_strength
         return np.array(
             [self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns]
@@ -494,8 +533,12 @@ class Panel:
         length; a tilted projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
         anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """
-        wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
-        slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.boundary)
+        wide = self.projectile.radius / self.projectile.frame[2, 2]
+        found = []
+        if self.sides is None:
+            slips = (0.0, 0.0)
+        else:
+            slips = boundary.pull_in(self.boundary)
         extent = boundary.extent(self)
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])

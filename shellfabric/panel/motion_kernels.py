@@ -10,7 +10,10 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
 from shellfabric.state import unit
 
-STEP, IDLE, FAILURES = 0, 1, 2  # of state.counter
+# of state.counter
+STEP = 0
+IDLE = 1
+FAILURES = 2
 TURNED = 2  # of stack.counter: steps up to the stop of the projectile where the run goes on after it, else 0
 AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
@@ -20,7 +23,8 @@ _MIN_VELOCITY = 1e-60
 def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
     """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
     for j in range(0, n, WIDTH):
-        k, left = k0 + j, n - j
+        k = k0 + j
+        left = n - j
         impulse = load(dt_over_mass, k)
         for c in range(3):
             force = load(f_int[c], k)
@@ -63,7 +67,8 @@ def grow_active_rows(state, const):
     are kept at rest.
     """
     for _ in range(2):
-        first, last = state.active_rows[0], state.active_rows[1]
+        first = state.active_rows[0]
+        last = state.active_rows[1]
         stirred = False
         for i in range(first, min(first + 5, const.ni + 1)):
             stirred = stirred or row_has_moved(state, const, i)
@@ -83,10 +88,12 @@ def move_rows(state, const, first, last):
     row = first
     while row < last:
         met = row > 0 and row % const.rows_per_block == 0
-        end = (
-            row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
-        )
-        k0, n = row * const.row_stride, (end - row) * const.row_stride
+        if met:
+            end = row + 1
+        else:
+            end = min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
+        k0 = row * const.row_stride
+        n = (end - row) * const.row_stride
         move_nodes(
             k0,
             n,

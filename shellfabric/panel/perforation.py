@@ -25,7 +25,8 @@ def held(state: State, const: Constants) -> BoolArray:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    ni, s = const.ni, const.row_stride
+    ni = const.ni
+    s = const.row_stride
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
     warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)
     near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])
@@ -33,8 +34,10 @@ def held(state: State, const: Constants) -> BoolArray:
     joined = coo_matrix((np.ones(near.size, bool), (near, far)), shape=(node.size, node.size))
     piece = connected_components(joined, directed=False)[1].reshape(ni + 1, s)
     outer = [piece[-1], piece[:, -1]]
-    outer += [] if const.mirror_x else [piece[0]]
-    outer += [] if const.mirror_y else [piece[:, 0]]
+    if not const.mirror_x:
+        outer.append(piece[0])
+    if not const.mirror_y:
+        outer.append(piece[:, 0])
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
     cloth = (by_element(state.element_flag, const) & ERODED) == 0
     return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
@@ -42,8 +45,10 @@ def held(state: State, const: Constants) -> BoolArray:
 
 def passed(state: State, const: Constants, cloth: BoolArray | None = None) -> bool:
     """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is known."""
+    if cloth is None:
+        cloth = held(state, const)
     flag = state.element_flag.copy()
-    by_element(flag, const)[~(held(state, const) if cloth is None else cloth)] |= ERODED
+    by_element(flag, const)[~cloth] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 
 

@@ -17,7 +17,9 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 
-OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
+OK = "ok"
+NOTED = "noted"
+DOUBTFUL = "doubtful"
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
@@ -58,7 +60,9 @@ class Indicator:
         """ "ok", "noted" or "doubtful"."""
         if self.doubtful:
             return DOUBTFUL
-        return NOTED if self.note is not None and self.value > self.note else OK
+        if self.note is not None and self.value > self.note:
+            return NOTED
+        return OK
 
     @property
     def text(self) -> str:
@@ -70,29 +74,37 @@ class Indicator:
         """[-] value over limit."""
         if not isfinite(self.value):
             return float("inf")
-        return (
-            self.value / self.limit
-            if self.limit > 0
-            else (float("inf") if self.value > self.limit else 0.0)
-        )
+        if self.limit > 0:
+            return self.value / self.limit
+        if self.value > self.limit:
+            return float("inf")
+        return 0.0
 
     @property
     def number(self) -> str:
         """The value with two decimals or three digits; with more where it passes the limit by less."""
         for decimals in range(2, 9):
-            text = (
-                f"{self.value:.{decimals}f}"
-                if self.value >= 1
-                else f"{self.value:#.{decimals + 1}g}"
-            )
+            if self.value >= 1:
+                text = f"{self.value:.{decimals}f}"
+            else:
+                text = f"{self.value:#.{decimals + 1}g}"
             if self.ok or float(text) > self.limit:
                 break
         return text
 
     def __str__(self):
-        unit = f" {self.unit}" if self.unit else ""
-        noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
-        remedy = REMEDIES.get(self.name) if self.doubtful else None
+        if self.unit:
+            unit = f" {self.unit}"
+        else:
+            unit = ""
+        if self.status == NOTED:
+            noted = f"noted above {self.note:g}{unit}, "
+        else:
+            noted = ""
+        if self.doubtful:
+            remedy = REMEDIES.get(self.name)
+        else:
+            remedy = None
         limit = f"{noted}limit {self.limit:g}{unit}"
         return f"{self.name} {self.number}{unit} ({'; '.join(filter(None, (limit, remedy)))})"
 
@@ -249,7 +261,9 @@ class Monitor:
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
         alternation, squares = self.found[:, :-1].sum(axis=0)
-        return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
+        if squares > 0:
+            return float(np.sqrt(alternation / squares))
+        return 0.0
 
 
 def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
@@ -267,7 +281,8 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
     share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails, at the end
     recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
     """
-    viscous, kinetic = energies["viscous"], energies["kinetic_projectile"]
+    viscous = energies["viscous"]
+    kinetic = energies["kinetic_projectile"]
     split = (
         int(np.argmax(cut_yarns > 0)) - 1
     )  # the first sample has none: without a cut this is the last sample
@@ -279,12 +294,12 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
     from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 
-    panel, const, shot = solver.panel, solver.const, solver.panel.projectile
+    panel = solver.panel
+    const = solver.const
+    shot = solver.panel.projectile
     strike = solver.strike_energy
-    energies, cut_yarns = (
-        {name: solver.sample(name) for name in solver.energy_names},
-        solver.sample("cut_yarns"),
-    )
+    energies = {name: solver.sample(name) for name in solver.energy_names}
+    cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
@@ -324,7 +339,8 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
     peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
-    table, found = solver.panel.table, []
+    table = solver.panel.table
+    found = []
     if not solver.panel.yarn_failure:
         found.append(
             indicator(
@@ -338,7 +354,9 @@ def _extrapolation(solver):
 
 def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
     """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as `peaks`."""
-    model, values, found = table.model, table.values, []
+    model = table.model
+    values = table.values
+    found = []
     if hasattr(model, "surface"):
         sampled = (model.surface.T1, model.surface.T2)
         reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
@@ -351,7 +369,10 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     if known:
         found.append(indicator("contact force over fitted range", force / min(known)))
     light = values["F"][values["F"] > 0]
-    least = float(light.min()) if light.size else 0.0
+    if light.size:
+        least = float(light.min())
+    else:
+        least = 0.0
     swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))
     found.append(indicator("swelling under contact", swelling))
     return tuple(found)
@@ -359,8 +380,13 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
 
 def _swelling(law, force, height):
     """[-] by which a yarn grows thicker under a light contact force, over its height."""
-    shift = law.F0 if law.form == "regularised" else 0.0
-    return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
+    if law.form == "regularised":
+        shift = law.F0
+    else:
+        shift = 0.0
+    if force + shift > 0:
+        return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height
+    return 0.0
 
 
 def of_coupon(

@@ -20,10 +20,9 @@ from typing import Any
 
 _SHEARED = 0.965  # of the form's bound, what taut fabric was seen to bear
 _TAUT = 0.5  # of the largest stiffness of the table, at rest
-_RING, _DAMPED = (
-    0.63,
-    0.0025,
-)  # share of the step that follows a ring, and the viscosity that leaves none
+# share of the step that follows a ring, and the viscosity that leaves none
+_RING = 0.63
+_DAMPED = 0.0025
 
 
 def share(table: Any, viscosity: float) -> float:
@@ -31,7 +30,10 @@ def share(table: Any, viscosity: float) -> float:
 
     Usual is crimped fabric in the variational form with viscosity.
     """
-    form = 1.0 if table.model.cell_formulation == "variational" else sqrt(0.5)
+    if table.model.cell_formulation == "variational":
+        form = 1.0
+    else:
+        form = sqrt(0.5)
     if table.tautness() > _TAUT:
         return form * _SHEARED
     return form * (_RING + (1 - _RING) * min(1.0, viscosity / _DAMPED))

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import failure_kernels, membrane_kernels
+from shellfabric.cloth import energy_kernels, membrane_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.jit.table import Rows
@@ -159,7 +159,7 @@ def pull(panel, state, stretch1, stretch2):
     state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, work)
     ply_kernels.apply_failure(state, const, work)
-    return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
+    return energy_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
 @pytest.mark.parametrize("grading", [None, ((12, 0.5), (16, 1), (np.inf, 2))])
