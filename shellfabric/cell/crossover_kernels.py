@@ -1,25 +1,31 @@
-"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section 4.3.1).
+"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section
+4.3.1).
 
-Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1). With k = pi h / 2 w,
+Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1).
+With k = pi h / 2 w,
 
     S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
     T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7)
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
     F        = T dS/dh / q                                           variational form: the gradient of the energy
 
-A cosine presses along its whole length. F is the resultant of that load; what works on a change of height is q F, with
-q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of compression is one of the resultant, to
-which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. The
-equilibrium form presses at the crossing alone, q = 1.
+A cosine presses along its whole length. F is the resultant of that load; what works on a change of
+height is q F, with q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of
+compression is one of the resultant, to which it is fitted in 3D; the yarns store q times its work,
+so that forces are the gradient of W with any law. The equilibrium form presses at the crossing
+alone, q = 1.
 
-Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
+Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes
+where
 
     r(F) = h_1(F) + h_2(F) + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (eq. 4-13)
 
-which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata E-05, E-06, E-09, E-10).
+which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata
+E-05, E-06, E-09, E-10).
 
-A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift): half length, length, stiffness, height at rest, its law of
-compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0: none).
+A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift): half length, length, stiffness, height
+at rest, its law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised,
+0 printed; a = 0: none).
 """
 
 import math
@@ -62,7 +68,8 @@ def contact_force(w, h, S0, EA, form):
 
 @kernel()
 def height(w, F, yarn, lowest, form):
-    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and the slope dh/dF.
+    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and
+    the slope dh/dF.
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
@@ -121,8 +128,8 @@ def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
 def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
     """The root of r(F); 0 where contact is lost; -1 if none was found.
 
-    r(0) is the gap at the free heights when the law of compression starts from zero. The printed law has
-    d(0) = -infinity, so that r(0) < 0 always and contact is never lost (erratum E-05).
+    r(0) is the gap at the free heights when the law of compression starts from zero. The printed
+    law has d(0) = -infinity, so that r(0) < 0 always and contact is never lost (erratum E-05).
     """
     printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
     if not printed and free1 + free2 + gap >= warp[3] + weft[3]:
@@ -157,7 +164,8 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
 
 @kernel()
 def forces_of_cell(w1, w2, warp, weft, form, solution):
-    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
+    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see
+    `cell`."""
     F, h1, h2 = solution
     S1, dS1 = arc(w1, h1)
     S2, dS2 = arc(w2, h2)
@@ -187,8 +195,9 @@ def forces_of_cell(w1, w2, warp, weft, form, solution):
 def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
-    T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form (erratum E-15), and
-    the gradient of W, N = T dS/d(2w), in the variational form. W is the energy of the yarns and of their compression.
+    T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form
+    (erratum E-15), and the gradient of W, N = T dS/d(2w), in the variational form. W is the energy
+    of the yarns and of their compression.
     """
     alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2])
     alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2])
@@ -221,11 +230,13 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
 
 @entry()
 def tension_bound_table(low, high, over, top, unit, out):
-    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0], N + out[1]).
+    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0],
+    N + out[1]).
 
-    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
-    tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N
-    and what it is above its force; of those that lie below it, their own.
+    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,)
+    [N] : by which a tension is at most above the force beside it, and its own most. Of cells that a
+    step cuts, the tension is at most N and what it is above its force; of those that lie below it,
+    their own.
     """
     last = out.shape[0] - 1
     out[:] = 0.0

@@ -1,14 +1,16 @@
-"""The table of a cell by Newton's method on force and heights together, from the solution of the cell before.
+"""The table of a cell by Newton's method on force and heights together, from the solution of the
+cell before.
 
-`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot fail. Along a row of
-a table the solution changes little from cell to cell. Here the contact force F and the heights h_i of both yarns are
-unknowns beside each other,
+`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot
+fail. Along a row of a table the solution changes little from cell to cell. Here the contact force F
+and the heights h_i of both yarns are unknowns beside each other,
 
     F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (thesis eq. 4-13)
 
-with the contact force F_i of a yarn at its height; the step of F is that of the second equation with h_i eliminated by
-the first. Where the steps do not become small, or leave the range, the nested iterations solve the cell. What depends
-on one stretch alone is computed once a row or column. Results agree with the nested iterations' but for rounding.
+with the contact force F_i of a yarn at its height; the step of F is that of the second equation
+with h_i eliminated by the first. Where the steps do not become small, or leave the range, the
+nested iterations solve the cell. What depends on one stretch alone is computed once a row or
+column. Results agree with the nested iterations' but for rounding.
 """
 
 import math
@@ -32,7 +34,8 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 
 @kernel()
 def force_at_height(w, h, yarn, form):
-    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one elliptic integral."""
+    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one
+    elliptic integral."""
     if form != VARIATIONAL or h <= 0.0:
         F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form)
         return F, slope
@@ -47,7 +50,8 @@ def force_at_height(w, h, yarn, form):
 
 @kernel()
 def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
-    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not converge."""
+    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not
+    converge."""
     F, h1, h2 = start
     full = warp[3] + weft[3] - gap
     for _ in range(_MAX_STEPS):
@@ -74,7 +78,8 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
 
 @entry(nogil=True)
 def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
-    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if a cell failed."""
+    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if
+    a cell failed."""
     n2 = stretches2.size
     free = np.empty(n2)
     alone = np.empty(n2)

@@ -1,4 +1,5 @@
-"""One yarn of the crossover's cell: the length of its cosine, and its tension. All yarns have the half length w.
+"""One yarn of the crossover's cell: the length of its cosine, and its tension. All yarns have the
+half length w.
 
 With k = pi h / 2 w:  S = (4 w / pi) E(-k^2)          (thesis eqs. 4-1, 4-3)
 Tension at the strain e = (S - S0) / S0: EA e         (eq. 4-7)
@@ -13,7 +14,8 @@ _MAX_STEPS = 200
 
 @kernel()
 def elliptic(k2):
-    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits at small k2."""
+    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits
+    at small k2."""
     a = 1.0
     b = math.sqrt(1.0 + k2)
     total = -0.5 * k2
@@ -33,7 +35,8 @@ def elliptic(k2):
 
 @kernel()
 def arc(w, h):
-    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum E-09)."""
+    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum
+    E-09)."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     if k > 0.0:
@@ -56,7 +59,8 @@ def arc_curvature(w, h):
 
 @kernel()
 def free_height(w, S0):
-    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched straight."""
+    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched
+    straight."""
     excess = S0 / (2.0 * w) - 1.0
     if excess <= 0.0:
         return 0.0
@@ -79,7 +83,8 @@ def tension(S, dS, S0, EA):
 
 @kernel()
 def yarn_alone(stretch, w0, S0, EA):
-    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full lengths)."""
+    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full
+    lengths)."""
     slack = 2.0 * stretch * w0 - S0
     if slack <= 0.0:
         return 0.0, 0.0

@@ -1,7 +1,8 @@
-"""Resistance of yarns to bending, out of the fabric's plane and in it, at the nodes along each grid line.
+"""Resistance of yarns to bending, out of the fabric's plane and in it, at the nodes along each grid
+line.
 
-With t1, t2 the unit tangents of the segments before and after a node, L their (mean) length at rest and B = n EI / L, n
-being the yarns that the line stands for, the turn of the yarn stores
+With t1, t2 the unit tangents of the segments before and after a node, L their (mean) length at rest
+and B = n EI / L, n being the yarns that the line stands for, the turn of the yarn stores
 
     1/2 B |t2 - t1|^2 = B (1 - t1.t2),          that is 1/2 (EI / L) (kappa L)^2 a yarn, with kappa L = 2 sin(turn / 2)
 
@@ -9,9 +10,10 @@ Forces are its exact gradient: on a segment e = l t
 
     dE/de1 = -B (t2 - (t1.t2) t1) / l1,         dE/de2 = -B (t1 - (t1.t2) t2) / l2
 
-A rigid motion costs nothing. Where a yarn ends in a clamp its first tangent turns against that at rest, over half a
-segment: 2 B. On a plane of symmetry it turns against its own image; half of that turn is the modelled part's. At a free
-end nothing turns. A turn keeps the part of it that both its segments keep (see `membrane_kernels` for alpha).
+A rigid motion costs nothing. Where a yarn ends in a clamp its first tangent turns against that at
+rest, over half a segment: 2 B. On a plane of symmetry it turns against its own image; half of that
+turn is the modelled part's. At a free end nothing turns. A turn keeps the part of it that both its
+segments keep (see `membrane_kernels` for alpha).
 """
 
 import math
@@ -30,7 +32,8 @@ CLAMPED_END = 2
 
 
 def rest_length(side, inverse, k):
-    """Length at rest [m] of the segment at slot k: `side` where all are alike, else one over what the slot has."""
+    """Length at rest [m] of the segment at slot k: `side` where all are alike, else one over what
+    the slot has."""
 
 
 @overload(rest_length, inline="always")
@@ -41,7 +44,8 @@ def _rest_length(side, inverse, k):
 
 
 def node_stiffness(bending, family, k, rim):
-    """B [J] of the node at slot k, on a line at the `rim` or within: a number for each family, or one for each slot."""
+    """B [J] of the node at slot k, on a line at the `rim` or within: a number for each family, or
+    one for each slot."""
 
 
 @overload(node_stiffness, inline="always")
@@ -93,7 +97,8 @@ def segment_tangent(state, const, family, k):
 
 @kernel(_nrt=False)
 def add_bending_force(state, const, family, k, B, segment, other, cosine):
-    """Add the forces of the energy B (1 - t.other) of the segment (t, length) at slot k, `other` being held."""
+    """Add the forces of the energy B (1 - t.other) of the segment (t, length) at slot k, `other`
+    being held."""
     t, length = segment
     far = far_node(const, family, k)
     for c in range(3):
@@ -104,13 +109,15 @@ def add_bending_force(state, const, family, k, B, segment, other, cosine):
 
 @kernel(_nrt=False)
 def end_bending(state, const, family, k, kind, B, acting):
-    """Bending energy [J] at the end of a yarn in a clamp or on a plane of symmetry; its only segment is at slot k."""
+    """Bending energy [J] at the end of a yarn in a clamp or on a plane of symmetry; its only
+    segment is at slot k."""
     segment = segment_tangent(state, const, family, k)
     axis = (1.0, 0.0, 0.0)
     if family == WEFT:
         axis = (0.0, 1.0, 0.0)
     along = segment[0][family]
-    # in a clamp 2 B (1 - t.axis); by a plane of symmetry B / 2 (1 - t.image), with t.image = 2 (t.axis)^2 - 1
+    # in a clamp 2 B (1 - t.axis); by a plane of symmetry B / 2 (1 - t.image), t.image being
+    # 2 (t.axis)^2 - 1
     energy = 2.0 * B * (1.0 - along)
     slope = 2.0 * B
     if kind == SYMMETRY_END:
@@ -123,7 +130,8 @@ def end_bending(state, const, family, k, kind, B, acting):
 
 @kernel(_nrt=False)
 def family_bending(state, const, family, first, last, acting):
-    """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if `acting`.
+    """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if
+    `acting`.
 
     A node's forces reach the nodes beside it.
     """
@@ -182,8 +190,8 @@ def turn(state, const, family, before, behind, B, acting):
 
 @unit("number", later=True, own=ModuleTable)
 def bending_forces(state, const, own, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting` (a unit of
-    `panel.forces`, without a row)."""
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`
+    (a unit of `panel.forces`, without a row)."""
     total = 0.0
     for family in range(2):
         if bends(const.bending, family):

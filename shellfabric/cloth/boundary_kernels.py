@@ -1,14 +1,18 @@
-"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction.
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by
+friction.
 
-Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the next; being
-without inverse mass it takes no other. f is the force of the fabric on it along the yarn, v its velocity.
+Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for
+the next; being without inverse mass it takes no other. f is the force of the fabric on it along the
+yarn, v its velocity.
 
     prescribed  u = pull-in x (t - start) / (end - start), from 0 to the whole of it
     gripped     Coulomb's law without regularisation: the clamp takes of m v + dt f what it can, dt F at most, and the
-                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it while it slips
+                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it
+                while it slips
 
-The energy audit gets the work of the fabric on prescribed nodes, that on the grips, and the kinetic energy of gripped
-nodes, all in the form in which central differences balance them: forces at whole steps over the motion between.
+The energy audit gets the work of the fabric on prescribed nodes, that on the grips, and the kinetic
+energy of gripped nodes, all in the form in which central differences balance them: forces at whole
+steps over the motion between.
 """
 
 from shellfabric.jit.compile import kernel
@@ -28,7 +32,8 @@ def slip_fraction(time, start, end):
 
 @unit(later=True, time="number")
 def update_slip_nodes(state, const, time):
-    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the
+    work of the last."""
     kinetic = 0.0
     for m in range(const.slip_node.size):
         k = const.slip_node[m]

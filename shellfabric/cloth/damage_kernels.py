@@ -1,7 +1,8 @@
 """Forces of damaged elements: edges of which yarns have failed, or are crossed by yarns that have.
 
-See `membrane_kernels` for the intact fraction alpha and the crossed fraction kappa. All edges have been computed as
-whole ones, eight at once; where an element beside eight of them has a failed yarn, these are computed again.
+See `membrane_kernels` for the intact fraction alpha and the crossed fraction kappa. All edges have
+been computed as whole ones, eight at once; where an element beside eight of them has a failed yarn,
+these are computed again.
 """
 
 import numpy as np
@@ -17,8 +18,9 @@ _ALL = 2**WIDTH - 1  # bits of eight that are whole
 
 @kernel(_nrt=False, forceinline=True)
 def damage_near(flags, k, s, before, behind):
-    """Whether a yarn has failed in an element beside the eight slots from k on: in the rows of elements from `before`
-    theirs to `behind` theirs, and in the columns to one beyond them on both sides."""
+    """Whether a yarn has failed in an element beside the eight slots from k on: in the rows of
+    elements from `before` theirs to `behind` theirs, and in the columns to one beyond them on both
+    sides."""
     for row in range(-before, behind + 1):
         m = k + row * s
         if m >= 0:
@@ -32,7 +34,8 @@ def damage_near(flags, k, s, before, behind):
 
 @kernel(_nrt=False, forceinline=True)
 def edges_damaged(const, state, family, i, j):
-    """Whether a yarn of the eight edges of a family from (i, j) on, or one that crosses them, may have failed."""
+    """Whether a yarn of the eight edges of a family from (i, j) on, or one that crosses them, may
+    have failed."""
     s = const.row_stride
     behind = 0
     if family == WARP:
@@ -42,10 +45,11 @@ def edges_damaged(const, state, family, i, j):
 
 @kernel()
 def sum_crossing(const, family, i, j, alpha, x, shift):
-    """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha, and sum w alpha x.
+    """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha,
+    and sum w alpha x.
 
-    alpha has the panel's slots, x scratch that lies `shift` slots behind them. A weight is one but on graded panels,
-    and where only one line crosses.
+    alpha has the panel's slots, x scratch that lies `shift` slots behind them. A weight is one but
+    on graded panels, and where only one line crosses.
     """
     s = const.row_stride
     k = i * s + j
@@ -94,8 +98,8 @@ def edges_in_row(const, family):
 
 @unit(later=True)
 def damaged_means(state, const, work, family, first, last):
-    """Mean stretch of the crossing edges, weighted by their intact fraction, for damaged edges of a block: of the rows
-    that `average_crossing` has."""
+    """Mean stretch of the crossing edges, weighted by their intact fraction, for damaged edges of a
+    block: of the rows that `average_crossing` has."""
     columns = edges_in_row(const, family)
     shift = (first - 2) * const.row_stride
     intact = state.intact_fraction[1 - family]
@@ -125,7 +129,8 @@ def last_row(family, last):
 
 @unit(later=True)
 def damaged_forces(state, const, work, family, first, last):
-    """T = kappa T + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
+    """T = kappa T + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have
+    failed."""
     w, S0, EA = yarn_properties(const, family)
     columns = edges_in_row(const, family)
     shift = (first - 2) * const.row_stride
@@ -152,7 +157,8 @@ def damaged_forces(state, const, work, family, first, last):
 
 @unit(later=True)
 def damaged_gradient(state, const, work, family, first, last):
-    """The variational force of damaged edges: own share, and, of each crossing edge, the share that it gives."""
+    """The variational force of damaged edges: own share, and, of each crossing edge, the share that
+    it gives."""
     w, S0, EA = yarn_properties(const, family)
     columns = edges_in_row(const, family)
     shift = (first - 2) * const.row_stride

@@ -1,9 +1,11 @@
-"""Energies of an audit: of motion, and of what yarns and trellis store, broken or not (`membrane_kernels`).
+"""Energies of an audit: of motion, and of what yarns and trellis store, broken or not
+(`membrane_kernels`).
 
     yarn     E = n (kappa W / 2 + (1 - kappa) U_alone)      of an edge, n = y / 2 w the crossovers that it stands for
     trellis  E = alpha V U(gamma)                           of a quadrilateral
 
-An audit looks at all of the fabric, and most of it is whole: there kappa and alpha are one, and means plain ones.
+An audit looks at all of the fabric, and most of it is whole: there kappa and alpha are one, and
+means plain ones.
 """
 
 import numpy as np
@@ -43,9 +45,11 @@ def kinetic_energy(const, state, i):
 
 @unit("2 numbers")
 def stored_energy(const, state, first, last):
-    """(energy of the yarns, of the trellis) [J] of the element rows first .. last - 1 and the weft at their far end.
+    """(energy of the yarns, of the trellis) [J] of the element rows first .. last - 1 and the weft
+    at their far end.
 
-    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
+    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the
+    cells store.
     """
     yarns = 0.0
     trellis = 0.0
@@ -68,8 +72,8 @@ def row_intact(const, state, i):
 
 @unit("number", whole="flag")
 def row_energy(const, state, family, i, whole):
-    """[J] of the edges (i, 0), (i, 1), ... of a family. whole : none has failed, nor the four that cross each; of warp
-    edges but for those at the ends of the row, which two cross."""
+    """[J] of the edges (i, 0), (i, 1), ... of a family. whole : none has failed, nor the four that
+    cross each; of warp edges but for those at the ends of the row, which two cross."""
     s = const.row_stride
     found = 0.0
     for j in range(edges_in_row(const, family)):
@@ -105,7 +109,8 @@ def mean_crossing(const, state, family, k):
 
 @kernel(_nrt=False)
 def cell_energy(const, state, family, k, mean):
-    """[J/m] of crossed yarn of the edge at slot k, whose crossing edges have a mean stretch: W / 4 w."""
+    """[J/m] of crossed yarn of the edge at slot k, whose crossing edges have a mean stretch: W / 4
+    w."""
     own = state.stretch[family][k]
     l1 = own
     l2 = mean

@@ -1,26 +1,27 @@
 """Failure of yarns: criterion, removal and energies. Forces of damaged elements: `damage_kernels`.
 
-What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of fibres as wide as the
-line. Each line breaks by itself, at one place. What is held against the strength T_u of the yarn that is nearest to the
-line is a tension averaged over one fixed length l across the fibres (`Fabric.failure_length`), and over the time that a
-wave needs across it:
+What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of
+fibres as wide as the line. Each line breaks by itself, at one place. What is held against the
+strength T_u of the yarn that is nearest to the line is a tension averaged over one fixed length l
+across the fibres (`Fabric.failure_length`), and over the time that a wave needs across it:
 
     M(y) = int k(y - y') phi T dy' / int k(y - y') phi dy',     k(y) = max(0, 1 - |y| / l)
     dF/dt = (M - F) / t_f,   t_f = 2 max(l, h) / c_w,           the edge breaks where F > T_u
 
-phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of the edge, c_w the
-wave speed along the yarn in the weave. Both lengths are needed. The first wave in a crimped yarn is a shock, which a
-mesh overshoots by up to two thirds for about the time that a wave needs across an element; and beside the rim of a nose
-the tension of a membrane is singular, so that without a length it grows with every finer mesh. M is the exact integral
-over lines of constant tension (`panel.failure.mean_weights`).
+phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of
+the edge, c_w the wave speed along the yarn in the weave. Both lengths are needed. The first wave in
+a crimped yarn is a shock, which a mesh overshoots by up to two thirds for about the time that a
+wave needs across an element; and beside the rim of a nose the tension of a membrane is singular, so
+that without a length it grows with every finer mesh. M is the exact integral over lines of constant
+tension (`panel.failure.mean_weights`).
 
-F follows M only where one of them is above half of the strength, and is half of it elsewhere: fabric that is far from
-failure costs nothing. The reported peak is the smaller of M and F. The strength is that of the yarn, or follows the
-strain rate (`strength_kernels`).
+F follows M only where one of them is above half of the strength, and is half of it elsewhere:
+fabric that is far from failure costs nothing. The reported peak is the smaller of M and F. The
+strength is that of the yarn, or follows the strain rate (`strength_kernels`).
 
-What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it: see
-`membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has
-acted.
+What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it:
+see `membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in
+which its old force has acted.
 """
 
 import numpy as np
@@ -60,7 +61,8 @@ def mean_tension(const, state, family, i, j):
 
 @kernel(_nrt=False)
 def may_fail(const, state, block):
-    """Whether an edge of a block may break, follow a tension above half of its strength, or have a new peak tension."""
+    """Whether an edge of a block may break, follow a tension above half of its strength, or have a
+    new peak tension."""
     most = state.block_max_tension[block]
     return (
         state.warm_blocks[block]
@@ -71,10 +73,11 @@ def may_fail(const, state, block):
 
 @unit("integer")
 def find_failures(const, state, family, first, last):
-    """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that break in state.failed.
+    """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that
+    break in state.failed.
 
-    Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with its edge and step.
-    Returns how many edges break.
+    Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with
+    its edge and step. Returns how many edges break.
     """
     lines = const.warp_lines
     s = const.row_stride
@@ -130,7 +133,8 @@ def find_failures(const, state, family, first, last):
 
 @unit(later=True)
 def break_edges(const, state, family, first, last):
-    """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
+    """Remove the yarn of the edges of the node rows first .. last that `find_failures` has
+    marked."""
     end = min(last + 1, const.ni)
     if family == WEFT:
         end = min(last, const.ni) + 1
@@ -144,7 +148,8 @@ def break_edges(const, state, family, first, last):
 
 @kernel(_nrt=False)
 def flag_elements(const, state, family, i, j):
-    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces depend on it."""
+    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces
+    depend on it."""
     for side in range(2):
         bit = WARP_FAILED
         p = i
@@ -161,7 +166,8 @@ def flag_elements(const, state, family, i, j):
 
 @unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
-    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
+    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the
+    same rows."""
     work = 0.0
     viscous = 0.0
     for family in range(2):

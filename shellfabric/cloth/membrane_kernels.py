@@ -1,28 +1,33 @@
-"""The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between; total Lagrangian.
+"""The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between;
+total Lagrangian.
 
-Equations, trellis of fabric that is drawn together, failed yarns, graded panels: docs/theory-panel.md, "Yarn elements
-and forces". Displacements u are stored, so that fabric at rest is exactly at rest. The edge from a node to the next
-one along its line is a segment of yarn of the stretch Lambda; <> is the mean over its four crossing segments.
+Equations, trellis of fabric that is drawn together, failed yarns, graded panels:
+docs/theory-panel.md, "Yarn elements and forces". Displacements u are stored, so that fabric at rest
+is exactly at rest. The edge from a node to the next one along its line is a segment of yarn of the
+stretch Lambda; <> is the mean over its four crossing segments.
 
     equilibrium form   T1 = T1(Lambda1, <Lambda2>),   T2 = T2(<Lambda1>, Lambda2)           forces along the segments
     variational form   E = 1/2 sum_warp n W(Lambda1, <Lambda2>) + 1/2 sum_weft n W(<Lambda1>, Lambda2)
     trellis            sin(gamma) = a.b / f(<Lambda1>) f(<Lambda2>),  f = Lambda, or c / 2 + Lambda^2 / 2 c below c
     failed yarns       N_e = kappa_e N + (1 - kappa_e) T_alone,  force alpha_e N_e   (alpha intact, kappa crossed part)
 
-c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the
-D of `panel.model`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of a crossing line before and behind a node
-count by their length, so that a mean is its own transpose; constants become arrays of slots (`item_or_scalar`).
+c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 +
+1 / f2^2) / 4 to the D of `panel.model`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of
+a crossing line before and behind a node count by their length, so that a mean is its own transpose;
+constants become arrays of slots (`item_or_scalar`).
 
-Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to (i+1, j), the
-weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and quadrilaterals leave
-the last slot of a row idle. An element row adds to the node rows below and above it; node rows between two blocks have
-two places for this, f_int and f_int_above, so that the result does not depend on the order of the blocks.
+Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp
+edge to (i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s
++ j. Weft edges and quadrilaterals leave the last slot of a row idle. An element row adds to the
+node rows below and above it; node rows between two blocks have two places for this, f_int and
+f_int_above, so that the result does not depend on the order of the blocks.
 
-Kernels work on the rows first .. last - 1 of a block. Loops are plain ones over slices, which LLVM turns into vector
-instructions. Three are written eight slots at a time (`simd`), since LLVM gives up on them or is slower: the look-up in
-the cell's table, the trellis and the scatter. These may overrun scratch by up to seven slots, the panel's arrays not.
-Scratch begins two rows before the block's first: one is idle, one repeats the last row of the block before; another row
-follows the block's last.
+Kernels work on the rows first .. last - 1 of a block. Loops are plain ones over slices, which LLVM
+turns into vector instructions. Three are written eight slots at a time (`simd`), since LLVM gives
+up on them or is slower: the look-up in the cell's table, the trellis and the scatter. These may
+overrun scratch by up to seven slots, the panel's arrays not. Scratch begins two rows before the
+block's first: one is idle, one repeats the last row of the block before; another row follows the
+block's last.
 """
 
 import numpy as np
@@ -64,7 +69,8 @@ SUM = {"reassoc", "nsz", "contract"}  # lets LLVM add up in any order, in vector
 
 @kernel()
 def scratch_slot(const, first, row):
-    """Slot of the scratch where a row of the panel begins, for a block whose first row is `first`."""
+    """Slot of the scratch where a row of the panel begins, for a block whose first row is
+    `first`."""
     return (row - first + 2) * const.row_stride
 
 
@@ -77,7 +83,8 @@ def slots_of(arrays, begin, n):
 
 @unit()
 def stretch_edges(state, const, work, first, last):
-    """Edges of the rows first - 1 .. last of a block: vectors over their length at rest, stretches."""
+    """Edges of the rows first - 1 .. last of a block: vectors over their length at rest,
+    stretches."""
     s = const.row_stride
     low = max(first - 1, 0)
     k = low * s
@@ -118,7 +125,8 @@ def stretch_edges(state, const, work, first, last):
 def edge_vectors(per_length, k, at_rest, begin, end, vector, stretch, inverse):
     """Vectors of edges over their length at rest, their stretches and the inverses of these.
 
-    per_length : [1/m] inverse length at rest, one number or slots, from k on;  at_rest : (x, y) of the vector at rest
+    per_length : [1/m] inverse length at rest, one number or slots, from k on;  at_rest : (x, y) of
+        the vector at rest
     begin, end : (x, y, z) [m] displacements of the nodes at both ends
     """
     x, y, z = begin
@@ -140,7 +148,8 @@ def edge_vectors(per_length, k, at_rest, begin, end, vector, stretch, inverse):
 
 @kernel(_nrt=False)
 def repeat_rim(const, first, last, x):
-    """Repeat the first and the last row of warp edges of the panel beyond its rim, where the weft edges on it look."""
+    """Repeat the first and the last row of warp edges of the panel beyond its rim, where the weft
+    edges on it look."""
     s = const.row_stride
     if first == 0:
         for j in range(s):
@@ -153,7 +162,8 @@ def repeat_rim(const, first, last, x):
 
 @unit()
 def average_crossing(state, const, work, first, last):
-    """Mean stretch of the edges that cross each edge of a block's rows, and each warp edge of the row before."""
+    """Mean stretch of the edges that cross each edge of a block's rows, and each warp edge of the
+    row before."""
     low = max(first - 1, 0)
     mean_over_weft(const, first, low, last, work.stretch[WEFT], work.mean_stretch[WEFT])
     mean_over_warp(const, first, last, work.stretch[WARP], work.mean_stretch[WARP])
@@ -161,7 +171,8 @@ def average_crossing(state, const, work, first, last):
 
 @kernel(_nrt=False)
 def mean_over_weft(const, first, low, last, x, mean):
-    """For the warp edges of the rows low .. last - 1 the mean of x over the four weft edges at their two nodes; over
+    """For the warp edges of the rows low .. last - 1 the mean of x over the four weft edges at
+    their two nodes; over
     two at the ends of a row. first : row of the block that the scratch x and mean is of."""
     s = const.row_stride
     m = scratch_slot(const, first, low)
@@ -186,8 +197,8 @@ def mean_over_weft(const, first, low, last, x, mean):
 
 @kernel(_nrt=False)
 def mean_over_warp(const, first, last, x, mean):
-    """For the weft edges of the rows first .. last the mean of x over the four warp edges at their two nodes; those
-    beyond the panel repeat its last row (`repeat_rim`)."""
+    """For the weft edges of the rows first .. last the mean of x over the four warp edges at their
+    two nodes; those beyond the panel repeat its last row (`repeat_rim`)."""
     s = const.row_stride
     m = 2 * s
     n = (last - first + 1) * s
@@ -208,9 +219,11 @@ def mean_over_warp(const, first, last, x, mean):
 
 @unit()
 def share_forces(state, const, work, first, last):
-    """Forces N of a block's edges in the variational form: half of dW of their own cells, half of those they cross.
+    """Forces N of a block's edges in the variational form: half of dW of their own cells, half of
+    those they cross.
 
-    The mean over crossing edges is its own transpose: what an edge gets is the mean of what these give.
+    The mean over crossing edges is its own transpose: what an edge gets is the mean of what these
+    give.
     """
     s = const.row_stride
     repeat_rim(const, first, last, work.dW_crossing[WARP])
@@ -229,7 +242,8 @@ def share_forces(state, const, work, first, last):
 
 @kernel(_nrt=False, fastmath=SUM)
 def step_work(again, cv, k, length, stretch, N, kept):
-    """(work of N, work of the viscous force) [J] of a step: the trapezoid of the force over the change of stretch."""
+    """(work of N, work of the viscous force) [J] of a step: the trapezoid of the force over the
+    change of stretch."""
     L, P, D = kept
     work = 0.0
     viscous = 0.0
@@ -249,12 +263,14 @@ def step_work(again, cv, k, length, stretch, N, kept):
 def pull_yarns(state, const, work, block, first, last):
     """Axial forces of a block's edges over their stretch, and the work of the step.
 
-    The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the trellis on both sides
-    takes. Summed over the steps the work equals, term by term, what central differences exchange with the kinetic
-    energy. A step that is made again, since yarns failed in it, keeps its change of stretch.
+    The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the
+    trellis on both sides takes. Summed over the steps the work equals, term by term, what central
+    differences exchange with the kinetic energy. A step that is made again, since yarns failed in
+    it, keeps its change of stretch.
 
-    The trapezoid of a force whose slope changes by dK in a step is dK dL^2 / 12 more than its integral (Euler and
-    Maclaurin). A yarn that snaps taut loses that much, and gets none of it back, as it slackens slowly.
+    The trapezoid of a force whose slope changes by dK in a step is dK dL^2 / 12 more than its
+    integral (Euler and Maclaurin). A yarn that snaps taut loses that much, and gets none of it
+    back, as it slackens slowly.
     """
     s = const.row_stride
     again = state.block_damage[block] == REDO
@@ -296,7 +312,8 @@ def pull_yarns(state, const, work, block, first, last):
 
 @kernel(_nrt=False)
 def pull_edges(again, k, factors, edges, turned, kept, on):
-    """Pull of edges over their stretch, r (y (N + cv dL) - turned) / l, into `on`; keep what the next step needs.
+    """Pull of edges over their stretch, r (y (N + cv dL) - turned) / l, into `on`; keep what the
+    next step needs.
 
     factors : r = 1 / dX and cv, one number or slots, from k on; y
     edges, turned : l, 1 / l, N; what the trellis takes on both sides
@@ -323,12 +340,14 @@ def pull_edges(again, k, factors, edges, turned, kept, on):
 
 @unit()
 def scatter_forces(state, const, work, block, first, last):
-    """Forces of a block's edges and elements on its nodes, and on the first row of nodes of the next block.
+    """Forces of a block's edges and elements on its nodes, and on the first row of nodes of the
+    next block.
 
-    Eight slots at a time: what a slot gives to the next one stays in registers. work.f_next_row is what a row of
-    elements gives to the nodes of the next; a row is read before the next is stored, all rows in one loop unless a row
-    is shorter than eight slots. A row of nodes in whose middle of a block the window begins or ends is at rest: it
-    keeps the forces that it has. Without contraction uniform tension cancels digit by digit.
+    Eight slots at a time: what a slot gives to the next one stays in registers. work.f_next_row is
+    what a row of elements gives to the nodes of the next; a row is read before the next is stored,
+    all rows in one loop unless a row is shorter than eight slots. A row of nodes in whose middle of
+    a block the window begins or ends is at rest: it keeps the forces that it has. Without
+    contraction uniform tension cancels digit by digit.
     """
     s = const.row_stride
     k0 = first * s
@@ -370,7 +389,8 @@ def scatter_forces(state, const, work, block, first, last):
 
 @kernel(_nrt=False, forceinline=True)
 def scatter_component(state, const, work, c, k, m, left, pulls, last):
-    """Nodal forces of eight slots, component c; `last` is what it returned for the eight slots before."""
+    """Nodal forces of eight slots, component c; `last` is what it returned for the eight slots
+    before."""
     crossed, pull1, pull2 = pulls
     last_X, last_pull, last_Y = last
     A = work.A[c]
@@ -393,7 +413,8 @@ def scatter_component(state, const, work, c, k, m, left, pulls, last):
 
 @kernel(_nrt=False)
 def hand_over(state, const, work, block, first, last):
-    """Forces on the row of nodes behind a block: those of the next block, or on the rim of the panel with its weft."""
+    """Forces on the row of nodes behind a block: those of the next block, or on the rim of the
+    panel with its weft."""
     s = const.row_stride
     k = last * s
     m = scratch_slot(const, first, last)

@@ -1,21 +1,23 @@
 """Packed fabric: an element keeps a share of its area at rest.
 
-A membrane of yarns has no stiffness in compression. Where fabric is torn, bunched up or free, nothing holds its
-elements open: they would contract to points. Real yarns lie side by side. An element of the area A (A0 at rest) stores
+A membrane of yarns has no stiffness in compression. Where fabric is torn, bunched up or free,
+nothing holds its elements open: they would contract to points. Real yarns lie side by side. An
+element of the area A (A0 at rest) stores
 
     U = A0 P (s - A / A0)^2 / 2 s     if A < s A0,     P = E_c t_s     (`fabrics.ply_laws.packing_stiffness`)
 
-where s is the share of its area that packed fabric keeps (`packed_area` of fabrics/data_sheet.toml). A is the area of
-the parallelogram of the mean sides, half the cross product of the diagonals:
+where s is the share of its area that packed fabric keeps (`packed_area` of
+fabrics/data_sheet.toml). A is the area of the parallelogram of the mean sides, half the cross
+product of the diagonals:
 
     a = mean warp side / dx,     b = mean weft side / dy,     A / A0 = |a x b|
 
-Forces are the gradient of U: their sum and their moments vanish. They are softer than the yarns by E_c over E, so the
-time step stays. An element without a yarn of either family, or a torn one that is drawn out to twice its size, is no
-fabric any more, and keeps nothing.
+Forces are the gradient of U: their sum and their moments vanish. They are softer than the yarns by
+E_c over E, so the time step stays. An element without a yarn of either family, or a torn one that
+is drawn out to twice its size, is no fabric any more, and keeps nothing.
 
-Which blocks have packed elements is found eight elements at a time while their sides are in cache (`has_packed`); only
-these blocks are then looked at element by element.
+Which blocks have packed elements is found eight elements at a time while their sides are in cache
+(`has_packed`); only these blocks are then looked at element by element.
 """
 
 import math
@@ -37,7 +39,8 @@ _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not 
 
 @unit("flag")
 def has_packed(state, const, work, first, last):
-    """Whether an element of a block's rows has less than the share of its area at rest that packed fabric keeps."""
+    """Whether an element of a block's rows has less than the share of its area at rest that packed
+    fabric keeps."""
     s = const.row_stride
     A = work.A
     B = work.B
@@ -63,8 +66,8 @@ def has_packed(state, const, work, first, last):
 
 @unit("number", own=ModuleTable)
 def packing_forces(state, const, own, first, last, acting):
-    """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to state.f_int if `acting`
-    (a unit of `panel.forces`, without a row)."""
+    """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to
+    state.f_int if `acting` (a unit of `panel.forces`, without a row)."""
     total = 0.0
     per = const.rows_per_block
     for block in range(first // per, (last + per - 1) // per):
@@ -111,7 +114,8 @@ def packing_force(state, const, k, acting):
 
 @kernel(_nrt=False)
 def mean_sides(state, const, k):
-    """Mean warp side and mean weft side (x, y, z) of the element at slot k, over their length at rest."""
+    """Mean warp side and mean weft side (x, y, z) of the element at slot k, over their length at
+    rest."""
     s = np.uint64(const.row_stride)
     half1 = 0.5 / rest_length(const.dx, const.inv_dx, k)
     half2 = 0.5 / rest_length(const.dy, const.inv_dy, k)

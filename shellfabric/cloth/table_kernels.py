@@ -1,14 +1,17 @@
-"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient (biquadratic).
+"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient
+(biquadratic).
 
-Beyond the table, which ends 2 % above the strength, come lines beside a yarn that has failed: they stand for a part of
-its fibres and are drawn out far. With the local coordinates p, q cut off at 1 and what is beyond, a and b,
+Beyond the table, which ends 2 % above the strength, come lines beside a yarn that has failed: they
+stand for a part of its fibres and are drawn out far. With the local coordinates p, q cut off at 1
+and what is beyond, a and b,
 
-    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2 + g(a) g(b) W_pq
+    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2
+    + g(a) g(b) W_pq
 
-g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn stiffens no more,
-and what it does to the one that crosses it saturates, as in the cell. Forces are continuous and those of one
-potential; the tangent stays positive and, for five fabrics, below the largest of the table, which the time step is
-made for (docs/theory-cell.md).
+g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn
+stiffens no more, and what it does to the one that crosses it saturates, as in the cell. Forces are
+continuous and those of one potential; the tangent stays positive and, for five fabrics, below the
+largest of the table, which the time step is made for (docs/theory-cell.md).
 """
 
 import math
@@ -47,11 +50,12 @@ def saturated(over, reach):
 
 @unit("number", l1="n", l2="n", grid="7 numbers", table="cells, 4", reaches="2 numbers", T="n")
 def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
-    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
+    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at
+    least 0.
 
-    grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
-        second. Below the table its edge, which is exact there; above it linear, but for `reaches`, the cells to which
-        either stretch counts beyond it.
+    grid : where the table begins, cells per stretch and number of the last cell, of both stretches;
+        cells along the second. Below the table its edge, which is exact there; above it linear, but
+        for `reaches`, the cells to which either stretch counts beyond it.
     """
     x0, rx, top1, y0, ry, top2, across = grid
     greatest = broadcast(0.0)
@@ -131,12 +135,14 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
     beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : of N1 and of N2
 
-    Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p q, p q q, p p q q.
-    Returns the largest p and q, the places in the table in units of its cells, and the largest N1 and N2, at least 0.
+    Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p
+    q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells,
+    and the largest N1 and N2, at least 0.
 
-    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
-    N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
-    and what waits fills all the room that a processor has for it.
+    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which
+    are kept in spots, N1 and N2, and the second what stands there. In one loop the rows wait for
+    their number and the sums for the rows, and what waits fills all the room that a processor has
+    for it.
     """
     far1 = broadcast(0.0)
     far2 = broadcast(0.0)
@@ -182,7 +188,8 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
 @kernel(forceinline=True)
 def potential_at(p, q, over1, over2, c, level, beyond):
-    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or of eight."""
+    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or
+    of eight."""
     reach1, reach2, t1, t2, k1, k2 = beyond
     far1 = saturated(over1, reach1)[0]
     far2 = saturated(over2, reach2)[0]
@@ -199,7 +206,8 @@ def potential_at(p, q, over1, over2, c, level, beyond):
 
 @kernel()
 def potential(l1, l2, grid, table, beyond, level):
-    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
+    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,)
+    [J] : of 1."""
     x0, rx, top1, y0, ry, top2, across = grid
     p = max((l1 - x0) * rx, 0.0)
     q = max((l2 - y0) * ry, 0.0)

@@ -37,7 +37,8 @@ ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 
 @kernel()
 def trellis_law(gamma, G1, G2, gamma1, gamma2):
-    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35, erratum E-11)."""
+    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35,
+    erratum E-11)."""
     g = abs(gamma)
     rise = (G2 - G1) / (gamma2 - gamma1)
     middle = min(max(g - gamma1, 0.0), gamma2 - gamma1)
@@ -62,7 +63,8 @@ def arcsine_terms(z, z2, m):
 
 @kernel(forceinline=True)
 def arcsine(sine):
-    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
+    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1
+    - x) / 2) above."""
     x = minimum(fabs(sine), 0.999)
     high = greater(x, 0.5)
     root = x
@@ -80,7 +82,8 @@ def arcsine(sine):
 
 @kernel()
 def shear_slope(sine, G1, G2, gamma1, gamma2):
-    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6 degrees count as that.
+    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6
+    degrees count as that.
 
     `trellis_law` written without branches.
     """
@@ -111,7 +114,8 @@ def regularized_stretch_scalar(stretch):
 
 @kernel(forceinline=True)
 def shear_sines(work, j, s):
-    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches, and these, summed."""
+    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches,
+    and these, summed."""
     A = work.A
     B = work.B
     l1, l2 = work.stretch
@@ -129,10 +133,11 @@ def shear_sines(work, j, s):
 
 @unit()
 def trellis_forces(state, const, work, first, last):
-    """Shear forces of a block's elements and of the row before them, which shares their first weft edges.
+    """Shear forces of a block's elements and of the row before them, which shares their first weft
+    edges.
 
-    Into work.trellis_turn -dE/dLambda that an element gives to each of its two warp and its two weft edges, and into
-    work.trellis_cross dE/d(a.b) over four, a and b being doubled.
+    Into work.trellis_turn -dE/dLambda that an element gives to each of its two warp and its two
+    weft edges, and into work.trellis_cross dE/d(a.b) over four, a and b being doubled.
     """
     s = const.row_stride
     low = max(first - 1, 0)

@@ -1,8 +1,9 @@
 """Contact force of a crossover whose yarns resist bending, for the threshold of slip.
 
-The yarns of the cell are perfectly flexible: one without tension does not press back, and the contact force is zero
-however much the other is stretched. With the bending stiffness B a yarn keeps its crimp. The energy of a cosine of the
-height h against its height h0 at rest, over the length 2 w of the cell, is
+The yarns of the cell are perfectly flexible: one without tension does not press back, and the
+contact force is zero however much the other is stretched. With the bending stiffness B a yarn keeps
+its crimp. The energy of a cosine of the height h against its height h0 at rest, over the length 2 w
+of the cell, is
 
     U = K (h - h0)^2 / 2,     K = B pi^4 / (16 w^3)
 
@@ -10,12 +11,13 @@ with which the balance of each yarn at the contact force F is
 
     T dS/dh + K (h - h0) = q F
 
-with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) + d2(F) + g = h01 + h02
-(`cell.crossover_kernels`).
-Yarns of fibres that slide freely on one another have the lower bound of B, n E pi d^4 / 64; those of a solid section of
-the fibres' area the upper one, E A^2 / 4 pi (`panel.model`).
+with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) +
+d2(F) + g = h01 + h02 (`cell.crossover_kernels`). Yarns of fibres that slide freely on one another
+have the lower bound of B, n E pi d^4 / 64; those of a solid section of the fibres' area the upper
+one, E A^2 / 4 pi (`panel.model`).
 
-The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the flexible cell.
+The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the
+flexible cell.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ BISECTIONS = 60
 
 
 def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, float]:
-    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid section.
+    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid
+    section.
 
     fibre_diameter : [m]; 12 um is that of aramid fibres
     """
@@ -45,7 +48,8 @@ def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, fl
 
 
 def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as `yarn_kernels.arc`."""
+    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as
+    `yarn_kernels.arc`."""
     k = 0.5 * pi * h / w
     E = ellipe(-(k**2))
     K = ellipk(-(k**2))
@@ -127,7 +131,8 @@ def contact_forces(
 
 
 def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses has none."""
+    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses
+    has none."""
     model = table.model
     slack = table.stretch1[:1]
     weft = model.yarn_tuples[1]
@@ -140,7 +145,8 @@ def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArr
 
 
 def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists bending."""
+    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists
+    bending."""
     if not any(bending):
         return table.values["F"]
     return contact_forces(table.model, bending, table.stretch1, table.stretch2, _largest(table))

@@ -1,8 +1,10 @@
-"""A piece of fabric cut from a weave for a quasi-static test: its yarns as a grid, whatever the outline.
+"""A piece of fabric cut from a weave for a quasi-static test: its yarns as a grid, whatever the
+outline.
 
-The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across the yarns would be
-kept from shearing by the stiffness of the yarns themselves (tension locking), which here is a thousand times that of
-the trellis. A cut across the yarns is then a staircase, as it is in the fabric.
+The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across
+the yarns would be kept from shearing by the stiffness of the yarns themselves (tension locking),
+which here is a thousand times that of the trellis. A cut across the yarns is then a staircase, as
+it is in the fabric.
 """
 
 from __future__ import annotations
@@ -27,8 +29,9 @@ if TYPE_CHECKING:
     from fabrics.weave import Weave
 
 
-# [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point of the grid that a
-# coupon is cut from, then 1,900 to 2,500 of each element, most of them in `Coupon.spread`
+# [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point
+# of the grid that a coupon is cut from, then 1,900 to 2,500 of each element, most of them in
+# `Coupon.spread`
 GRID_POINT = 80.0
 ELEMENT = 2500.0
 
@@ -42,13 +45,16 @@ class Coupon:
     table : CellTable of the fabric, in the variational form (forces are the gradient of an energy)
     points : (n, 2) [m] nodes at rest
     edges : ((e1, 2), (e2, 2)) node numbers of the warp and of the weft segments
-    cells : ((e1,), (e2,)) crossovers that a segment stands for; 1 inside, 1/2 on the outline, over the number of
-        elements in a crossover
-    across : ((e1, 4), (e2, 4)) segments of the other family that meet a segment's ends; -1 where there is none
-    quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along weft
+    cells : ((e1,), (e2,)) crossovers that a segment stands for; 1 inside, 1/2 on the outline, over
+        the number of elements in a crossover
+    across : ((e1, 4), (e2, 4)) segments of the other family that meet a segment's ends; -1 where
+        there is none
+    quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along
+        weft
     spacing : (dX, dY) [m] lengths of a segment at rest
     trellis : whether the fabric's shear law acts; a fabric without one has none
-    yarn_share : [-] share of the yarns' stiffness with which they are computed (`quasistatic.yarn_share`)
+    yarn_share : [-] share of the yarns' stiffness with which they are computed
+        (`quasistatic.yarn_share`)
 
     Raises
     ------
@@ -116,12 +122,14 @@ class Coupon:
         )
 
     def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
-        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
+        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis)
+        [J] at x (n, 2)."""
         f, bound, stored, sheared = kernels.forces(x, *self._arguments, self._scratch)
         return f, bound, (stored, sheared)
 
     def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
-        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its neighbours' mean."""
+        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its
+        neighbours' mean."""
         n = len(self.points)
         pairs = np.concatenate(self.edges)
         joined = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
@@ -135,7 +143,8 @@ class Coupon:
         return out
 
     def shear_angles(self, x: FloatArray) -> FloatArray:
-        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has closed."""
+        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has
+        closed."""
         return kernels.angles(x, self.quads, *self.spacing)
 
     def stretches(self, x: FloatArray) -> tuple[FloatArray, ...]:
@@ -166,13 +175,15 @@ class Coupon:
         return tuple(found)
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against the strength, M of
-        `cloth.failure_kernels`; without its low-pass, since the test is quasi-static."""
+        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against
+        the strength, M of `cloth.failure_kernels`; without its low-pass, since the test is
+        quasi-static."""
         return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
 
     @cached_property
     def _means(self):
-        """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each segment."""
+        """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each
+        segment."""
         length = self.table.model.fabric.failure_length
         means = []
         for family, (edges, cells) in enumerate(zip(self.edges, self.cells)):
@@ -218,9 +229,10 @@ def mesh_coupon(
     reach : [m] of the farthest point of the coupon from the origin
     angle : [rad] from the x axis to the warp
     elements_per_crossover : along each side
-    offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an element on the origin
-    woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points [m]; None: everywhere.
-        Yarns that have been removed leave the others alone
+    offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an
+        element on the origin
+    woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points
+        [m]; None: everywhere. Yarns that have been removed leave the others alone
     trellis, yarn_share : see Coupon
 
     Raises
@@ -275,7 +287,8 @@ def mesh_coupon(
 
 
 def _present_yarns(x, y, outline, woven):
-    """[(elements), (elements)] bool: where warp and weft are present, of the elements that lie whole in the outline."""
+    """[(elements), (elements)] bool: where warp and weft are present, of the elements that lie
+    whole in the outline."""
     inside = outline(x, y)
     full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
     centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
@@ -283,7 +296,8 @@ def _present_yarns(x, y, outline, woven):
 
 
 def _beside(warp, weft):
-    """Number of elements with warp beside each warp edge, and of elements with weft beside each weft edge."""
+    """Number of elements with warp beside each warp edge, and of elements with weft beside each
+    weft edge."""
     count = [
         np.zeros((warp.shape[0], warp.shape[1] + 1), int),
         np.zeros((weft.shape[0] + 1, weft.shape[1]), int),
@@ -296,7 +310,8 @@ def _beside(warp, weft):
 
 
 def _meeting(edges, crossed, others, others_crossed, nodes):
-    """(e, 4): edges of the other family at the ends of each edge, where both are crossed; -1 where there is none."""
+    """(e, 4): edges of the other family at the ends of each edge, where both are crossed; -1 where
+    there is none."""
     at = -np.ones((nodes, 2), int)
     numbers = np.flatnonzero(others_crossed)
     at[others[numbers, 0], 1] = numbers

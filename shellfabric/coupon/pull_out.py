@@ -1,20 +1,23 @@
-"""Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it crosses are in tension.
+"""Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it
+crosses are in tension.
 
-The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at its stretch x; the
-piece of yarn there is 1/x times the piece that fills the cell. At each crossover that the yarn slides through
+The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at
+its stretch x; the piece of yarn there is 1/x times the piece that fills the cell. At each crossover
+that the yarn slides through
 
     T_ahead - T_behind = c0 + mu F_c(x),    x the mean of the two stretches
 
-Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it, and so on up to the
-crosshead. What the crosshead has drawn out is what the pieces hold less than at first, and what has come from the tail.
+Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it,
+and so on up to the crosshead. What the crosshead has drawn out is what the pieces hold less than at
+first, and what has come from the tail.
 
-1. The front of slip runs from the crosshead to the tail; behind it the yarn has no tension and lies still.
+1. The front of slip runs from the crosshead to the tail. Behind it the yarn is slack and lies still.
 2. All crossovers slide, and the tail moves on.
 3. The tail leaves one crossover after the other.
 
-The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not press back, however
-much the crossing yarns are stretched. With mu alone there is then no load; the cohesion is what it begins with. Yarns
-that resist bending press back (`contact_force`).
+The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not
+press back, however much the crossing yarns are stretched. With mu alone there is then no load; the
+cohesion is what it begins with. Yarns that resist bending press back (`contact_force`).
 """
 
 from __future__ import annotations
@@ -49,12 +52,13 @@ class PullOut:
     pre_tension : [N] of each crossing yarn, before the yarn is drawn
     mu : [-] coefficient of friction of yarn on yarn
     cohesion : [N] c0, friction of a crossover without contact force
-    bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of flexible yarns
+    bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of
+        flexible yarns
 
     Raises
     ------
-    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the strength of the
-        crossing yarns
+    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the
+        strength of the crossing yarns
     """
 
     table: CellTable
@@ -92,7 +96,8 @@ class PullOut:
 
     @cached_property
     def crossing_stretch(self) -> float:
-        """[-] stretch at which the crossing yarns have the pre-tension, while the drawn yarn has none."""
+        """[-] stretch at which the crossing yarns have the pre-tension, while the drawn yarn has
+        none."""
         if self.pre_tension == 0:
             return 1.0
         stretch = self.table.stretch2
@@ -130,8 +135,8 @@ class PullOut:
         Parameters
         ----------
         behind : (k,) [-] stretch behind it
-        at_tail : whether the tail is behind it, which presses on nothing: the contact force is then of the stretch
-            ahead alone
+        at_tail : whether the tail is behind it, which presses on nothing: the contact force is then
+            of the stretch ahead alone
 
         Returns
         -------
@@ -152,7 +157,8 @@ class PullOut:
         return low
 
     def stretches(self, first: FloatArray) -> FloatArray:
-        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first ones `first` (k,)."""
+        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first
+        ones `first` (k,)."""
         found = [first]
         while len(found) < self.crossings:
             found.append(self.stretch_ahead(found[-1]))
@@ -214,7 +220,8 @@ def follow(coupon: PullOut, displacement: float, *, samples: int = 500) -> PullO
 
     Raises
     ------
-    InputError : a displacement that is not positive, no sample, or more crossovers than the yarn can be drawn through
+    InputError : a displacement that is not positive, no sample, or more crossovers than the yarn
+        can be drawn through
     """
     if not 0 < displacement < inf:
         raise InputError(key="displacement", value=displacement, allowed="above 0")
@@ -246,8 +253,9 @@ def _path(coupon):
 
     Returns
     -------
-    (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the crossovers that the
-    yarn slides through, those that its end has left, and the yarn [m] that its tail has given
+    (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the
+    crossovers that the yarn slides through, those that its end has left, and the yarn [m] that its
+    tail has given
     """
     n = coupon.crossings
     slack = coupon.slack
@@ -269,7 +277,8 @@ def _path(coupon):
         end = coupon.spacing * (TAIL + left) / slack
         rows.append(np.repeat(row, 2, axis=0))
         counts += [(n - left, left, start), (n - left, left, end)]
-        # when the end leaves the next crossover the pieces shorten, and its tail moves on by as much
+        # when the end leaves the next crossover the pieces shorten, and its tail moves on by as
+        # much
         if left < n:
             next_row = _with_slack(slack, n, ahead[:, : n - left - 1])
             start = end + coupon.spacing * np.sum(1 / next_row - 1 / row)
@@ -277,7 +286,8 @@ def _path(coupon):
 
 
 def _with_slack(slack, n, ahead):
-    """(k, n) stretches: `ahead` (k, pieces) of the pieces at the crosshead, slack of those behind."""
+    """(k, n) stretches: `ahead` (k, pieces) of the pieces at the crosshead, slack of those
+    behind."""
     found = np.full((len(ahead), n), slack)
     found[:, n - ahead.shape[1] :] = ahead
     return found

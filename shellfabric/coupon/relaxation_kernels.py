@@ -1,20 +1,24 @@
-"""Forces of a piece of fabric in its plane: yarn segments joined at crossovers, and the trellis between them.
+"""Forces of a piece of fabric in its plane: yarn segments joined at crossovers, and the trellis
+between them.
 
-A grid line of the fabric is a yarn, a node a crossover, an edge a segment of yarn, so that a piece of any outline is a
-list of warp edges, a list of weft edges and a list of the quadrilaterals between them. With Lambda_e the stretch of an
-edge, and <Lambda>_e the mean stretch of the edges of the other family that meet its two ends,
+A grid line of the fabric is a yarn, a node a crossover, an edge a segment of yarn, so that a piece
+of any outline is a list of warp edges, a list of weft edges and a list of the quadrilaterals
+between them. With Lambda_e the stretch of an edge, and <Lambda>_e the mean stretch of the edges of
+the other family that meet its two ends,
 
     E = 1/2 sum_warp n_e W(Lambda_e, <Lambda>_e) + 1/2 sum_weft n_e W(<Lambda>_e, Lambda_e)
         + sum_edges that nothing crosses n_e U(Lambda_e) + sum_quads V integral tau dgamma
 
-W is the tabulated potential of the crossover (see `cell`), U that of a yarn alone, n_e the crossovers that an edge
-stands for, tau the trellis stress (eq. 4-35 as a total, odd function, erratum E-11) and V the volume of the shell. A
-quadrilateral shears by gamma = pi / 2 - angle from a to b, where a and b are the means of its two warp and its two
-weft edges. In the plane that angle is known beyond a right angle of shear: yarns that pass one another are seen
-(gamma > pi / 2), and nothing is singular there.
+W is the tabulated potential of the crossover (see `cell`), U that of a yarn alone, n_e the
+crossovers that an edge stands for, tau the trellis stress (eq. 4-35 as a total, odd function,
+erratum E-11) and V the volume of the shell. A quadrilateral shears by gamma = pi / 2 - angle from a
+to b, where a and b are the means of its two warp and its two weft edges. In the plane that angle is
+known beyond a right angle of shear: yarns that pass one another are seen (gamma > pi / 2), and
+nothing is singular there.
 
-`forces` gives, beside the nodal forces, for each node a bound on the block row sum of the tangent stiffness,
-sum_b |K_ab|. Taken as masses these make the largest eigenvalue of M^-1 K at most 1 (Gershgorin).
+`forces` gives, beside the nodal forces, for each node a bound on the block row sum of the tangent
+stiffness, sum_b |K_ab|. Taken as masses these make the largest eigenvalue of M^-1 K at most 1
+(Gershgorin).
 """
 
 import math
@@ -30,7 +34,8 @@ from shellfabric.jit.compile import entry, kernel
 def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
     """W and its slopes W1, W2, W11, W12, W22 with the stretches, from the biquadratic table.
 
-    Below the table the yarn is slack and the lowest edge is exact; above it the tensions go on linearly.
+    Below the table the yarn is slack and the lowest edge is exact; above it the tensions go on
+    linearly.
     """
     p = max((l1 - x0) * rx, 0.0)
     q = max((l2 - y0) * ry, 0.0)
@@ -56,7 +61,8 @@ def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
 
 @kernel()
 def stretch_edges(x, edges, length, L, tx, ty):
-    """Stretches L and directions (tx, ty) of the edges of one family, whose length at rest is `length`."""
+    """Stretches L and directions (tx, ty) of the edges of one family, whose length at rest is
+    `length`."""
     for e in range(edges.shape[0]):
         i = edges[e, 0]
         j = edges[e, 1]
@@ -70,7 +76,8 @@ def stretch_edges(x, edges, length, L, tx, ty):
 
 @kernel()
 def mean_crossing(L, across, e):
-    """Mean stretch of the edges that cross edge e, and the share of each; share 0 where none does."""
+    """Mean stretch of the edges that cross edge e, and the share of each; share 0 where none
+    does."""
     total = 0.0
     count = 0
     for c in range(4):
@@ -84,11 +91,13 @@ def mean_crossing(L, across, e):
 
 @kernel()
 def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pulls, rows):
-    """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
+    """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its
+    parts of the bound.
 
-    first : whether this family is the first argument of the table; yarn = (w, S0, EA). Returns the energy.
-    lengths, pulls, rows : of this family and of the other: length at rest of an edge [m]; (e,) dE/dLambda and parts of
-        the bound, added to
+    first : whether this family is the first argument of the table; yarn = (w, S0, EA). Returns the
+        energy.
+    lengths, pulls, rows : of this family and of the other: length at rest of an edge [m]; (e,)
+        dE/dLambda and parts of the bound, added to
     """
     length, length_other = lengths
     pull, other = pulls
@@ -139,7 +148,8 @@ def scatter_edge_forces(edges, length, L, tx, ty, pull, row, f, bound):
 
 @kernel()
 def shear_angle(x, quad, dX, dY):
-    """Shear angle [rad] of a quadrilateral, in (-pi/2, 3 pi/2], and its mean warp and weft vectors."""
+    """Shear angle [rad] of a quadrilateral, in (-pi/2, 3 pi/2], and its mean warp and weft
+    vectors."""
     p = quad[0]
     q = quad[1]
     r = quad[2]
@@ -164,7 +174,8 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
         energy += V * U
         aa = ax * ax + ay * ay
         bb = bx * bx + by * by
-        # the angle of a vector grows along its normal: dgamma/da = (-ay, ax) / aa, dgamma/db = (by, -bx) / bb
+        # the angle of a vector grows along its normal: dgamma/da = (-ay, ax) / aa, dgamma/db = (by,
+        # -bx) / bb
         px = -0.5 * ay / (aa * dX)
         py = 0.5 * ax / (aa * dX)
         qx = 0.5 * by / (bb * dY)
@@ -194,11 +205,13 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
 
 @entry()
 def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, work):
-    """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of yarns and trellis [J].
+    """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of
+    yarns and trellis [J].
 
-    edges, cells, across, quads, spacing : see `coupon.model.Coupon`;  yarns : (w, S0, EA) of warp and weft
-    table, grid : (cells, 9) [J] coefficients of the potential; where it begins, cells per stretch and last cell, of
-        both stretches
+    edges, cells, across, quads, spacing : see `coupon.model.Coupon`;  yarns : (w, S0, EA) of warp
+        and weft
+    table, grid : (cells, 9) [J] coefficients of the potential; where it begins, cells per stretch
+        and last cell, of both stretches
     shear : V [m3], G1, G2 [Pa], gamma1, gamma2 [rad]
     work : (2, 5, edges) scratch: stretch, direction (2), pull and row of both families
     """

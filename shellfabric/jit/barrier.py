@@ -1,7 +1,8 @@
 """Spin barrier for threads in compiled kernels, and the number of threads of a run.
 
-Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at the barrier, an atomic
-counter in shared memory. A waiting thread spins on it, and after a while yields the processor in between.
+Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at
+the barrier, an atomic counter in shared memory. A waiting thread spins on it, and after a while
+yields the processor in between.
 """
 
 import os
@@ -26,7 +27,8 @@ _WORD = ir.IntType(64)
 
 
 def threads_for(given, elements):
-    """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
+    """Number of threads of a run: as given, or all that the process may use if the panel is large
+    enough."""
     if given is not None:
         return given
     if hasattr(os, "sched_getaffinity"):
@@ -83,7 +85,8 @@ def _sched_yield(typing):
 
 @kernel()
 def barrier_wait(shared, count):
-    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at first."""
+    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at
+    first."""
     if count == 1:
         return
     goal = (_fetch_add(shared, COUNTER) // count + 1) * count

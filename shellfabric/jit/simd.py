@@ -6,11 +6,11 @@
     gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
     load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
 
-+, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
-instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
-it is to run: one pass with many inputs, no checks whether arrays overlap, and every element treated alike wherever it
-stands in a loop, so that results do not depend on how work is cut. Processors with narrower registers do the same in
-several instructions.
++, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop
+into vector instructions, which it gives up on where a loop has many arrays or a look-up in it. With
+this type a loop is written as it is to run: one pass with many inputs, no checks whether arrays
+overlap, and every element treated alike wherever it stands in a loop, so that results do not depend
+on how work is cut. Processors with narrower registers do the same in several instructions.
 """
 
 import operator
@@ -86,8 +86,8 @@ def _broadcast(builder, value, kind):
 
 
 def _operator(symbol, instruction):
-    """Both operands vectors, or one a float. Typed and lowered like numba's own operators: an `overload` would have
-    its function compiled from byte code at every place that it is used."""
+    """Both operands vectors, or one a float. Typed and lowered like numba's own operators: an
+    `overload` would have its function compiled from byte code at every place that it is used."""
     pairs = (FLOAT64X8, FLOAT64X8), (FLOAT64X8, types.float64), (types.float64, FLOAT64X8)
 
     class Operator(ConcreteTemplate):
@@ -158,9 +158,11 @@ def sqrt(typing, a):
 
 @intrinsic
 def rsqrt(typing, a):
-    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of third order from it.
+    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of
+    third order from it.
 
-    That is exact but for the last digit, and half as dear as a root and a division of sixteen digits.
+    That is exact but for the last digit, and half as dear as a root and a division of sixteen
+    digits.
     """
 
     def codegen(context, builder, signature, arguments):
@@ -385,7 +387,8 @@ def store(typing, array, k, value):
 
 @intrinsic
 def shift_in_prev(typing, last, x):
-    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before x."""
+    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before
+    x."""
 
     def codegen(context, builder, signature, arguments):
         return builder.shuffle_vector(
@@ -397,7 +400,8 @@ def shift_in_prev(typing, last, x):
 
 @intrinsic
 def shift_in_next(typing, x, following):
-    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector after x."""
+    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector
+    after x."""
 
     def codegen(context, builder, signature, arguments):
         return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(1, WIDTH + 1))))

@@ -4,13 +4,15 @@
         ni = integer("-", "elements along the warp")
         u = array("3 x slots", "m", "displacement of the nodes", kept=True)
 
-From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a checkpoint keeps (`kept`) and
-the page for developers. A kernel gets a row as one pointer to words of eight bytes: a number is a word, an array its
-address and its shape. It loads the words of what it names; they do not change, so the loads are invariant. Who makes a
-row keeps the arrays alive, and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is
-compiled does not depend on how many there are.
+From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a
+checkpoint keeps (`kept`) and the page for developers. A kernel gets a row as one pointer to words
+of eight bytes: a number is a word, an array its address and its shape. It loads the words of what
+it names; they do not change, so the loads are invariant. Who makes a row keeps the arrays alive,
+and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is compiled
+does not depend on how many there are.
 
-What does not fit its line is refused where a row is made: a kernel would read memory that is not there.
+What does not fit its line is refused where a row is made: a kernel would read memory that is not
+there.
 """
 
 from __future__ import annotations
@@ -102,7 +104,8 @@ def per_slot(unit: str, meaning: str) -> Any:
 
 
 def per_family(unit: str, meaning: str) -> Any:
-    """Field of a number for warp and weft on a uniform grid, of an array of slots for each on a graded one."""
+    """Field of a number for warp and weft on a uniform grid, of an array of slots for each on a
+    graded one."""
     kinds = array_type("2"), array_type("2 x slots")
     return Field("2, or 2 x slots if graded", unit, meaning, kinds)
 
@@ -135,8 +138,8 @@ PER_SLOT = types.float64, array_type("slots")  # on a uniform and on a graded gr
 
 
 def type_of(text: str, grid: int) -> Any:
-    """numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2 x per slot", the shape of an
-    array, or several of these between semicolons."""
+    """numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2 x per
+    slot", the shape of an array, or several of these between semicolons."""
     if ";" in text:
         return types.Tuple([type_of(part.strip(), grid) for part in text.split(";")])
     if text in NAMED:
@@ -181,7 +184,8 @@ class Row:
 
     Raises
     ------
-    TypeError : a name is missing or unknown, or a value is not what its line says: strided, of another type or shape
+    TypeError : a name is missing or unknown, or a value is not what its line says: strided, of
+        another type or shape
     """
 
     fields: ClassVar[dict[str, Field]] = {}
@@ -251,8 +255,8 @@ class Row:
 
     @classmethod
     def zeros(cls, **sizes: int) -> dict[str, Any]:
-        """{name: zeros} of all arrays of the table whose shapes have no other sizes than these. Flat arrays of slots
-        begin with a cache line."""
+        """{name: zeros} of all arrays of the table whose shapes have no other sizes than these.
+        Flat arrays of slots begin with a cache line."""
         found = {name: _zeros(field.shape, sizes) for name, field in cls.fields.items()}
         return {name: value for name, value in found.items() if value is not None}
 
@@ -268,7 +272,8 @@ class Row:
 
 
 def _check_lengths(table, values):
-    """Hold the arrays of a row to the lengths that their shapes name: one of each name but `n`, or none at all.
+    """Hold the arrays of a row to the lengths that their shapes name: one of each name but `n`, or
+    none at all.
 
     Raises
     ------

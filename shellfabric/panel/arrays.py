@@ -72,7 +72,8 @@ def _constants(panel):
     shot = panel.shot
     rim_node, rim_axis, rim = boundary.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
-    # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
+    # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
+    # first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots: dict[str, Any] = {
@@ -174,7 +175,8 @@ def _constants(panel):
 
 
 def state(panel: Panel, strike_velocity: float) -> State:
-    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s].
+    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+    `strike_velocity` [m/s].
 
     The kernels of a run compute its forces before the first step.
     """
@@ -239,7 +241,8 @@ def work(panel: Panel) -> Work:
     """Scratch of one thread, for one block of elements."""
     const = panel.constants()
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
-    # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
+    # arrays that are needed last share the room of those no longer needed then: scratch is to fit
+    # into the cache
     rows["T"] = rows["dW_own"]
     rows["f_over_stretch"] = rows["dW_crossing"]
     rows["f_next_row"] = *rows["mean_stretch"], rows["dW_own"][0]
@@ -247,7 +250,8 @@ def work(panel: Panel) -> Work:
 
 
 def _bending(panel):
-    """Bending stiffness of the nodes: of each family, or on a graded panel of each slot (see `bending_kernels`)."""
+    """Bending stiffness of the nodes: of each family, or on a graded panel of each slot (see
+    `bending_kernels`)."""
     if panel.sides is None:
         return np.array(
             [n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]
@@ -277,14 +281,16 @@ def _contact(panel, mass):
 
 
 def _yarn_lengths(panel):
-    """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
+    """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half
+    on the rim."""
     counts = panel.weave.warp_count, panel.weave.weft_count
     areas = grading.edge_areas(*panel.element_sides)
     return [(count * area).ravel() for count, area in zip(counts, areas)]
 
 
 def _fill_half_strengths(const, slots):
-    """Fill (warp, weft) slots of the nodes with half of the strength of their lines, as finite numbers."""
+    """Fill (warp, weft) slots of the nodes with half of the strength of their lines, as finite
+    numbers."""
     warp, weft = (
         np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines)
     )
@@ -294,8 +300,8 @@ def _fill_half_strengths(const, slots):
 
 
 def _near(panel, roaming):
-    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams, on a
-    graded panel those of the first zone."""
+    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if
+    it roams, on a graded panel those of the first zone."""
     if roaming:
         return panel.first_zone()
     bounds = []

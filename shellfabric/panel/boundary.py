@@ -1,17 +1,21 @@
-"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides on its own.
+"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides
+on its own.
 
-A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and highest x), weft yarns
-at the two weft sides. An edge is given as one side for all four, or as (warp, weft), each one side for both ends or a
-pair (lowest, highest). Nodes of a slipping side move along the yarns that end there and not otherwise; where two sides
-meet that are not free, the corner is held.
+A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and
+highest x), weft yarns at the two weft sides. An edge is given as one side for all four, or as
+(warp, weft), each one side for both ends or a pair (lowest, highest). Nodes of a slipping side move
+along the yarns that end there and not otherwise; where two sides meet that are not free, the corner
+is held.
 
-Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
+Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes
+move in.
 
-The grid follows the yarns, and its middle is the impact point, or that of the opening where crossovers slide or a side
-is not clamped (`Panel.grid_middle`). Where the weave is at an angle to the sides of the opening, the opening is round,
-or its middle is not that of the grid, the grid covers the opening, and its nodes on and beyond the edge are held: the
-fabric out there lies in the clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge
-than the diagonal of one element.
+The grid follows the yarns, and its middle is the impact point, or that of the opening where
+crossovers slide or a side is not clamped (`Panel.grid_middle`). Where the weave is at an angle to
+the sides of the opening, the opening is round, or its middle is not that of the grid, the grid
+covers the opening, and its nodes on and beyond the edge are held: the fabric out there lies in the
+clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge than the
+diagonal of one element.
 """
 
 from __future__ import annotations
@@ -34,7 +38,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PullIn:
-    """A side that slips in the clamp by a given amount, from a triangular zone (thesis section 6.4.3).
+    """A side that slips in the clamp by a given amount, from a triangular zone (thesis section
+    6.4.3).
 
     Parameters
     ----------
@@ -86,7 +91,8 @@ Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` ta
 
 
 def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
-    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its forms.
+    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its
+    forms.
 
     Raises
     ------
@@ -176,7 +182,8 @@ def stepped(panel: Panel) -> bool:
 
 
 def extent(panel: Panel) -> tuple[float, ...]:
-    """(along warp, along weft) [m] that the grid has to cover, its middle at `Panel.grid_middle`."""
+    """(along warp, along weft) [m] that the grid has to cover, its middle at
+    `Panel.grid_middle`."""
     a, b = panel.opening
     x, y = panel.grid_middle
     c, s = axes(panel.weave_angle)[0]
@@ -191,15 +198,16 @@ def extent(panel: Panel) -> tuple[float, ...]:
 
 
 def in_frame(panel: Panel) -> FloatArray:
-    """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two sides."""
+    """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two
+    sides."""
     X, Y = panel.coordinates()
     c, s = axes(panel.weave_angle)[0]
     return np.stack([c * X - s * Y + panel.impact_point[0], s * X + c * Y + panel.impact_point[1]])
 
 
 def shown(panel: Panel) -> list[FloatArray]:
-    """[X, Y] (ni+1, nj+1) [m] of the nodes at rest in the panel's frame, those beyond the opening moved onto its edge:
-    what a picture shows of a grid that lies in the clamp out there."""
+    """[X, Y] (ni+1, nj+1) [m] of the nodes at rest in the panel's frame, those beyond the opening
+    moved onto its edge: what a picture shows of a grid that lies in the clamp out there."""
     places = panel.coordinates()
     if not stepped(panel):
         return places
@@ -241,7 +249,8 @@ def loose(panel: Panel) -> BoolArray:
 
 
 def ends(panel: Panel) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at high y."""
+    """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at
+    high y."""
     free = loose(panel)
     start = panel.nearest_lines
     found = []
@@ -298,7 +307,8 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
 
 
 def yarn_ends(panel: Panel) -> IntArray:
-    """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
+    """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels`
+    has it."""
     ends = np.full((2, 2), CLAMPED_END)
     for family, pair in enumerate(sides(panel.boundary)):
         for end, side in enumerate(pair):

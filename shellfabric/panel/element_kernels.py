@@ -1,8 +1,9 @@
-"""Internal forces of the elements of a panel, block by block: stretches, tensions, yarn forces, trellis.
+"""Internal forces of the elements of a panel, block by block: stretches, tensions, yarn forces,
+trellis.
 
-Tensions of the variational form are evaluated only where they may reach a new peak or half of a strength
-(`tension_bound`, `refresh_tensions`). Compiled without reference counts, as all kernels that the state is handed to
-(`solver.ply_kernels`).
+Tensions of the variational form are evaluated only where they may reach a new peak or half of a
+strength (`tension_bound`, `refresh_tensions`). Compiled without reference counts, as all kernels
+that the state is handed to (`solver.ply_kernels`).
 """
 
 import numpy as np
@@ -22,7 +23,8 @@ from shellfabric.state import unit
 
 @unit()
 def element_forces(state, const, block, first, last, work):
-    """Internal forces of the element rows first .. last - 1 of one block, from the present displacements."""
+    """Internal forces of the element rows first .. last - 1 of one block, from the present
+    displacements."""
     damaged = state.block_damage[block] != INTACT
     stretches(state, const, first, last, damaged, work)
     trellis_kernels.trellis_forces(state, const, work, first, last)
@@ -50,7 +52,8 @@ def stretches(state, const, first, last, damaged, work):
 
 @kernel(_nrt=False)
 def interpolate_tensions(state, const, block, first, last, damaged, work):
-    """Interpolate the tensions of a block's edges from the cell table; the largest of each family."""
+    """Interpolate the tensions of a block's edges from the cell table; the largest of each
+    family."""
     s = const.row_stride
     m = 2 * s
     n = (last - first) * s
@@ -83,7 +86,8 @@ def interpolate_tensions(state, const, block, first, last, damaged, work):
 
 @kernel(_nrt=False)
 def tension_bound(const, p, q, N, unit, ceiling):
-    """Upper bound [N] of the tensions of a family, from the largest table coordinates and the largest force N.
+    """Upper bound [N] of the tensions of a family, from the largest table coordinates and the
+    largest force N.
 
     p, q in cells of the table; unit, ceiling : see `crossover_kernels.tension_bound_table`.
     """
@@ -111,7 +115,8 @@ def refresh_tensions(state, const, first, last, work):
 def potential_gradient(state, const, block, first, last, damaged, work):
     """Forces of the variational form, into work.N (see `table_kernels`).
 
-    Returns whether a tension may be past the peak so far or half of a strength, so that they have to be looked up.
+    Returns whether a tension may be past the peak so far or half of a strength, so that they have
+    to be looked up.
     """
     s = const.row_stride
     low = max(first - 1, 0)

@@ -1,4 +1,5 @@
-"""What the failure criterion has for the grid lines of a panel: strengths, weights of means, low-pass factors.
+"""What the failure criterion has for the grid lines of a panel: strengths, weights of means,
+low-pass factors.
 
 The criterion and its equations: `cloth.failure_kernels`.
 """
@@ -23,7 +24,8 @@ WATCHED = (
 
 
 def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
-    """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the weft."""
+    """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the
+    weft."""
     x = panel.lines()
     sides = panel.element_sides
     families = []
@@ -55,21 +57,24 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
 
 
 def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray, FloatArray]:
-    """Weights of the lines in the mean about each of them: the integral of max(0, 1 - |y| / length) / length.
+    """Weights of the lines in the mean about each of them: the integral of max(0, 1 - |y| / length)
+    / length.
 
-    A line stands for the fabric up to halfway to its neighbours, so that the integral is exact for tensions that are
-    constant there. Beyond the last line there is nothing.
+    A line stands for the fabric up to halfway to its neighbours, so that the integral is exact for
+    tensions that are constant there. Beyond the last line there is nothing.
 
     Parameters
     ----------
     x : (lines,) [m] places of the lines, rising
     length : [m] half width of the mean
-    mirrored : whether the first line is a plane of symmetry, behind which its neighbours have their images
+    mirrored : whether the first line is a plane of symmetry, behind which its neighbours have their
+        images
 
     Returns
     -------
     first : (lines,) the first line that has a weight
-    weights : (lines, n) [-] of the lines first ... first + n - 1, which add up to 1 away from the rims
+    weights : (lines, n) [-] of the lines first ... first + n - 1, which add up to 1 away from the
+        rims
     """
     x = np.asarray(x, float)
     middles = 0.5 * (x[1:] + x[:-1])
@@ -86,7 +91,8 @@ def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray,
 
 
 def _hat_integral(low, high, x, length):
-    """(lines, lines) integral of the hat about x of the first index from low to high of the second."""
+    """(lines, lines) integral of the hat about x of the first index from low to high of the
+    second."""
     ends = (np.clip((end - x[:, None]) / length, -1.0, 1.0) for end in (low, high))
     at_low, at_high = (end - 0.5 * end * np.abs(end) for end in ends)
     return at_high - at_low

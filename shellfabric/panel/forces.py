@@ -1,14 +1,16 @@
-"""Forces on a ply that plug into its step by one table: bending, packing, and what a Panel is given.
+"""Forces on a ply that plug into its step by one table: bending, packing, and what a Panel is
+given.
 
-A module is a unit, the name of the energy that it stores, and what it adds to the highest frequency.
-All units have one signature, so that kernels call them through addresses (`state.ModuleTable`): a new
-module compiles its own file and nothing else.
+A module is a unit, the name of the energy that it stores, and what it adds to the highest
+frequency. All units have one signature, so that kernels call them through addresses
+(`state.ModuleTable`): a new module compiles its own file and nothing else.
 
     @unit("number", own=Springs)
     def springs(state, const, own, first, last, acting):
 
-returns the energy [J] stored at the node rows first .. last, and adds its forces to state.f_int where
-`acting`. `own` is a row of a table of the module's own, of whose arrays a checkpoint has what is kept.
+returns the energy [J] stored at the node rows first .. last, and adds its forces to state.f_int
+where `acting`. `own` is a row of a table of the module's own, of whose arrays a checkpoint has what
+is kept.
 """
 
 from __future__ import annotations
@@ -35,8 +37,8 @@ class Module:
     energy : name of what it stores, among the energies of a run
     act : its unit; None where it does not act
     own : its row, or None
-    stiffness : [1/s2] bound of its stiffness over the mass of a node, a quarter of the square of the
-        highest frequency, which bounds the time step
+    stiffness : [1/s2] bound of its stiffness over the mass of a node, a quarter of the square of
+        the highest frequency, which bounds the time step
     """
 
     energy: str
@@ -74,8 +76,8 @@ def of(panel: Any) -> tuple[Module, ...]:
 
 
 def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
-    """What the kernels of a uniform or a graded panel take of modules; in another process a copy has
-    the addresses of that process."""
+    """What the kernels of a uniform or a graded panel take of modules; in another process a copy
+    has the addresses of that process."""
     listed = tuple(modules)
     cells = np.zeros(len(listed), np.int64)
     rows = np.zeros(len(listed), np.int64)

@@ -1,17 +1,20 @@
 """Graded panels: small elements about the impact point, longer ones further away.
 
-Lines of the grid are further apart the further they are from the impact point, along warp and weft alike, so that the
-elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or 4 x 4 in the corners, 1 x 2 or 1 x 4 in
-the arms between. Each line stands for the fabric up to halfway to its neighbours: mass, forces and trellis
-(`membrane_kernels`). Stretches, tension and strength are those of one yarn. Waves shorter than about eight of the
-longer elements do not pass where zones meet.
+Lines of the grid are further apart the further they are from the impact point, along warp and weft
+alike, so that the elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or
+4 x 4 in the corners, 1 x 2 or 1 x 4 in the arms between. Each line stands for the fabric up to
+halfway to its neighbours: mass, forces and trellis (`membrane_kernels`). Stretches, tension and
+strength are those of one yarn. Waves shorter than about eight of the longer elements do not pass
+where zones meet.
 
-A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements are `side` crossovers
-long, a whole number or one over a whole number (1/2, 1/3, ...). The last `until` is infinite. Each zone but the last
-goes on until the rest can be filled with whole elements of the next.
+A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements
+are `side` crossovers long, a whole number or one over a whole number (1/2, 1/3, ...). The last
+`until` is infinite. Each zone but the last goes on until the rest can be filled with whole elements
+of the next.
 
-Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover every axis is that
-of one yarn, where they are longer it is that of all the yarns that its line stands for.
+Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover
+every axis is that of one yarn, where they are longer it is that of all the yarns that its line
+stands for.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 
 
 
 def exact(side: float) -> Fraction:
-    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a whole number.
+    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a
+    whole number.
 
     Raises
     ------
@@ -81,8 +85,8 @@ def check(grading: Any) -> None:
 def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     """(n,) [crossovers] sides of the elements from the impact point out to `length`.
 
-    Zones are laid out over the whole crossovers of the length. Elements like the last one fill what remains, and the
-    last is as much longer as is needed to end at `length`.
+    Zones are laid out over the whole crossovers of the length. Elements like the last one fill what
+    remains, and the last is as much longer as is needed to end at `length`.
     """
     zones = [(until, exact(side)) for until, side in grading]
     found = []
@@ -101,7 +105,8 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
 
 
 def with_line_at(sides: FloatArray, place: float) -> FloatArray:
-    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid, moved out to it.
+    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid,
+    moved out to it.
 
     Parameters
     ----------
@@ -120,13 +125,15 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
 
     Parameters
     ----------
-    places : (lines,) [sides of the smallest element] of the lines at rest, whole numbers, 0 at the impact point
+    places : (lines,) [sides of the smallest element] of the lines at rest, whole numbers, 0 at the
+        impact point
     lines_per_crossover : elements along a crossover where they are smallest
 
     Returns
     -------
     axes : (yarns,) numbers of the lines at whole crossovers
-    yarns : (lines,) number of the yarn whose axis is nearest; of two that are as near, that nearer the impact point
+    yarns : (lines,) number of the yarn whose axis is nearest; of two that are as near, that nearer
+        the impact point
     """
     at = np.asarray(places, np.int64)
     axes = np.flatnonzero(at % lines_per_crossover == 0)
@@ -135,10 +142,11 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
 
 
 def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
-    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line stands for.
+    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line
+    stands for.
 
-    A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both. Those between a
-    last line and the end of `factors` belong to no line.
+    A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both.
+    Those between a last line and the end of `factors` belong to no line.
 
     Parameters
     ----------
@@ -182,7 +190,8 @@ def tributary(sides: FloatArray) -> FloatArray:
 
 
 def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line stands for."""
+    """(warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line stands
+    for."""
     warp, weft = np.zeros((2, warp_sides.size + 1, weft_sides.size + 1))
     warp[:-1] = np.multiply.outer(warp_sides, tributary(weft_sides))
     weft[:, :-1] = np.multiply.outer(tributary(warp_sides), weft_sides)
@@ -190,7 +199,8 @@ def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArr
 
 
 def split(sides: FloatArray) -> FloatArray:
-    """(n+1,) [-] share of the element before each line in the two beside it; one half at the ends."""
+    """(n+1,) [-] share of the element before each line in the two beside it; one half at the
+    ends."""
     before = np.insert(sides, 0, sides[0])
     behind = np.append(sides, sides[-1])
     return before / (before + behind)
@@ -203,9 +213,11 @@ def slots(
     viscosity: Sequence[float],
     room: Callable[..., Any],
 ) -> dict[str, FloatArray]:
-    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of Constants: (slots,)}.
+    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of
+    Constants: (slots,)}.
 
-    The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
+    The viscosity grows with the element, so that its highest mode is damped by the same ratio
+    everywhere.
 
     Parameters
     ----------
@@ -248,7 +260,8 @@ def bending(
     stiffness: Sequence[float],
     room: Callable[..., Any],
 ) -> tuple[FloatArray, ...]:
-    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean of its two segments.
+    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean
+    of its two segments.
 
     Parameters
     ----------

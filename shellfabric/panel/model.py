@@ -1,12 +1,15 @@
-"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel.arrays`).
+"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see
+`panel.arrays`).
 
-Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
-density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
-2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
-G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
-d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
-woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
-(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `time_step`.
+Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter
+side, m the areal density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
+of the mode whose phase turns by 2 arcsin(sqrt a) from node to node along both yarns. lambda is the
+largest eigenvalue of the table's membrane tangent, G2 t that of the trellis, which has one point in
+each element and so is blind to a = 1. Along a straight yarn this is d / c with the wave speed c =
+sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of woven yarn
+(erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to (2 /
+w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see
+`time_step`.
 """
 
 from __future__ import annotations
@@ -39,41 +42,49 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 @dataclass(frozen=True)
 class Panel:
-    """A grid of crossovers about the impact point, from edge to edge of the opening, and the projectile before them.
+    """A grid of crossovers about the impact point, from edge to edge of the opening, and the
+    projectile before them.
 
     Parameters
     ----------
     table : CellTable of the fabric
-    opening : (along warp, along weft) [m], but for an oblique weave. There are as many elements as whole crossovers fit
-        from the centre to an edge (79 of 79.9 for S-720). Elements that are all alike are made longer to fill the
-        rest; on a graded panel the last one is. Where neither can be, `held_opening` has what became of it
+    opening : (along warp, along weft) [m], but for an oblique weave. There are as many elements as
+        whole crossovers fit from the centre to an edge (79 of 79.9 for S-720). Elements that are
+        all alike are made longer to fill the rest; on a graded panel the last one is. Where neither
+        can be, `held_opening` has what became of it
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
+        `boundary`)
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
     yarn_failure : whether yarns fail
     rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
-    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see
+        `boundary`)
     round : whether the opening is a circle, of which `opening` has the diameter twice
     impact_point : [m] from the middle of the opening, along its two sides
-    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies between the sum over its
-        fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi
-    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
-        are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
+    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies
+        between the sum over its fibres, n E pi d^4 / 64, when they slide, and that of a solid
+        section of its fibre area, E A^2 / 4 pi
+    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`,
+        or None where all are alike. They are those of the modelled part: across a plane of symmetry
+        a yarn has that of its image
     backing : Backing, the block behind the fabric, or None (see `backing.coupling`)
-    packed_area : [-] share of its area at rest that packed fabric keeps (see `cloth.packing_kernels`)
-    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
-        None (see `grading`); not with grips at the edges
+    packed_area : [-] share of its area at rest that packed fabric keeps (see
+        `cloth.packing_kernels`)
+    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
+        the impact point, or None (see `grading`); not with grips at the edges
     modules : further forces on the ply, functions that make a `forces.Module` of the panel
-    ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
-        projectile is given, to its own, in which its yarns lie. weave_angle has it in it
+    ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
+        axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
+        it in it
 
     Raises
     ------
-    InputError : unknown symmetry or boundary, an opening smaller than the projectile needs, or a symmetry that shot,
-        edges or weave do not have
+    InputError : unknown symmetry or boundary, an opening smaller than the projectile needs, or a
+        symmetry that shot, edges or weave do not have
     """
 
     table: CellTable
@@ -205,7 +216,8 @@ class Panel:
 
     @property
     def _smallest(self):
-        """(crossovers, elements) of a side at the impact point that is both long; one of them is 1."""
+        """(crossovers, elements) of a side at the impact point that is both long; one of them is
+        1."""
         if self.grading is None:
             return 1, self.elements_per_crossover
         side = grading.exact(self.grading[0][1])
@@ -225,7 +237,8 @@ class Panel:
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self.sides is None and not boundary.stepped(self):
-            # all elements are alike, and made longer so that the edge of the opening is a line of the grid
+            # all elements are alike, and made longer so that the edge of the opening is a line of
+            # the grid
             lengths = boundary.extent(self)
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
@@ -238,13 +251,15 @@ class Panel:
 
     @property
     def _half_counts(self):
-        """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
+        """(along warp, along weft) elements that are all alike, from the middle of the grid to an
+        edge."""
         wholes = (int(half + 1e-9) for half in self._half)
         return tuple(n * self.lines_per_crossover // self.finest for n in wholes)
 
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
-        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are alike."""
+        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are
+        alike."""
         if self.grading is None or len({side for _, side in self.grading}) == 1:
             return None
         found = []
@@ -264,8 +279,8 @@ class Panel:
     def held_opening(self) -> tuple[float, float]:
         """(along its two sides) [m] of the opening between the nodes that are held.
 
-        They differ from `opening` where the edge is a staircase of grid lines: then a round opening and that of an
-        oblique weave have the sides of an opening of the area that can move.
+        They differ from `opening` where the edge is a staircase of grid lines: then a round opening
+        and that of an oblique weave have the sides of an opening of the area that can move.
         """
         oblique = self.weave_angle != 0 or self.round
         if oblique:
@@ -301,8 +316,9 @@ class Panel:
         return tuple(found)
 
     def first_zone(self) -> tuple[int, ...]:
-        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded panel those of the
-        first zone but for the outermost, which the smooth surface of the others needs beside them; else all."""
+        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded
+        panel those of the first zone but for the outermost, which the smooth surface of the others
+        needs beside them; else all."""
         rim = 1
         if self.sides is None:
             rim = 0
@@ -329,7 +345,8 @@ class Panel:
 
     @property
     def yarn_counts(self) -> tuple[int, ...]:
-        """(warp, weft) yarns of the modelled part, with those on its rims; where elements are longer, their lines."""
+        """(warp, weft) yarns of the modelled part, with those on its rims; where elements are
+        longer, their lines."""
         return tuple(axes.size for axes in self.yarn_axes[::-1])
 
     @property
@@ -377,7 +394,8 @@ class Panel:
 
     @property
     def step_of_bound(self) -> float:
-        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken of it."""
+        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken
+        of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
@@ -406,7 +424,8 @@ class Panel:
 
     @cached_property
     def _yarns(self):
-        """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
+        """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the
+        warp."""
         per = self.lines_per_crossover
         found = []
         for x, d, w, mirrored in zip(self.lines(), self.spacing, self.weave.w, self.mirrors):
@@ -426,12 +445,14 @@ class Panel:
 
     @property
     def yarn_axes(self) -> tuple[IntArray, ...]:
-        """(rows, columns) numbers of the grid lines that are axes of yarns: of weft yarns, of warp yarns."""
+        """(rows, columns) numbers of the grid lines that are axes of yarns: of weft yarns, of warp
+        yarns."""
         return tuple(axes for axes, _ in self._yarns)
 
     @property
     def nearest_yarns(self) -> tuple[IntArray, ...]:
-        """(rows, columns) number of the weft yarn nearest to each row of nodes, of the warp yarn to each column."""
+        """(rows, columns) number of the weft yarn nearest to each row of nodes, of the warp yarn to
+        each column."""
         return tuple(yarns for _, yarns in self._yarns)
 
     @property
@@ -441,8 +462,9 @@ class Panel:
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
-        impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
+        """[m] of the crossover in the middle of the grid from the middle of the opening, along both
+        sides: that of the impact point, or where a side is not clamped 0, so that edges are lines
+        of the grid wherever it is struck."""
         clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
         if clamped or self.weave_angle or self.round:
             return self.impact_point
@@ -450,10 +472,11 @@ class Panel:
 
     @property
     def origin(self) -> tuple[float, ...]:
-        """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all elements were the
-        smallest.
+        """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all
+        elements were the smallest.
 
-        There the smallest are where they would be then, and nothing else is looked for by its place.
+        There the smallest are where they would be then, and nothing else is looked for by its
+        place.
         """
         found = []
         for axis, mirrored in enumerate(self.mirrors):
@@ -488,7 +511,8 @@ class Panel:
         return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
-        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
+        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+        `strike_velocity` [m/s]."""
         return arrays.state(self, strike_velocity)
 
     def work(self) -> arrays.Work:
@@ -497,7 +521,8 @@ class Panel:
 
     @cached_property
     def segments(self) -> list[FloatArray]:
-        """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge stands for."""
+        """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge
+        stands for."""
         lengths = (side / (2 * w) for side, w in zip(self.element_sides, self.weave.w))
         return list(grading.edge_areas(*lengths))
 
@@ -518,7 +543,8 @@ class Panel:
 
     @property
     def rate_law(self) -> FloatArray:
-        """(2, 3, n) `RateLaw.table` of warp and weft; n = 0 if strengths do not depend on the strain rate."""
+        """(2, 3, n) `RateLaw.table` of warp and weft; n = 0 if strengths do not depend on the
+        strain rate."""
         if not self.rate_dependence:
             return np.zeros((2, 3, 0))
         assert self.fabric.strain_rate is not None  # checked by _check_strength
@@ -527,11 +553,13 @@ class Panel:
         )
 
     def reach(self) -> tuple[float, ...]:
-        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be under it.
+        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be
+        under it.
 
-        A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp and strain times its
-        length; a tilted projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
-        anywhere, over the whole panel; on a graded one contact stays in the first zone.
+        A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp
+        and strain times its length; a tilted projectile is wider in the panel's plane. Yarns with a
+        free end follow the projectile from anywhere, over the whole panel; on a graded one contact
+        stays in the first zone.
         """
         wide = self.projectile.radius / self.projectile.frame[2, 2]
         found = []

@@ -1,7 +1,8 @@
 """Motion of the nodes of a panel in a step, and the window of rows that motion can have reached.
 
-Only these rows are updated, which is exact: an element whose nodes are all at rest has no force on them. Velocities
-below 1e-60 m/s are set to zero, without which the front of the wave would be preceded by denormal numbers.
+Only these rows are updated, which is exact: an element whose nodes are all at rest has no force on
+them. Velocities below 1e-60 m/s are set to zero, without which the front of the wave would be
+preceded by denormal numbers.
 """
 
 import numpy as np
@@ -21,7 +22,8 @@ _MIN_VELOCITY = 1e-60
 
 @unit(dt="number", dt_over_mass="n", f_int="3 x n", f_int_above="3 x n", v="3 x n", u="3 x n")
 def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
-    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
+    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int +
+    f_int_above."""
     for j in range(0, n, WIDTH):
         k = k0 + j
         left = n - j
@@ -61,10 +63,10 @@ def row_has_moved(state, const, i):
 def grow_active_rows(state, const):
     """Grow the window of active element rows, state.active_rows, ahead of the motion.
 
-    The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
-    variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
-    two more. At the last row of nodes the elements beyond are missing: there is a window in time if its outer five rows
-    are kept at rest.
+    The forces of a node reach two rows further than the nodes that have moved: over the segments
+    that cross, and in the variational form over those that cross these. So in a step motion goes
+    ahead by two rows at most, and its forces by two more. At the last row of nodes the elements
+    beyond are missing: there is a window in time if its outer five rows are kept at rest.
     """
     for _ in range(2):
         first = state.active_rows[0]
@@ -83,7 +85,8 @@ def grow_active_rows(state, const):
 
 @unit()
 def move_rows(state, const, first, last):
-    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
+    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the
+    block before too."""
     apply_symmetry(state, const, first, last)
     row = first
     while row < last:

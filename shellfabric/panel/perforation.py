@@ -1,9 +1,10 @@
-"""Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the nose.
+"""Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the
+nose.
 
-The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out fabric can stay
-there for good, ridden by the projectile or faster than it, so that the solver tests the connection at its audits: nodes
-that unbroken yarn joins to an edge of the panel are held, and the elements between them; the rest is a plug, and does
-not count.
+The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose.
+Cut-out fabric can stay there for good, ridden by the projectile or faster than it, so that the
+solver tests the connection at its audits: nodes that unbroken yarn joins to an edge of the panel
+are held, and the elements between them; the rest is a plug, and does not count.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 
 def held(state: State, const: Constants) -> BoolArray:
-    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
+    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge
+    of the panel."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -44,7 +46,8 @@ def held(state: State, const: Constants) -> BoolArray:
 
 
 def passed(state: State, const: Constants, cloth: BoolArray | None = None) -> bool:
-    """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is known."""
+    """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is
+    known."""
     if cloth is None:
         cloth = held(state, const)
     flag = state.element_flag.copy()

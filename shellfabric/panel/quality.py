@@ -1,9 +1,10 @@
 """Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
 
-A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
-"doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower value in NOTES. The limits follow
-from where the methods were found to fail (docs/reports/numerics.md) and, of the viscous energy, from experiments;
-docs/reports/numerics.md says how many of those points they flag, and how many scenes at default settings.
+A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a
+run. A run is "doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower
+value in NOTES. The limits follow from where the methods were found to fail
+(docs/reports/numerics.md) and, of the viscous energy, from experiments; docs/reports/numerics.md
+says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations
@@ -82,7 +83,8 @@ class Indicator:
 
     @property
     def number(self) -> str:
-        """The value with two decimals or three digits; with more where it passes the limit by less."""
+        """The value with two decimals or three digits; with more where it passes the limit by
+        less."""
         for decimals in range(2, 9):
             if self.value >= 1:
                 text = f"{self.value:.{decimals}f}"
@@ -222,8 +224,8 @@ def indicator(name: str, value: float) -> Indicator:
 class Monitor:
     """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
-    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
-    fabric hangs in other fabric, without an error.
+    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads
+    then rings, and torn fabric hangs in other fabric, without an error.
 
     Parameters
     ----------
@@ -231,9 +233,9 @@ class Monitor:
 
     Attributes
     ----------
-    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply
-        and those behind it have closed, over the thickness [-]
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the
+        squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
+        that the ply and those behind it have closed, over the thickness [-]
     """
 
     def __init__(self, solver: Any) -> None:
@@ -267,9 +269,11 @@ class Monitor:
 
 
 def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
-    """What viscosity dissipates, split at the last sample before the first failure is seen: yarns fail between samples.
+    """What viscosity dissipates, split at the last sample before the first failure is seen: yarns
+    fail between samples.
 
-    After the split it takes the energy of recoiling cut yarns, which is lost whatever the viscosity.
+    After the split it takes the energy of recoiling cut yarns, which is lost whatever the
+    viscosity.
 
     Parameters
     ----------
@@ -278,7 +282,8 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
 
     Returns
     -------
-    share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails, at the end
+    share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails,
+        at the end
     recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
     """
     viscous = energies["viscous"]
@@ -353,7 +358,8 @@ def _extrapolation(solver):
 
 
 def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
-    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as `peaks`."""
+    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as
+    `peaks`."""
     model = table.model
     values = table.values
     found = []
@@ -398,7 +404,8 @@ def of_coupon(
     ----------
     table : CellTable
     tensions : (warp, weft) [N] largest of each family
-    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
+    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation
+        was to reach
     """
     over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
     found = (
@@ -409,12 +416,14 @@ def of_coupon(
 
 
 def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
+    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,)
+    [m]."""
     return (indicator("node alternation", float(np.max(astray)) / thickness),)
 
 
 def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
-    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its limit."""
+    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its
+    limit."""
     found: dict[str, Indicator] = {}
     for one in (one for indicators in runs for one in indicators):
         if one.name not in found or one.excess > found[one.name].excess:

@@ -1,4 +1,5 @@
-"""What the quality monitor (`quality.Monitor`) looks at in a panel at an audit: tension oscillation."""
+"""What the quality monitor (`quality.Monitor`) looks at in a panel at an audit: tension
+oscillation."""
 
 from shellfabric.jit.compile import entry
 from shellfabric.state import unit
@@ -13,11 +14,13 @@ LOADED_FRACTION = 0.02  # of the largest tension of a yarn: what the wave has re
 
 @unit(T="n", light="number", found="3")
 def alternation(T, start, step, count, across, light, found):
-    """Add to found (2,) [N2] the squares of the alternation from node to node of tensions, and of the tensions.
+    """Add to found (2,) [N2] the squares of the alternation from node to node of tensions, and of
+    the tensions.
 
-    BAND yarns of `count` tensions each: those of yarn b are T[start + b across + n step]. Looked at is what is behind
-    the wave front of the first, whose jump is none. Third differences over 8 are the amplitude of what alternates.
-    Tensions count as `light` [N] at the least: what alternates far below the strength harms nothing.
+    BAND yarns of `count` tensions each: those of yarn b are T[start + b across + n step]. Looked at
+    is what is behind the wave front of the first, whose jump is none. Third differences over 8 are
+    the amplitude of what alternates. Tensions count as `light` [N] at the least: what alternates
+    far below the strength harms nothing.
     """
     top = 0.0
     last = -1
