@@ -10,7 +10,7 @@ it is in the fabric.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -70,7 +70,6 @@ class Coupon:
     spacing: tuple[float, float]
     trellis: bool = True
     yarn_share: float = 1.0
-    _scratch: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         if self.table.model.cell_formulation != "variational":
@@ -79,52 +78,49 @@ class Coupon:
                 value=self.table.model.cell_formulation,
                 allowed="variational in a quasi-static run",
             )
-        object.__setattr__(
-            self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges)))
-        )
 
     @property
     def weave(self) -> Weave:
         return self.table.model.fabric.weave
 
     @cached_property
-    def _arguments(self):
+    def _segments(self):
+        """What the kernels take, with scratch."""
         table = self.table
         weave = self.weave
-        rx, ry = (1 / step for step in table.steps)
-        shear = self.table.model.fabric.shear
-        grid = (
-            table.stretch1[0],
-            rx,
-            table.stretch1.size - 2,
-            table.stretch2[0],
-            ry,
-            table.stretch2.size - 2,
-        )
-        rows = zip(weave.w, weave.S0, weave.yarns)
-        yarns = tuple((w, S0, self.yarn_share * yarn.EA) for w, S0, yarn in rows)
-        V = self.spacing[0] * self.spacing[1] * weave.thickness
+        counts = [len(edges) for edges in self.edges]
+        volume = 0.0
+        law = {"G1": 0.0, "G2": 0.0, "gamma1": 0.5, "gamma2": 1.0}
+        shear = table.model.fabric.shear
         if self.trellis and shear:
-            law = (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
-        else:
-            law = (0.0, 0.0, 0.0, 0.5, 1.0)
-        potential = self.yarn_share * table.spline.reshape(-1, 9)
-        return (
-            self.edges,
-            self.cells,
-            self.across,
-            self.quads,
-            self.spacing,
-            potential,
-            grid,
-            yarns,
-            law,
+            volume = self.spacing[0] * self.spacing[1] * weave.thickness
+            law = {name: getattr(shear, name) for name in law}
+        grid = []
+        for axis, step in zip((table.stretch1, table.stretch2), table.steps):
+            grid += [axis[0], 1 / step, axis.size - 2.0]
+        return kernels.Segments(
+            nodes=[np.ascontiguousarray(edges) for edges in self.edges],
+            cells=[np.ascontiguousarray(cells) for cells in self.cells],
+            across=[np.ascontiguousarray(across) for across in self.across],
+            quads=np.ascontiguousarray(self.quads),
+            length=self.spacing,
+            potential=self.yarn_share * table.spline.reshape(-1, 9),
+            grid=tuple(grid),
+            half_width=weave.w,
+            yarn_length=weave.S0,
+            stiffness=tuple(self.yarn_share * yarn.EA for yarn in weave.yarns),
+            volume=volume,
+            **law,
+            stretch=[np.zeros(n) for n in counts],
+            direction=[np.zeros((n, 2)) for n in counts],
+            pull=[np.zeros(n) for n in counts],
+            row=[np.zeros(n) for n in counts],
         )
 
     def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
         """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis)
         [J] at x (n, 2)."""
-        f, bound, stored, sheared = kernels.forces(x, *self._arguments, self._scratch)
+        f, bound, stored, sheared = kernels.forces(x, self._segments)
         return f, bound, (stored, sheared)
 
     def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
@@ -164,13 +160,12 @@ class Coupon:
             count = there.sum(axis=1)
             mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
             alone = model.alone(m, own)
+            own = np.where(count > 0, own, 1.0)
+            mean = np.where(count > 0, mean, 1.0)
             if m == 0:
-                pair = (own, mean)
+                crossed = model.solve(own, mean)["T1"]
             else:
-                pair = (mean, own)
-            crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[
-                ("T1", "T2")[m]
-            ]
+                crossed = model.solve(mean, own)["T2"]
             found.append(self.yarn_share * np.where(count > 0, crossed, alone))
         return tuple(found)
 
@@ -255,9 +250,8 @@ def mesh_coupon(
     x = c * X - s * Y
     y = s * X + c * Y
     present = _present_yarns(x, y, outline, woven)
-    count = _beside(
-        *present
-    )  # an edge stands for half of each element beside it in which its yarn is present
+    # an edge stands for half of each element beside it in which its yarn is present
+    count = _beside(*present)
     number = -np.ones(X.shape, int)
     edges = []
     used = np.zeros(X.shape, bool)
@@ -292,7 +286,9 @@ def _present_yarns(x, y, outline, woven):
     inside = outline(x, y)
     full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
     centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
-    return [full & part for part in (woven(*centre) if woven else (True, True))]
+    if woven is None:
+        return [full, full]
+    return [full & part for part in woven(*centre)]
 
 
 def _beside(warp, weft):
