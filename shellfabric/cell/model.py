@@ -97,28 +97,31 @@ class CellModel:
         return self.fabric.weave.h0
 
     @property
-    def yarn_tuples(self) -> tuple[tuple[float, ...], ...]:
+    def yarns(self) -> tuple[kernels.Yarn, ...]:
         """The two yarns as `crossover_kernels` takes them."""
         weave = self.fabric.weave
-        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws)
-        return tuple(
-            (
-                w,
-                S0,
-                yarn.EA,
-                h0,
-                law.a,
-                law.b,
-                law.F0 if law.form == "regularised" else 0.0,
+        found = []
+        for m, law in enumerate(self.used_laws):
+            yarn = kernels.Yarn(
+                w=weave.w[m],
+                S0=weave.S0[m],
+                EA=weave.yarns[m].EA,
+                h0=self.h0[m],
+                a=law.a,
+                b=law.b,
+                shift=0.0,
             )
-            for w, S0, yarn, h0, law in rows
-        )
+            if law.form == "regularised":
+                yarn = yarn._replace(shift=law.F0)
+            found.append(yarn)
+        return tuple(found)
 
     def alone(self, family: int, stretch: ArrayLike) -> FloatArray:
         """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at
         stretches of the cell."""
-        w, S0, EA = self.yarn_tuples[family][:3]
-        return EA * np.maximum(2 * w * np.asarray(stretch, float) - S0, 0) / S0
+        yarn = self.yarns[family]
+        longer = np.maximum(2 * yarn.w * np.asarray(stretch, float) - yarn.S0, 0)
+        return yarn.EA * longer / yarn.S0
 
     def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
         """The cell at given stretches.
@@ -140,7 +143,7 @@ class CellModel:
             np.asarray(stretch1, float), np.asarray(stretch2, float)
         )
         out = np.empty((8, stretch1.size))
-        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), *self._arguments(), out):
+        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), self.crossover, out):
             raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
         return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
 
@@ -180,14 +183,16 @@ class CellModel:
         """Fill a table of n x n stretches; see CellTable.fill."""
         return CellTable.fill(self, n)
 
-    def _arguments(self):
-        warp, weft = self.yarn_tuples
-        return (
-            warp,
-            weft,
-            self.crossover_gap,
-            FORMS[self.cell_formulation],
-            self.cell_model != "decoupled",
+    @property
+    def crossover(self) -> kernels.Crossover:
+        """The crossover as `crossover_kernels` takes it."""
+        warp, weft = self.yarns
+        return kernels.Crossover(
+            warp=warp,
+            weft=weft,
+            gap=self.crossover_gap,
+            form=FORMS[self.cell_formulation],
+            coupled=self.cell_model != "decoupled",
         )
 
 
@@ -235,7 +240,7 @@ class CellTable:
             raise InputError(key="table_size", value=n, allowed="at least 8")
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         out = np.empty((8, n, n))
-        if not fill_kernels.fill(x, y, *model._arguments(), out):
+        if not fill_kernels.fill(x, y, model.crossover, out):
             raise UnstableError(
                 "the crossover did not close", where=f"the table of fabric {model.fabric.name}"
             )

@@ -29,6 +29,7 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
+from shellfabric.cell import crossover_kernels
 from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
 
@@ -58,16 +59,19 @@ def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def heights(
-    yarn: tuple[float, ...], bending: float, stretch: FloatArray, force: FloatArray
+    yarn: crossover_kernels.Yarn, bending: float, stretch: FloatArray, force: FloatArray
 ) -> FloatArray:
     """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
 
     Parameters
     ----------
-    yarn : of CellModel.yarn_tuples
+    yarn : of `CellModel.yarns`
     bending : [N m2]
     """
-    w0, S0, EA, h0 = yarn[:4]
+    w0 = yarn.w
+    S0 = yarn.S0
+    EA = yarn.EA
+    h0 = yarn.h0
     w = w0 * stretch[:, None] * np.ones_like(force)
     stiffness = bending * pi**4 / (16 * w0**3)
     low = np.zeros_like(w)
@@ -84,12 +88,11 @@ def heights(
     return 0.5 * (low + high)
 
 
-def compression(yarn: tuple[float, ...], force: FloatArray) -> FloatArray:
+def compression(yarn: crossover_kernels.Yarn, force: FloatArray) -> FloatArray:
     """[m] of a yarn at the contact forces [N]."""
-    a, b, shift = yarn[4:7]
-    if a == 0:
+    if yarn.a == 0:
         return np.zeros_like(force)
-    return a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
+    return yarn.a - yarn.b * (np.maximum(force, 1e-300) + yarn.shift) ** (-1 / 3)
 
 
 def contact_forces(
@@ -108,17 +111,14 @@ def contact_forces(
     largest : [N] of the forces that are looked for
     """
     force = largest * np.linspace(0, 1, FORCES) ** 2
-    warp, weft = model.yarn_tuples
-    h1, h2 = (
-        heights(yarn, B, x, force)
-        for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2))
-    )
+    warp, weft = model.yarns
+    h1 = heights(warp, bending[0], stretch1, force)
+    h2 = heights(weft, bending[1], stretch2, force)
     own = h1 + compression(warp, force) + model.crossover_gap - sum(model.h0)
     other = h2 + compression(weft, force)
     found = np.empty((stretch1.size, stretch2.size))
-    for row, out in zip(
-        own, found
-    ):  # of what closes the cell, which rises with the force: where it is zero
+    # what closes the cell rises with the force: where is it zero?
+    for row, out in zip(own, found):
         r = row + other
         n = np.clip(np.argmax(r > 0, axis=1), 1, None)
         n[r[:, -1] <= 0] = force.size - 1
@@ -135,13 +135,13 @@ def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArr
     has none."""
     model = table.model
     slack = table.stretch1[:1]
-    weft = model.yarn_tuples[1]
+    weft = model.yarns[1]
     force = contact_forces(model, bending, slack, table.stretch2, _largest(table))[0]
     h = np.array(
         [heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)]
     )
-    S, _ = cosine(weft[0] * table.stretch2, h)
-    return weft[2] * np.maximum(S / weft[1] - 1, 0)
+    S, _ = cosine(weft.w * table.stretch2, h)
+    return weft.EA * np.maximum(S / weft.S0 - 1, 0)
 
 
 def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
