@@ -210,9 +210,8 @@ def _start(body, x, held, states, load, target, force_floor):
     else:
         done = 0.0
         last = np.array(x, float)
-    if (
-        states and states[-1].history[-1, 1] > force_floor
-    ):  # it carried a load, and so had a definite shape
+    # it carried a load, and so had a definite shape
+    if states and states[-1].history[-1, 1] > force_floor:
         if len(states) > 1:
             before = states[-2].load
             earlier = states[-2].x

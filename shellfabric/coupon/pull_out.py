@@ -36,9 +36,8 @@ from shellfabric.coupon import contact_force
 
 TAIL = 0.5  # of a spacing: yarn beyond the last crossover
 BISECTIONS = 50  # 1e-15 of the table's range
-FRONTS = (
-    17  # tensions at the front of slip between two crossovers, of which samples are interpolated
-)
+# tensions at the front of slip between two crossovers, of which samples are interpolated
+FRONTS = 17
 
 
 @dataclass(frozen=True)

@@ -28,9 +28,8 @@ ZONES = ("A", "B", "C")
 # [-] yarns over shear: of 1e4, 3e4, 1e5 and 3e5 the greatest at which strips of dry glass weave
 # find an equilibrium
 STIFFEST = 3e4
-MOST_SOFTENED = (
-    0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
-)
+# [-] of the work: more than this may not go into yarns whose stiffness is lowered
+MOST_SOFTENED = 0.02
 DIRECTIONS = {"warp": 1, "weft": -1}  # order of (warp, weft) that gives (along, across)
 _SLACK = 1e-6  # of a half side: by which a node on the outline may miss it
 _INNER = 1 - _SLACK
@@ -117,6 +116,9 @@ def bias_coupon(
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
     slack = 1e-6 * width
+    share = 1.0
+    if trellis:
+        share = yarn_share(table.model.fabric)
     row = 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
     coupon = mesh_coupon(
         table,
@@ -126,14 +128,12 @@ def bias_coupon(
         offset=offset,
         elements_per_crossover=elements_per_crossover,
         trellis=trellis,
-        yarn_share=yarn_share(table.model.fabric) if trellis else 1.0,
+        yarn_share=share,
     )
     y = coupon.points[:, 1]
-    return (
-        coupon,
-        np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)),
-        (length, width),
-    )
+    held = length / 2 - slack
+    grips = np.select([y > held, y < -held], [1, 2])
+    return coupon, grips, (length, width)
 
 
 def yarn_share(fabric: Fabric) -> float:
@@ -276,10 +276,9 @@ def uniaxial(
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
+    hooks = [no_fold(coupon)]
     if failure:
-        hooks = (no_fold(coupon), at_strength(coupon))
-    else:
-        hooks = (no_fold(coupon),)
+        hooks.append(at_strength(coupon))
     return run(coupon, grips, path, strain, steps, hooks, **relaxing)
 
 
@@ -319,14 +318,17 @@ def biaxial(
         along = np.abs(y) < half[1] + slack
         return (along & (np.abs(x) < full[0] + slack)) | (across & (np.abs(y) < full[1] + slack))
 
-    def woven(x, y):
-        return np.abs(y) < half[1], np.abs(x) < half[0]
+    woven = None
+    if cross_yarns_removed:
+
+        def woven(x, y):
+            return np.abs(y) < half[1], np.abs(x) < half[0]
 
     coupon = mesh_coupon(
         table,
         outline,
         max(full),
-        woven=woven if cross_yarns_removed else None,
+        woven=woven,
         elements_per_crossover=elements_per_crossover,
         offset=_about((centre, centre), elements_per_crossover),
     )
@@ -346,10 +348,9 @@ def biaxial(
             1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
         )
 
+    hooks = [no_fold(coupon)]
     if failure:
-        hooks = (no_fold(coupon), at_strength(coupon))
-    else:
-        hooks = (no_fold(coupon),)
+        hooks.append(at_strength(coupon))
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
 
 
@@ -371,13 +372,16 @@ def _cut_rectangle(table, crossovers, direction, elements_per_crossover):
     """(Coupon, half its sides [m]) of so many crossovers along x and y; the yarns of `direction`
     lie along x."""
     order = DIRECTIONS[direction]
+    angle = 0.0
+    if direction == "weft":
+        angle = pi / 2
     half = np.array(crossovers) * table.model.fabric.weave.w[::order]
     outer = (1 + _SLACK) * half
     coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(x) < outer[0]) & (np.abs(y) < outer[1]),
         max(half),
-        angle=0.0 if direction == "warp" else pi / 2,
+        angle=angle,
         elements_per_crossover=elements_per_crossover,
         offset=_about(crossovers[::order], elements_per_crossover),
     )

@@ -8,9 +8,8 @@ from fabrics.yarn import Yarn
 
 ENERGY_ERROR_LIMIT = 0.02  # share of the strike energy by which the energy balance may be off
 SPEED_FACTOR = 10.0
-MOST_STEP_LOSS = (
-    0.004  # of the strike energy lost to the length of the steps: beyond, a run is made again
-)
+# of the strike energy lost to the length of the steps: beyond, a run is made again
+MOST_STEP_LOSS = 0.004
 SHORTER_STEP = 0.7  # step of that second run over that of the first; the loss falls with its square
 ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 

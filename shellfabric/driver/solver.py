@@ -30,21 +30,18 @@ from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
 Result = TypeVar("Result")
-Hook: TypeAlias = Callable[
-    [Any], object
-]  # called with the solver after a sample; what it returns is not read
+# called with the solver after a sample; what it returns is not read
+Hook: TypeAlias = Callable[[Any], object]
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
-    5
-)  # why a kernel ends its steps; as the step kernels have it
+# why a kernel ends its steps; as the step kernels have it
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
-ENERGY_CHECK_SHARE = (
-    0.05  # of the strike energy that may be exchanged from one check of the energy to the next
-)
-# [s] of steps with several threads after which the main thread must have had so
+# of the strike energy that may be exchanged from one check of the energy to the next
+ENERGY_CHECK_SHARE = 0.05
+# after so many seconds of steps with several threads the main thread must have had this share of
+# the time on its processor, or the run goes on with one
 BUSY_TIME = 0.05
 BUSY_SHARE = 0.75
-# much of the processor that the run goes on with them
 
 
 class ExplicitSolver:

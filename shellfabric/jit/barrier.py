@@ -14,9 +14,8 @@ from numba.extending import intrinsic
 
 from shellfabric.jit.compile import kernel
 
-MIN_ELEMENTS_THREADED = (
-    10_000  # elements below which the threads would wait for each other longer than they save
-)
+# elements below which the threads would wait for each other longer than they save
+MIN_ELEMENTS_THREADED = 10_000
 # slots of the shared array: far from each other, in cache lines of their own
 COUNTER = 0
 STOP = 16

@@ -134,7 +134,9 @@ def _llvm_function(builder, name, number, count):
 
 def _constant(kind, value):
     """The same number in all lanes."""
-    return ir.Constant(kind, [value] * WIDTH if isinstance(kind, ir.VectorType) else value)
+    if isinstance(kind, ir.VectorType):
+        value = [value] * WIDTH
+    return ir.Constant(kind, value)
 
 
 def _signature(*kinds):

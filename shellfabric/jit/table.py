@@ -204,7 +204,9 @@ class Row:
             delattr(cls, name)
         uniform = RowType(cls, UNIFORM)
         graded = RowType(cls, GRADED)
-        cls.types = uniform, graded if graded.members != uniform.members else uniform
+        if graded.members == uniform.members:
+            graded = uniform
+        cls.types = uniform, graded
 
     def __init__(self, **values: Any) -> None:
         table = type(self)
@@ -247,7 +249,8 @@ class Row:
     def nested(self) -> dict[str, Any]:
         """{name: value}, of rows in it too."""
         values = self._asdict()
-        return {name: v.nested() if isinstance(v, Row) else v for name, v in values.items()}
+        rows = {name: value for name, value in values.items() if isinstance(value, Row)}
+        return values | {name: value.nested() for name, value in rows.items()}
 
     def _replace(self, **changes: Any) -> Any:
         """A row with other values; the arrays that are not named are shared."""
@@ -310,10 +313,9 @@ def _nothing(kind):
     """The least value of a numba type."""
     if isinstance(kind, types.UniTuple):
         return (_nothing(kind.dtype),) * kind.count
-    dtype = numpy_support.as_dtype(kind.dtype if isinstance(kind, types.Array) else kind)
     if isinstance(kind, types.Array):
-        return np.zeros((0,) * kind.ndim, dtype)
-    return dtype.type(0)
+        return np.zeros((0,) * kind.ndim, numpy_support.as_dtype(kind.dtype))
+    return numpy_support.as_dtype(kind).type(0)
 
 
 def _as_tuples(value):

@@ -21,9 +21,8 @@ if TYPE_CHECKING:
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
 SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
-MOST_POINTS = (
-    32  # along a side of an element: all those of an element are kept in memory, four numbers each
-)
+# along a side of an element: all those of an element are kept in memory, four numbers each
+MOST_POINTS = 32
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 
 
@@ -190,10 +189,8 @@ def state(panel: Panel, strike_velocity: float) -> State:
             min(state.contact_window[1] + 2, ni),
         )
     if np.any(const.slip_data[:, 0]):
-        state.active_rows[:] = (
-            0,
-            ni,
-        )  # edges with a prescribed pull-in move before any wave comes to them
+        # edges with a prescribed pull-in move before any wave comes to them
+        state.active_rows[:] = (0, ni)
     return state
 
 

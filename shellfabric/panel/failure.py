@@ -18,9 +18,8 @@ from shellfabric.state import FailureLines
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-WATCHED = (
-    0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
-)
+# of the strength: below it a tension is followed without a delay, above it low-passed
+WATCHED = 0.5
 
 
 def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:

@@ -172,9 +172,8 @@ class Panel:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
-            least = (
-                int(np.ceil(reach / step)) + 1
-            )  # and what the smooth surface of the last element has beside it
+            # and what the smooth surface of the last element has beside it
+            least = int(np.ceil(reach / step)) + 1
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
                 raise InputError(

@@ -203,11 +203,8 @@ LIMITS = {
         "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
     ),
 }
-NOTES = {
-    "viscous energy": 0.1,
-    "element over failure length": 0.5,
-    "ply collisions": 0.05,
-}  # name: value above which the indicator is noted
+# name: value above which the indicator is noted
+NOTES = {"viscous energy": 0.1, "element over failure length": 0.5, "ply collisions": 0.05}
 
 
 REMEDIES = {
@@ -288,9 +285,8 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
     """
     viscous = energies["viscous"]
     kinetic = energies["kinetic_projectile"]
-    split = (
-        int(np.argmax(cut_yarns > 0)) - 1
-    )  # the first sample has none: without a cut this is the last sample
+    # the first sample has none: without a cut this is the last sample
+    split = int(np.argmax(cut_yarns > 0)) - 1
     lost = max(kinetic[0] - kinetic[split], 1e-3 * kinetic[0])
     return float(viscous[split] / lost), float(viscous[-1] - viscous[split])
 
