@@ -1,5 +1,6 @@
 """Sphinx configuration: the pages of this folder, and the reference pages that are made from the code."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -29,7 +30,7 @@ html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["wide.css"]
 
-myst_heading_anchors = 4  # every key of reference/input.md has one
+myst_heading_anchors = 4  # every key of generated/input.md has one
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 autodoc_typehints = "none"  # shape and unit stand in the docstrings
 autodoc_member_order = "bysource"
@@ -46,6 +47,8 @@ numpydoc_validation_checks = {
 # methods say their parameters in words; a class with the parameters of its base documents its own
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
 numpydoc_validation_exclude |= {r"^weavecell\.ShotResult$"}
+# their docstrings have the keywords that they pass on as **options
+numpydoc_validation_exclude |= {r"^weavecell\.(compare|critical_velocity|impact|setup|v50)$"}
 
 # the notebooks are kept without outputs; a changed one is run again
 nb_execution_mode = "auto"
@@ -60,6 +63,18 @@ gallery.copy(HERE / "generated" / "examples")
 sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery")
 
 
+def show_directives(app, docname, source):
+    """Take directives out of the comments in which they stand, so that a forge does not show them as text."""
+    source[0] = re.sub(
+        r"^<!--\n(```\{.*?^```)\n-->$", r"\1", source[0], flags=re.MULTILINE | re.DOTALL
+    )
+
+
+def escape_stars(app, what, name, thing, options, lines):
+    """A pattern such as *.csv in a docstring is no emphasis."""
+    lines[:] = [re.sub(r"(?<!`)\*\.", r"\\*.", line) for line in lines]
+
+
 def setup(app):
     """Write the pages that are made from the code before Sphinx reads its sources."""
     import kernel_arrays
@@ -67,5 +82,7 @@ def setup(app):
     from pygments.lexers.special import TextLexer
 
     app.add_lexer("csv", TextLexer)  # of the pages' data, which Pygments does not know
+    app.connect("source-read", show_directives)
+    app.connect("autodoc-process-docstring", escape_stars)
     app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))
     app.connect("builder-inited", lambda _: kernel_arrays.write(HERE / "generated"))

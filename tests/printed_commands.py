@@ -22,6 +22,8 @@ GUIDE = (
     "theory-panel",
     "validation",
     "questions",
+    "from-other-codes",
+    "reference",
 )
 PAGES = ("README.md", *(f"docs/{name}.md" for name in GUIDE))
 _BLOCK = re.compile(r"^( *)(`{3,})(\{?\w*)[^\n]*\n(.*?)^\1\2", re.MULTILINE | re.DOTALL)
@@ -102,7 +104,7 @@ def files(name, values):
             if not isinstance(each, (str, Path)):
                 continue
             text = str(each)
-            new = key in _OUTPUTS or (name == "weavecell fabrics new" and text.endswith(".toml"))
+            new = key in _OUTPUTS or (name.endswith(" new") and text.endswith(".toml"))
             if new:
                 makes.append(text)
             elif _INPUT.search(text):

@@ -104,18 +104,33 @@ def test_a_printed_program_understands_its_options(words):
 @pytest.mark.parametrize("page", TEXTS)
 def test_every_link_and_picture_leads_somewhere(page):
     """Sphinx checks the pages of the site; this also README, CONTRIBUTING and pictures."""
-    for target in re.findall(r"\]\(([^)\s]+)\)", CODE.sub("", TEXTS[page])):
+    assert_links_lead_somewhere(page, TEXTS[page])
+
+
+def test_links_of_pages_made_from_code_lead_somewhere(tool):
+    """These pages are not kept in git."""
+    for name, text in tool("reference_pages").pages().items():
+        assert_links_lead_somewhere(f"docs/generated/{name}", text)
+
+
+def assert_links_lead_somewhere(page, text):
+    for target in re.findall(r"\]\(([^)\s]+)\)", CODE.sub("", text)):
         path, _, anchor = target.partition("#")
-        if re.match(r"https?:|mailto:", target) or "generated/" in path:  # made by the build
+        file = (ROOT / page).parent / path if path else ROOT / page
+        made = "generated" in file.parts  # by `make pages` or `make docs`
+        if re.match(r"https?:|mailto:", target) or made:
             continue
-        file = ROOT / page
-        if path:
-            file = file.parent / path
         assert file.exists(), target
         if anchor:
             heads = re.findall(r"^#+ (.*)$", CODE.sub("", file.read_text("utf-8")), re.MULTILINE)
             anchors = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
             assert anchor in anchors, target
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_a_forge_shows_no_directive_as_text(page):
+    """Directives of the site stand in comments."""
+    assert "```{" not in re.sub(r"<!--.*?-->", "", TEXTS[page], flags=re.DOTALL)
 
 
 def test_every_figure_is_on_a_page():

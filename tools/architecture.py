@@ -1,6 +1,8 @@
-"""Write docs/developers/architecture.md and its diagram: layers and folders.
+"""The page architecture.md and its diagram: layers and folders.
 
     python tools/architecture.py
+
+This draws the diagram; `make pages` writes the page.
 
 The folders are described by the first line of their `__init__.py`. The kernel files that the solver's own kernel
 imports are listed below them.
@@ -32,10 +34,7 @@ LAYERS = {
     for contract in CONTRACTS
     if contract["type"] == "layers"
 }
-PAGE, FIGURE = (
-    ROOT / "docs" / "developers" / "architecture.md",
-    ROOT / "docs" / "figures" / "architecture.svg",
-)
+FIGURE = ROOT / "docs" / "figures" / "architecture.svg"
 GAP, LINE = 2.0, 2.9  # between boxes, and from line to line
 COLOURS = ("#e8eef7", "#d7e5f2", "#cfe3d8", "#f4e6cf", "#f0d9d5")
 
@@ -172,15 +171,15 @@ def _box(axes, x, y, width, height, title, lines, colour):
 
 
 def text():
-    """The page."""
+    """The text of the page."""
     lines = [
         "# Architecture",
         "",
-        "Written by `python tools/architecture.py`; not to be edited by hand.",
+        "Made from the packages.",
         "",
         "![Layers of the packages and their folders](../figures/architecture.svg)",
         "",
-        "*Packages, and the folders of the two solvers from the highest layer down. Made by the command above.*",
+        "*Packages, and the folders of the two solvers from the highest layer down. Drawn by `tools/architecture.py`.*",
         "",
         "A package imports from the packages below it, and a folder of a solver from its own files and from lower "
         "folders.\n`lint-imports` holds this (`[tool.importlinter]` of pyproject.toml); `make lint` runs it.",
@@ -203,10 +202,5 @@ def text():
     return "\n".join(lines) + "\n"
 
 
-def main():
-    diagram()
-    PAGE.write_text(text(), "utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    diagram()

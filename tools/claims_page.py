@@ -34,12 +34,17 @@ def of_thesis(table: Table, own: bool = True) -> Table:
     return [row for row in table if (row["id"] not in added) is own]
 
 
+def decided_and_reproduced() -> tuple[int, int]:
+    """How many claims of the thesis are decided, and how many of these are reproduced."""
+    found = counts(of_thesis(read(DATA)[1]))
+    return found[REPRODUCED] + found[MISSED], found[REPRODUCED]
+
+
 def in_short() -> str:
     """How many claims of the thesis are reproduced, in short."""
-    found = counts(of_thesis(read(DATA)[1]))
-    decided = found[REPRODUCED] + found[MISSED]
-    reproduced = f"{found[REPRODUCED]} are reproduced ({100 * found[REPRODUCED] / decided:.0f} %)"
-    return f"of the {decided} that are decided, {reproduced} and {found[MISSED]} missed"
+    decided, reproduced = decided_and_reproduced()
+    share = f"{100 * reproduced / decided:.0f} %"
+    return f"of the {decided} that are decided, {reproduced} are reproduced ({share}) and {decided - reproduced} missed"
 
 
 def in_words() -> str:

@@ -1,7 +1,4 @@
-"""Tables of docs/reference/files.md that follow from readers and writers of fabric files, surfaces and records.
-
-`tools/pages.py` puts them there. Needs dolfinx, whose cases declare the columns of their records.
-"""
+"""The page files.md: tables that follow from readers and writers of fabric files, surfaces and records."""
 
 from __future__ import annotations
 
@@ -11,7 +8,9 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+from claims_page import markdown  # noqa: E402
 
 from fabrics import fabric_tables, ply_laws, surface  # noqa: E402
 from fabrics.families import strain_rate  # noqa: E402
@@ -32,6 +31,32 @@ ARRAYS = {
     "h1": "(n1, n2) height of the warp's centreline",
     "h2": "(n1, n2) height of the weft's centreline",
 }
+
+
+HEAD = """# Files in full
+
+Made from readers and writers. [Reference](../reference.md) says what the files are for."""
+
+
+def page() -> str:
+    """The text of the page."""
+    parts = [HEAD, "## Output of the commands", markdown(outputs())]
+    parts += [
+        "## Fabric file",
+        markdown(fabric_file()),
+        "## Response surface",
+        markdown(surface_file()),
+    ]
+    parts += ["## Case of the 3D crossover", case()]
+    return "\n\n".join(parts) + "\n"
+
+
+def case() -> str:
+    """The table of case.h5, whose columns are declared by code that needs dolfinx."""
+    try:
+        return markdown(case_file())
+    except ModuleNotFoundError:
+        return "This table is made where dolfinx is installed."
 
 
 def fabric_file() -> list[list[str]]:

@@ -1,7 +1,4 @@
-"""docs/reference/input.md: every key of input files and result files, from the schema and the declared keys.
-
-python tools/keys_page.py [docs/reference/input.md]
-"""
+"""The page input.md: every key of input files and result files, from the schema and the declared keys."""
 
 from __future__ import annotations
 
@@ -12,7 +9,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fabrics.base.files import write
 from fabrics.base.schema import Table, entries, tables, unit_of
 from weavecell.decks import folder
 from weavecell.results import keys
@@ -20,20 +16,18 @@ from weavecell.scenes import honoured
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 
-PAGE = Path("docs") / "reference" / "input.md"
-HEAD = f"""---
+HEAD = """---
 tocdepth: 3
 ---
 
 # Input file
 
-Made by `python tools/keys_page.py {PAGE}`; not to be edited by hand.
+Made from the code. [Reference](../reference.md) says how an input file is written.
 
 An input file is a [TOML](https://toml.io) file. A quantity is a string with a unit, in any unit of its dimension:
 `"92.5 m/s"`, `"300 ft/s"`: one number, with a decimal point, and one unit. Everything is checked before a run starts;
 a wrong key or value is refused in one line. The same keys are keywords in [Python](python.md). Editors complete and
-check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.json`, which `make docs` writes to
-docs/generated.
+check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.json`, which lie beside this page.
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
@@ -64,7 +58,7 @@ NOTES = {
 
 
 def page() -> str:
-    """The text of docs/reference/input.md."""
+    """The text of the page."""
     parts = [HEAD, "## Input file of an impact", *_tables(Scene), "## Input file of a coupon"]
     parts += [
         "Title and `[fabric]` as above; one table of a test; `[run]`.",
@@ -150,7 +144,7 @@ def _text(value):
 
 
 def _solver_defaults():
-    """{key: default} of keys that the scene leaves to the objects of the solver, or to the data of the block."""
+    """{key: default} of keys that the input file leaves to the objects of the solver, or to the data of the block."""
     from fabrics.materials import Isotropic, load
     from shellfabric.backing.block import Backing
     from shellfabric.panel.model import Numerics
@@ -171,14 +165,3 @@ def _table(columns, rows):
     return "\n".join(
         "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
     )
-
-
-def main() -> None:
-    """Write the page."""
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE
-    write(path, page())
-    print(f"written to {path}")
-
-
-if __name__ == "__main__":
-    main()

@@ -11,7 +11,7 @@ from weavecell.api import keywords
 from weavecell.scenes.impact import Scene
 
 HEAD = '''class Keywords(TypedDict, total=False):
-    """Keywords of `weavecell.setup` and what takes its keywords; docs/reference/input.md says more.
+    """Keywords of `weavecell.setup` and what takes its keywords; docs/reference.md says more.
 '''
 PAIR = "tuple[Quantity, Quantity] | list[Quantity]"
 # types that do not follow from the schema, since Python may give objects, lists and names

@@ -16,6 +16,7 @@ SECTIONS = {
         "fabrics",
         "fabric",
         "new_fabric",
+        "new_shot",
         "show",
         "projectiles",
         "backings",
@@ -45,9 +46,13 @@ SECTIONS = {
 }
 
 
-def text() -> str:
-    """Between the marks of docs/reference/python.md."""
+def page() -> str:
+    """The text of the page."""
     parts = [
+        "# Python",
+        "Made from signatures and docstrings. [Reference](../reference.md#python) has what holds for all.",
+    ]
+    parts += [
         f"## {title}\n\n" + "\n\n".join(map(_function, names)) for title, names in SECTIONS.items()
     ]
     left = [
@@ -67,7 +72,7 @@ def text() -> str:
         "## Errors\n\nEach has an `exit_code`, which the command line returns.\n\n"
         + "\n".join(errors)
     ]
-    return "\n\n" + "\n\n".join(parts) + "\n\n"
+    return "\n\n".join(parts) + "\n"
 
 
 def _function(name):

@@ -1,9 +1,11 @@
-"""Reference pages of the documentation site that are made from the code: command line and scene schema.
+"""Reference pages that are made from code and data, and are not kept in git.
 
     python tools/reference_pages.py [docs/generated]
 
-cli.md has every command of typer with its arguments, options and defaults; scene.schema.json and coupon.schema.json are
-JSON Schemas of the scene files, for editors. Keys with unit, default and meaning: docs/reference/input.md.
+cli.md has every command with its arguments, options and defaults, input.md every key of input and result files,
+python.md the functions and results of the Python interface, files.md tables of output and data files, errata.md the
+errata of the thesis, architecture.md the layers and folders. scene.schema.json and coupon.schema.json are JSON
+Schemas of the input files, for editors.
 """
 
 from __future__ import annotations
@@ -14,7 +16,13 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+import architecture  # noqa: E402
+import errata_page  # noqa: E402
+import file_formats  # noqa: E402
+import keys_page  # noqa: E402
+import python_page  # noqa: E402
 
 from fabrics.base import files  # noqa: E402
 
@@ -91,7 +99,7 @@ def cli():
 
 
 def json_schema(model):
-    """The JSON Schema of a scene file as it is written: quantities are texts with a unit.
+    """The JSON Schema of an input file as it is written: quantities are texts with a unit.
 
     Parameters
     ----------
@@ -123,12 +131,24 @@ def schemas():
     }
 
 
+def pages():
+    """{name: text of a page}"""
+    return {
+        "cli.md": cli(),
+        "input.md": keys_page.page(),
+        "python.md": python_page.page(),
+        "files.md": file_formats.page(),
+        "errata.md": errata_page.page(),
+        "architecture.md": architecture.text(),
+    }
+
+
 def write(folder):
     """Write all pages to a folder."""
-    pages = {"cli.md": cli()} | {
-        name: json.dumps(found, indent=2) + "\n" for name, found in schemas().items()
-    }
-    for name, text in pages.items():
+    texts = pages()
+    for name, found in schemas().items():
+        texts[name] = json.dumps(found, indent=2) + "\n"
+    for name, text in texts.items():
         path = Path(folder) / name
         if not path.exists() or path.read_text("utf-8") != text:  # Sphinx reads again what is newer
             files.write(path, text)

@@ -44,7 +44,9 @@ def test_what_a_page_prints_runs(page, tmp_path):
         assert done.returncode == 0, f"{argv}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
         return done.stdout
 
-    script, printed = "", ""
+    script = ""
+    printed = ""
+    of_python = False  # what stood last before an output
     for kind, text, name in SHOWN[page]:
         if kind == "file" and not name.startswith("."):
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -54,7 +56,11 @@ def test_what_a_page_prints_runs(page, tmp_path):
         elif kind == "command" and not text.startswith(LEFT_OUT):
             printed += run(printed_commands.words(text))
         elif kind == "output" and page in FIRST:
+            if of_python:
+                (tmp_path / "page.py").write_text(script, "utf-8")
+                printed += run(["python", "page.py"])
             assert " ".join(text.split()) in " ".join(printed.split())
+        of_python = kind == "python"
     (tmp_path / "page.py").write_text(script, "utf-8")
     run(["python", "page.py"])
 

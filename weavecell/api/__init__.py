@@ -10,7 +10,16 @@ from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.crossover_result import CrossoverResult
 from weavecell.api.exports import DeckResult, export
 from weavecell.api.limits import CriticalVelocityResult, critical_velocity
-from weavecell.api.lists import Tables, backings, fabrics, new_fabric, projectiles, show, view
+from weavecell.api.lists import (
+    Tables,
+    backings,
+    fabrics,
+    new_fabric,
+    new_shot,
+    projectiles,
+    show,
+    view,
+)
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
@@ -56,6 +65,7 @@ __all__ = [
     "impact",
     "mesh",
     "new_fabric",
+    "new_shot",
     "projectiles",
     "setup",
     "show",

@@ -73,7 +73,7 @@ def coupon(
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
         of the code is refused
-    **options : of a fabric, the keys of the input file of a coupon (docs/reference/input.md), numbers in SI units or
+    **options : of a fabric, the keys of the input file of a coupon (docs/reference.md), numbers in SI units or
         texts with a unit: those of the table of the test, such as length, width and elongation, those of [run], such as
         steps, and those of [fabric], such as cell_model and bending. law as of `setup`
 

@@ -60,7 +60,7 @@ Side = End | tuple[End, End] | list[End]
 
 # <!-- keywords of tools/pages.py -->
 class Keywords(TypedDict, total=False):
-    """Keywords of `weavecell.setup` and what takes its keywords; docs/reference/input.md says more.
+    """Keywords of `weavecell.setup` and what takes its keywords; docs/reference.md says more.
 
     weaving_damage : shares of modulus and strength that are left after weaving; a table { modulus =
         0.9, strength = 0.8, source = "..." }

@@ -284,7 +284,7 @@ class CriticalVelocityResult(StudyResult):
         )
 
     def summary(self) -> dict[str, Any]:
-        """The entries of critical-velocity.json (docs/reference/files.md), but of the shots their number and the worst
+        """The entries of critical-velocity.json (docs/reference.md), but of the shots their number and the worst
         checks of all in words, and what is assumed."""
         return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
 

@@ -18,12 +18,13 @@ from fabrics.base.errors import InputError, unknown_name
 from fabrics.base.schema import read_toml
 from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
+from weavecell import scenes
 from weavecell.api import quantities
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = ["Tables", "backings", "fabrics", "new_fabric", "projectiles", "show", "view"]
+__all__ = ["Tables", "backings", "fabrics", "new_fabric", "new_shot", "projectiles", "show", "view"]
 
 
 class Tables(dict[str, "DataFrame"]):
@@ -328,6 +329,39 @@ def _copy(name, folder):
         shutil.copyfile(source, beside)
 
 
+def _new_toml(file: FilePath) -> Path:
+    """The path of a file that is to be written; an InputError if it exists or is no TOML file."""
+    path = Path(file)
+    if path.suffix != ".toml":
+        raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")
+    if path.exists():
+        raise InputError("exists already", file=path)
+    return path
+
+
+def new_shot(file: FilePath) -> None:
+    """Write a first input file, with a comment for each question that it answers.
+
+    Parameters
+    ----------
+    file : the .toml file to write; never over one that exists
+
+    Raises
+    ------
+    InputError : the file exists, or its name does not end in .toml
+
+    Examples
+    --------
+    >>> wc.new_shot("shot.toml")
+    >>> wc.setup("shot.toml").projectile.mass
+    0.003
+    """
+    path = _new_toml(file)
+    template = Path(scenes.__file__).with_name("new_shot.toml").read_text("utf-8")
+    files.write(path, template.replace("THIS_FILE", str(path)))
+    logging.getLogger("weavecell").info(f"written to {path}")
+
+
 def new_fabric(
     file: FilePath,
     *,
@@ -372,11 +406,7 @@ def new_fabric(
     """
     from weavecell.scenes import fabric_file
 
-    path = Path(file)
-    if path.suffix != ".toml":
-        raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")
-    if path.exists():
-        raise InputError("exists already", file=path)
+    path = _new_toml(file)
     if family not in (None, *FIBRES):
         raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
     if frame_side is None:

@@ -55,7 +55,7 @@ def setup(
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    **options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
+    **options : the keys of the input file (docs/reference.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
         800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
         [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],

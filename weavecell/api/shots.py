@@ -305,7 +305,7 @@ class ShotResult(ImpactRecord, Result):
         return self.target.case
 
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
+        """The entries of summary.json (docs/reference.md), the checks in words, the areal density of the first
         ply, and what is assumed."""
         known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:

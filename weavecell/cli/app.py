@@ -50,6 +50,7 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
     "show": (api.show, "S-720"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
+    "new": (api.new_shot, "shot.toml"),
     "fabrics list": (api.fabrics, ""),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
     "projectiles list": (api.projectiles, ""),

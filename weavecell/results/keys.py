@@ -1,4 +1,4 @@
-"""Keys of the result files of impacts and coupons, from keys.toml; docs/reference/input.md is made from them.
+"""Keys of the result files of impacts and coupons, from keys.toml; docs/reference.md is made from them.
 
 One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". A quantity of an impact
 is one line of keys.toml: its key, unit and meaning, and where the record (`results.impact.ImpactRecord`) holds it.

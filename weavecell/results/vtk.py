@@ -32,7 +32,7 @@ def grid(nodes: FloatArray, quads: IntArray) -> Any:
 
 
 def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
-    """The grid of a panel at one instant, with the arrays that docs/reference/files.md lists.
+    """The grid of a panel at one instant, with the arrays that docs/reference.md lists.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The examples of docs/reference/input.md, which `tools/pages.py` makes from the schema, are input files."""
+"""The examples of docs/reference.md, which `tools/pages.py` makes from the schema, are input files."""
 
 import tomllib
 from pathlib import Path
