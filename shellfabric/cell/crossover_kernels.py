@@ -25,7 +25,6 @@ E-05, E-06, E-09, E-10).
 """
 
 import math
-from typing import NamedTuple
 
 from shellfabric.cell.yarn_kernels import (
     arc,
@@ -39,28 +38,6 @@ from shellfabric.jit.compile import entry, kernel
 EQUILIBRIUM = 0
 VARIATIONAL = 1
 _MAX_STEPS = 200
-
-
-class Yarn(NamedTuple):
-    """A yarn of a crossover, as kernels take it."""
-
-    w: float  # [m] half length of the cell at rest
-    S0: float  # [m] length of the yarn in it at rest
-    EA: float  # [N] axial stiffness
-    h0: float  # [m] height at rest
-    a: float  # [m] law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); a = 0: none
-    b: float  # [m N^(1/3)]
-    shift: float  # [N] (b / a)^3 of a regularised law, 0 of the printed one
-
-
-class Crossover(NamedTuple):
-    """Two yarns that cross, as kernels take them."""
-
-    warp: Yarn
-    weft: Yarn
-    gap: float  # [m] between the yarns at rest
-    form: int  # EQUILIBRIUM or VARIATIONAL
-    coupled: bool  # whether the yarns press on each other
 
 
 @kernel()

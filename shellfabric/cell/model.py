@@ -30,6 +30,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
 from shellfabric.cell import coefficients, fill_kernels
 from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.state import CellYarn, Crossover
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 MODELS = ("compressible", "incompressible", "decoupled")
@@ -97,22 +98,23 @@ class CellModel:
         return self.fabric.weave.h0
 
     @property
-    def yarns(self) -> tuple[kernels.Yarn, ...]:
+    def yarns(self) -> tuple[CellYarn, ...]:
         """The two yarns as `crossover_kernels` takes them."""
         weave = self.fabric.weave
         found = []
         for m, law in enumerate(self.used_laws):
-            yarn = kernels.Yarn(
+            shift = 0.0
+            if law.form == "regularised":
+                shift = law.F0
+            yarn = CellYarn(
                 w=weave.w[m],
                 S0=weave.S0[m],
                 EA=weave.yarns[m].EA,
                 h0=self.h0[m],
                 a=law.a,
                 b=law.b,
-                shift=0.0,
+                shift=shift,
             )
-            if law.form == "regularised":
-                yarn = yarn._replace(shift=law.F0)
             found.append(yarn)
         return tuple(found)
 
@@ -184,10 +186,10 @@ class CellModel:
         return CellTable.fill(self, n)
 
     @property
-    def crossover(self) -> kernels.Crossover:
+    def crossover(self) -> Crossover:
         """The crossover as `crossover_kernels` takes it."""
         warp, weft = self.yarns
-        return kernels.Crossover(
+        return Crossover(
             warp=warp,
             weft=weft,
             gap=self.crossover_gap,

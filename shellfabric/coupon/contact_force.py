@@ -29,9 +29,9 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
-from shellfabric.cell import crossover_kernels
 from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.state import CellYarn
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
 BISECTIONS = 60
@@ -58,9 +58,7 @@ def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
     return 4 * w / pi * E, slope
 
 
-def heights(
-    yarn: crossover_kernels.Yarn, bending: float, stretch: FloatArray, force: FloatArray
-) -> FloatArray:
+def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
     """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
 
     Parameters
@@ -88,7 +86,7 @@ def heights(
     return 0.5 * (low + high)
 
 
-def compression(yarn: crossover_kernels.Yarn, force: FloatArray) -> FloatArray:
+def compression(yarn: CellYarn, force: FloatArray) -> FloatArray:
     """[m] of a yarn at the contact forces [N]."""
     if yarn.a == 0:
         return np.zeros_like(force)

@@ -24,6 +24,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
 from shellfabric.driver import memory
 from shellfabric.panel.failure import mean_weights
+from shellfabric.state import Segments
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave
@@ -98,7 +99,7 @@ class Coupon:
         grid = []
         for axis, step in zip((table.stretch1, table.stretch2), table.steps):
             grid += [axis[0], 1 / step, axis.size - 2.0]
-        return kernels.Segments(
+        return Segments(
             nodes=[np.ascontiguousarray(edges) for edges in self.edges],
             cells=[np.ascontiguousarray(cells) for cells in self.cells],
             across=[np.ascontiguousarray(across) for across in self.across],
