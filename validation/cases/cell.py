@@ -60,8 +60,9 @@ def _miss(model, F, d1, d2):
     """[heights at rest] by which the yarns miss closing the cell with a force; without one they close nothing."""
     if not F > 0:
         return np.inf
-    w = tuple(yarn.w + d for yarn, d in zip(model.yarns, (d1, d2)))
-    free = tuple(kernels.free_height(half, yarn.S0) for half, yarn in zip(w, model.yarns))
+    warp, weft = model.yarns
+    w = warp.w + d1, weft.w + d2
+    free = kernels.free_height(w[0], warp.S0), kernels.free_height(w[1], weft.S0)
     return abs(kernels.residual(F, w, free, model.crossover)[0]) / sum(model.h0)
 
 

@@ -84,9 +84,10 @@ def test_gather_against_its_plain_twin(s):
     on2 = work.f_over_stretch[membrane_kernels.WEFT]
     for idle in (on2, work.trellis_cross):
         idle[s - 1 :: s] = 0.0
-    A, B = ([x[m0:].copy() for x in part] for part in (work.A, work.B))
-    on1, on2, cross = (x[m0:].copy() for x in (*work.f_over_stretch, work.trellis_cross))
-    plain = plain_gather(rows, s, rx, ry, A, B, on1, on2, cross)
+    A = np.array(work.A)[:, m0:]
+    B = np.array(work.B)[:, m0:]
+    on1, on2 = np.array(work.f_over_stretch)[:, m0:]
+    plain = plain_gather(rows, s, rx, ry, A, B, on1, on2, work.trellis_cross[m0:])
     membrane_kernels.scatter_forces(state, const, work, 0, 0, rows)
     end = (rows + 1) * s
     for c in range(3):
@@ -115,14 +116,17 @@ def test_edges_of_a_step_against_their_plain_twin(again):
     state, const, work = random_block(rng, s, inv_dx=r[0], inv_dy=r[1], cv1=cv[0], cv2=cv[1])
     for part in (*state.stretch, *state.N, *state.dstretch, *state.yarn_length):
         part[:] = rng.normal(size=part.size)
-    was = [[x.astype(float) for x in part] for part in (state.stretch, state.N, state.dstretch)]
+    before = np.array([state.stretch, state.N, state.dstretch], float)
     if again:
         state.block_damage[0] = membrane_kernels.REDO
     membrane_kernels.pull_yarns(state, const, work, 0, 0, 1)
     works = np.zeros(2)
     for family, beside in enumerate((1, s)):
-        L, P, D, y = (x[family] for x in (*was, state.yarn_length))
-        stretch, N, turned = (x[family] for x in (work.stretch, work.N, work.trellis_turn))
+        L, P, D = before[:, family]
+        y = state.yarn_length[family]
+        stretch = work.stretch[family]
+        N = work.N[family]
+        turned = work.trellis_turn[family]
         for k in range(s):
             m = k + 2 * s
             d = stretch[m] - L[k]
@@ -131,8 +135,9 @@ def test_edges_of_a_step_against_their_plain_twin(again):
             pull = y[k] * (N[m] + cv[family] * d) - turned[m] - turned[m - beside]
             on = r[family] * work.inv_stretch[family][m] * pull
             assert work.f_over_stretch[family][m] == pytest.approx(on)
-            kept = [x[family][k] for x in (state.stretch, state.N, state.dstretch)]
-            assert kept == [stretch[m], N[m], np.float32(d)]
+            assert state.stretch[family][k] == stretch[m]
+            assert state.N[family][k] == N[m]
+            assert state.dstretch[family][k] == np.float32(d)
             works += y[k] * d * np.array([0.5 * (P[k] + N[m]), 0.5 * cv[family] * (D[k] + d)])
         assert state.stretch[family][s] == L[s]
     sums = state.energy_sums[0, [membrane_kernels.WORK, membrane_kernels.VISCOUS]]
