@@ -32,7 +32,9 @@ from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Boundary
-from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
+from shellfabric.panel.grid import SYMMETRIES
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics

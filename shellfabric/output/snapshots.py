@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
-from shellfabric.panel import boundary
+from shellfabric.panel import edges
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -26,7 +26,7 @@ class Snapshot:
     nose_position : [m] foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
     nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is in; those beyond the
-        edge of the opening on it (`boundary.shown`)
+        edge of the opening on it (`edges.shown`)
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
@@ -59,7 +59,7 @@ def snapshot(
     ----------
     pressing : of `solver.pack_solver.PackSolver.normal_contact_forces`
     """
-    X, Y = boundary.shown(panel)
+    X, Y = edges.shown(panel)
     nodes = _stacked(panel, state.u)
     nodes[..., 0] += X
     nodes[..., 1] += Y

@@ -20,7 +20,7 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolv
 from shellfabric.jit import barrier
 from shellfabric.jit.compile import PythonCell, compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.panel import boundary, forces, grading, quality
+from shellfabric.panel import edges, forces, grading, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
@@ -172,7 +172,7 @@ class PackSolver(ExplicitSolver):
             state.modules.behind[0] = self._behind.place
             self.contacts += (("backing_damped", "the contact with the block"),)
         self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
-        self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
+        self._ends = [edges.ends(panel) for panel, _, _ in self.parts]
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)

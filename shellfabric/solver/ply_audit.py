@@ -110,7 +110,7 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
 def edge_reactions(
     panel: Panel, const: Constants, state: State, ends: tuple[tuple[int, int], tuple[int, int]]
 ) -> tuple[float, float]:
-    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends : `boundary.ends`."""
+    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends : `edges.ends`."""
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
     weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2

@@ -52,7 +52,8 @@ _OBJECTS = {
 }  # may be objects, which no file can hold
 
 Function = TypeVar("Function", bound=Callable)
-Quantity = float | str  # in SI units, or a text with a unit
+# a number in SI units, or a text with a unit
+Quantity = float | str
 Number = float
 End = Literal["clamped", "free"] | Mapping[str, Quantity]
 Side = End | tuple[End, End] | list[End]
@@ -157,25 +158,29 @@ class Keywords(TypedDict, total=False):
 # <!-- end of keywords -->
 
 
-def explained(function: Function) -> Function:
-    """The function, whose docstring also has what each of its `Keywords` means, for help()."""
-    meanings = (Keywords.__doc__ or "").partition("\n\n")[2]
-    section = f"\n    Other Parameters\n    ----------------\n{meanings}"
-    text = function.__doc__ or ""
-    function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
-    return function
+def explained(*kinds: type) -> Callable[[Function], Function]:
+    """Add to the docstring of a function what each keyword of these TypedDicts means, for help()."""
+    section = "\n    Other Parameters\n    ----------------\n"
+    for kind in kinds:
+        section += (kind.__doc__ or "").split("\n\n")[-1].split("--\n")[-1].rstrip() + "\n"
+
+    def add(function):
+        text = function.__doc__ or ""
+        function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
+        return function
+
+    return add
 
 
 def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
     from weavecell.scenes.impact import Scene
 
-    flat = {
-        key: name
-        for name in FLAT
-        for key in fields_of(Scene, name)
-        if f"{name}.{key}" not in NOT_HERE
-    }
+    flat = {}
+    for name in FLAT:
+        for key in fields_of(Scene, name):
+            if f"{name}.{key}" not in NOT_HERE:
+                flat[key] = name
     return flat | dict.fromkeys(GROUPS, "")
 
 
@@ -259,7 +264,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
     objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
     if not isinstance(fabric, (str, Path)) or not all(
-        isinstance(one, (str, dict)) for one in objects
+        isinstance(value, (str, dict)) for value in objects
     ):
         return ""
     if str(fabric).endswith(".toml"):
@@ -267,11 +272,11 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     else:
         named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
-    content = {
-        key: _text(value, Scene.model_fields[key])
-        for key, value in {**table, "fabric": named | rest}.items()
-    }
-    return tomlkit.dumps({key: value for key, value in content.items() if value})
+    content = {}
+    for key, value in {**table, "fabric": named | rest}.items():
+        if written := _text(value, Scene.model_fields[key]):
+            content[key] = written
+    return tomlkit.dumps(content)
 
 
 @contextmanager
@@ -294,11 +299,10 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 def _fields(entry):
     from fabrics.base.schema import tables_in
 
-    return {
-        key: field
-        for table in tables_in(entry.annotation)
-        for key, field in table.model_fields.items()
-    }
+    fields = {}
+    for table in tables_in(entry.annotation):
+        fields |= table.model_fields
+    return fields
 
 
 def _text(value, entry):
@@ -343,7 +347,7 @@ def _unknown(key, value, known):
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
     """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
     if isinstance(problem, InputErrors):
-        return together([named(one, flat) for one in problem.problems])
+        return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
     short = "velocity"
@@ -353,8 +357,8 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
             short = rest
     if not short or not str(problem).startswith(key):
         return problem
-    found = InputError(short + str(problem)[len(key) :])
-    found.key = short
-    found.value = problem.value
-    found.allowed = problem.allowed
-    return found
+    renamed = InputError(short + str(problem)[len(key) :])
+    renamed.key = short
+    renamed.value = problem.value
+    renamed.allowed = problem.allowed
+    return renamed

@@ -70,7 +70,8 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
-WIDEST = 5.0  # [m] of an opening: a larger number has another unit
+# [m] a wider opening is a slip of the unit
+WIDEST = 5.0
 _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 
@@ -111,10 +112,10 @@ Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discrimina
 
 
 def _opening(value, read):
-    sides = [
-        read(text, "m")
-        for text in (value if isinstance(value, list) and len(value) == 2 else [value])
-    ]
+    texts = [value]
+    if isinstance(value, list) and len(value) == 2:
+        texts = value
+    sides = [read(text, "m") for text in texts]
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     if len(sides) == 1:

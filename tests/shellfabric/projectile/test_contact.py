@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from panels import make_panel
 
 from shellfabric.cloth.membrane_kernels import DAMAGED, ERODED
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
