@@ -228,7 +228,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
     found |= dynamics.state(panel.shot, strike_velocity)
-    found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
+    found["modules"] = forces.table(panel.force_modules(), panel.sides is not None)
     return State(**found)
 
 

@@ -15,7 +15,7 @@ is kept.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,17 +34,22 @@ class Module:
 
     Parameters
     ----------
-    energy : name of what it stores, among the energies of a run
+    energy : name of what its unit returns, among the energies of a run
     act : its unit; None where it does not act
     own : its row, or None
     stiffness : [1/s2] bound of its stiffness over the mass of a node, a quarter of the square of
         the highest frequency, which bounds the time step
+    nose : a unit that is called in place of the membrane's contact with the nose, or None
+    books : a function that returns further energies {name: [J]} of its row, or None; those of a
+        ply are added to
     """
 
     energy: str
     act: Unit | None
     own: Row | None = None
     stiffness: float = 0.0
+    nose: Unit | None = None
+    books: Callable[[Any], dict[str, float]] | None = None
 
 
 def bending(panel: Any) -> Module:
@@ -81,12 +86,16 @@ def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
     listed = tuple(modules)
     cells = np.zeros(len(listed), np.int64)
     rows = np.zeros(len(listed), np.int64)
+    nose = np.zeros(2, np.int64)
     for m, module in enumerate(listed):
         if module.act:
             cells[m] = module.act.cell(int(graded)).place
         if module.own:
             rows[m] = module.own._address
-    found = ModuleTable(cell=cells, own=rows, behind=np.zeros(1, np.int64))
+        if module.nose:
+            nose[0] = module.nose.cell(int(graded)).place
+            nose[1] = rows[m]
+    found = ModuleTable(cell=cells, own=rows, behind=np.zeros(1, np.int64), nose=nose)
     found.__dict__["_made_by"] = table, (listed, graded)
     return found
 

@@ -389,7 +389,7 @@ def test_notes_of_a_set_up_warn_at_the_line_of_the_user(call):
 
 
 def test_yarns_that_slip_at_crossovers_are_refused():
-    said = "crossovers = 'sliding': must be left out: the membrane does not model yarns that slip"
+    said = """crossovers = 'sliding': must be one of "pinned", "yarns\""""
     with pytest.raises(InputError, match=said):
         wc.setup("S-726", 96.0, crossovers="sliding")
 
