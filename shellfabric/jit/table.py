@@ -215,7 +215,7 @@ class Row:
             raise TypeError(f"{table.__name__}: missing or unknown: {', '.join(wrong)}")
         for name, field in table.fields.items():
             if isinstance(field.kinds[UNIFORM], types.UniTuple):
-                values[name] = _as_tuples(values[name])
+                values[name] = _as_tuples(field.kinds[UNIFORM], values[name])
         kind = table.types[_grid_of(table, values)]
         words: list[int] = []
         for name, (member, _) in kind.members.items():
@@ -318,13 +318,12 @@ def _nothing(kind):
     return numpy_support.as_dtype(kind).type(0)
 
 
-def _as_tuples(value):
-    if isinstance(value, np.ndarray):
-        if value.ndim == 1:
-            return value
-        return tuple(map(_as_tuples, value))
-    if isinstance(value, (tuple, list)):
-        return tuple(map(_as_tuples, value))
+def _as_tuples(kind, value):
+    """Lists, and arrays of arrays, as the tuples that a numba type needs."""
+    if not isinstance(kind, types.UniTuple):
+        return value
+    if isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 1):
+        return tuple(_as_tuples(kind.dtype, part) for part in value)
     return value
 
 
