@@ -276,7 +276,7 @@ def uniaxial(
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
-    hooks = [no_fold(coupon)]
+    hooks: list[Callable[..., object]] = [no_fold(coupon)]
     if failure:
         hooks.append(at_strength(coupon))
     return run(coupon, grips, path, strain, steps, hooks, **relaxing)
@@ -348,7 +348,7 @@ def biaxial(
             1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
         )
 
-    hooks = [no_fold(coupon)]
+    hooks: list[Callable[..., object]] = [no_fold(coupon)]
     if failure:
         hooks.append(at_strength(coupon))
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)

@@ -644,9 +644,8 @@ class PanelGrid:
         """
         wide = self.projectile.radius / self.projectile.frame[2, 2]
         found = []
-        if self.sides is None:
-            slips = (0.0, 0.0)
-        else:
+        slips: tuple[float, ...] = (0.0, 0.0)
+        if self.sides is not None:
             slips = boundary.pull_in(self.boundary)
         extent = self.extent
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
