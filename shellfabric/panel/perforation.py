@@ -41,17 +41,17 @@ def held(state: State, const: Constants) -> BoolArray:
     if not const.mirror_y:
         outer.append(piece[:, 0])
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
-    cloth = (by_element(state.element_flag, const) & ERODED) == 0
-    return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
+    left = (by_element(state.element_flag, const) & ERODED) == 0
+    return left & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
-def passed(state: State, const: Constants, cloth: BoolArray | None = None) -> bool:
-    """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is
-    known."""
-    if cloth is None:
-        cloth = held(state, const)
+def passed(state: State, const: Constants, held_elements: BoolArray | None = None) -> bool:
+    """Whether no held element is ahead of the nose; `held_elements` is `held` of the state, if it
+    is known."""
+    if held_elements is None:
+        held_elements = held(state, const)
     flag = state.element_flag.copy()
-    by_element(flag, const)[~cloth] |= ERODED
+    by_element(flag, const)[~held_elements] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 
 
