@@ -400,17 +400,6 @@ def shift_in_prev(typing, last, x):
     return FLOAT64X8(last, x), codegen
 
 
-@intrinsic
-def shift_in_next(typing, x, following):
-    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector
-    after x."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(1, WIDTH + 1))))
-
-    return FLOAT64X8(x, following), codegen
-
-
 def load_or_broadcast(values, k):
     """Load values[k : k + 8] of an array; a float is broadcast."""
 
@@ -479,7 +468,7 @@ def store_int32(typing, array, k, cell):
 
 @intrinsic
 def gather8_indexed(typing, table, array, k):
-    """As `gather_rows8`, with the row numbers in array[k : k + 8]."""
+    """Gather the rows of a table (n, 8) whose numbers are array[k : k + 8], transposed: eight vectors."""
 
     def codegen(context, builder, signature, arguments):
         table, array, k = arguments
@@ -525,17 +514,6 @@ def gather_rows4(typing, table, cell):
         return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 4))
 
     return types.UniTuple(FLOAT64X8, 4)(table, cell), codegen
-
-
-@intrinsic
-def gather_rows8(typing, table, cell):
-    """Gather the rows `cell` of a table (n, 8), transposed: eight vectors."""
-
-    def codegen(context, builder, signature, arguments):
-        found = _table_rows(context, builder, signature.args[0], arguments, 8)
-        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
-
-    return types.UniTuple(FLOAT64X8, 8)(table, cell), codegen
 
 
 def _table_rows(context, builder, kind, arguments, count):
