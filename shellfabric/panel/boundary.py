@@ -143,7 +143,7 @@ def check(panel: Panel) -> None:
             else "in a round opening"
         )
         raise InputError(
-            key="boundary", value=panel.boundary, allowed=f"clamped where the weave is {what}"
+            key="boundary", value=panel.boundary, allowed=f"clamped if the weave is {what}"
         )
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
     inside = (
@@ -162,7 +162,7 @@ def check(panel: Panel) -> None:
             if panel.ply_angle
             else "the weave is oblique"
         )
-        raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
+        raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole if {what}")
 
 
 def stepped(panel: Panel) -> bool:

@@ -144,7 +144,7 @@ class Panel:
             raise InputError(key="rate_dependence", value=True, allowed=allowed)
         if self.rate_dependence and not self.yarn_failure:
             raise InputError(
-                key="rate_dependence", value=True, allowed="false where yarns do not fail"
+                key="rate_dependence", value=True, allowed="false if yarns do not fail"
             )
 
     def _check_grading(self):
@@ -158,7 +158,7 @@ class Panel:
             for side in pair
         )
         if gripped or self.grid_middle != self.impact_point:
-            allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
+            allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             least = (

@@ -100,7 +100,7 @@ def compare(
     fired = studies.read(tests)
     if target is None:
         for key in options:
-            raise InputError(key=key, allowed="left out where nothing is shot at")
+            raise InputError(key=key, allowed="left out if nothing is shot at")
         with out_folder.held(out) as folder:
             return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
     panel = targets.of(target, options, honoured.LIMITS)

@@ -161,14 +161,17 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     ("call", "told"),
     [
         (lambda: wc.setup("S-720", "3 kg"), "velocity = '3 kg'"),
-        (lambda: wc.setup("S-720", 90.0, plie=3), "plie = 3: is no keyword, did you mean plies?"),
+        (
+            lambda: wc.setup("S-720", 90.0, plie=3),
+            "plie = 3: is not a keyword, did you mean plies?",
+        ),
         (
             lambda: wc.setup("S-720", 90.0, edge="free"),
-            "edge = 'free': is no keyword; keywords: weaving_damage, law, ",
+            "edge = 'free': is not a keyword; keywords: weaving_damage, law, ",
         ),
         (
             lambda: wc.setup("S-720", 90.0, edge_radius=1.0),
-            "edge_radius = 1.0: is no keyword, did you mean projectile=",
+            "edge_radius = 1.0: is not a keyword, did you mean projectile=",
         ),
         (lambda: wc.setup("S-720", 90.0, projectile=CUT), "projectile.edge_radius: is missing"),
         (
