@@ -26,7 +26,8 @@ from shell import machine, publish
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver

@@ -28,8 +28,9 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
 from shellfabric.panel.element_kernels import element_forces
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import move_rows
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver

@@ -28,7 +28,8 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 

@@ -54,7 +54,7 @@ def march(plies, velocity, skip, steps):
 
     from fabrics import catalogue
     from shellfabric.impact.simulation import ImpactSetup
-    from shellfabric.panel.model import Numerics
+    from shellfabric.panel.numerics import Numerics
     from shellfabric.plies.model import Pack
     from shellfabric.solver.pack_solver import PackSolver
 

@@ -75,29 +75,29 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
-    return {
-        end: replace(fabric, shear=law)
-        for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items()
-    }
+    changed = {}
+    for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items():
+        changed[end] = replace(fabric, shear=law)
+    return changed
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
-    return {
-        end: replace(fabric, solid_laws=laws)
-        for end, laws in _ends(fabric, "solid", fabric.solid_laws).items()
-    }
+    changed = {}
+    for end, laws in _ends(fabric, "solid", fabric.solid_laws).items():
+        changed[end] = replace(fabric, solid_laws=laws)
+    return changed
 
 
 def _ends(fabric, table, laws):
     """{"soft", "stiff": laws} of a table, each number at this end of its range."""
     if not any(key.startswith(f"{table}.") for key in fabric.ranges):
         return {}
-    found = {}
+    laws_at = {}
     for end in ("soft", "stiff"):
         pair = [_law_at(fabric, table, *of, end == "soft") for of in zip(FAMILIES, laws)]
-        found[end] = tuple(pair)
-    return found
+        laws_at[end] = tuple(pair)
+    return laws_at
 
 
 def _law_at(fabric, table, family, law, soft):
@@ -131,11 +131,11 @@ def _usual_ranges(fabric, table):
         else:
             law = family.solid_laws(end)[0]
         laws[end] = vars(law)
-    found = {}
+    ranges = {}
     for name, usual in laws["nominal"].items():
         ratios = laws["soft"][name] / usual, laws["stiff"][name] / usual
-        found[name] = tuple(sorted(ratios))
-    return found
+        ranges[name] = tuple(sorted(ratios))
+    return ranges
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
@@ -194,20 +194,20 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     if all(_crimp_is_computed(fabric)):
         for value in (share.low, share.high):
             ends[f"warp share {value:g}"] = {"share": value}
-    found = {}
+    changed = {}
     for words, end in ends.items():
         # the low end may be thinner than a yarn whose crimp is given
         with suppress(InputError):
-            found[words] = of_thickness(fabric, **end)
-    return found
+            changed[words] = of_thickness(fabric, **end)
+    return changed
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
-    one = entries()["failure_length"]
+    length = entries()["failure_length"]
     usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
-        usual = (one.low / one.value, one.high / one.value)
+        usual = (length.low / length.value, length.high / length.value)
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
     return {
         f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends
@@ -216,17 +216,18 @@ def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
     """{what is assumed of a fabric: {words: the fabric with this end}}, without the solid laws."""
-    found = {"crimp": crimp_ends(fabric)}
+    variants = {"crimp": crimp_ends(fabric)}
     for name in OF_YARNS:
         pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
         if any(low < high for low, high in pairs):
             ratios = zip(("low", "high"), zip(*pairs))
-            found[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
-    found["trellis law"] = {
-        f"trellis {end}": changed for end, changed in shear_ends(fabric).items()
-    }
-    found["failure length"] = failure_length_ends(fabric)
-    return {name: of_one for name, of_one in found.items() if of_one}
+            variants[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
+    trellis = {}
+    for end, changed in shear_ends(fabric).items():
+        trellis[f"trellis {end}"] = changed
+    variants["trellis law"] = trellis
+    variants["failure length"] = failure_length_ends(fabric)
+    return {name: of_one for name, of_one in variants.items() if of_one}
 
 
 def _scaled(fabric, name, ratios):
@@ -241,9 +242,10 @@ def _scaled(fabric, name, ratios):
 
 def given(fabric: Fabric, table: str) -> Fabric:
     """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
-    ranges = {
-        key: ratios for key, ratios in fabric.ranges.items() if key.partition(".")[0] != table
-    }
+    ranges = {}
+    for key, ratios in fabric.ranges.items():
+        if key.partition(".")[0] != table:
+            ranges[key] = ratios
     return replace(
         fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges
     )
@@ -273,27 +275,28 @@ def lines(fabric: Fabric) -> list[str]:
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
-    return [
-        _crimp_line(fabric)
-        if key == "crimp"
-        else f"assumed: {words[key]}, because {fabric.name} gives none"
-        for key in fabric.assumed
-    ] + _own_lines(fabric)
+    lines = []
+    for key in fabric.assumed:
+        line = f"assumed: {words.get(key)}, because {fabric.name} gives none"
+        if key == "crimp":
+            line = _crimp_line(fabric)
+        lines.append(line)
+    return lines + _own_lines(fabric)
 
 
 def _own_lines(fabric):
     """Lines about the numbers with a range of their own, and about guesses without one."""
-    ranged = [
-        f"{key} {fabric.sources[key]['value'].partition(' (')[0]} (times {low:.3g} .. {high:.3g})"
-        for key, (low, high) in fabric.ranges.items()
-        if low < high and key.partition(".")[0] not in fabric.assumed
-    ]
+    ranged = []
+    for key, (low, high) in fabric.ranges.items():
+        if low < high and key.partition(".")[0] not in fabric.assumed:
+            value = fabric.sources[key]["value"].partition(" (")[0]
+            ranged.append(f"{key} {value} (times {low:.3g} .. {high:.3g})")
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
     lines = []
     if ranged:
-        lines = [f"assumed: {', '.join(ranged)}"]
+        lines.append(f"assumed: {', '.join(ranged)}")
     if guessed:
-        return [*lines, f"guessed, without a range: {guessed}; give low and high"]
+        lines.append(f"guessed, without a range: {guessed}; give low and high")
     return lines
 
 
@@ -349,10 +352,10 @@ def _range(pair, factor):
     return f"{factor * pair[0]:g} to {factor * pair[1]:g}"
 
 
-def _solid_laws(fabric, family, end="nominal"):
+def _solid_laws(fabric, family):
     """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
     laws = []
-    for law, yarn, area in zip(family.solid_laws(end), fabric.weave.yarns, fabric.yarn_area):
+    for law, yarn, area in zip(family.solid_laws("nominal"), fabric.weave.yarns, fabric.yarn_area):
         if area is not None:
             law = replace(law, Vf0=yarn.A_s / area)
         laws.append(law)
@@ -374,11 +377,7 @@ def _completed(fabric, table, law_of):
     if table == "solid":
         for name, made, area in zip(FAMILIES, law, fabric.yarn_area):
             if area is not None:
-                entry = {
-                    "value": f"{made.Vf0:.4f}",
-                    "source": "section_area",
-                    "status": "derived",
-                }
+                entry = {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
                 sources[f"solid.Vf0.{name}"] = entry
     if table == "shear":
         sources |= _derived(law, family)
@@ -405,7 +404,8 @@ def _derived(shear, family):
             "thesis eqs. 4-33 and 4-34 as corrected in E-08, with shear.K_s",
         ),
     }
-    return {
-        f"shear.{key}": {"value": value, "source": f"{source} ({family.name})", "status": "assumed"}
-        for key, (value, source) in texts.items()
-    }
+    sources = {}
+    for key, (value, source) in texts.items():
+        origin = f"{source} ({family.name})"
+        sources[f"shear.{key}"] = {"value": value, "source": origin, "status": "assumed"}
+    return sources

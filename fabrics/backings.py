@@ -6,7 +6,6 @@ there is no unit), each with its source and status.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import unknown_name
+from fabrics.base.files import read_data
 from fabrics.materials import Isotropic, of_table, plain, read_table
 
 _FILE = Path(__file__).with_name("backings.toml")
@@ -21,7 +21,7 @@ _FILE = Path(__file__).with_name("backings.toml")
 
 @cache
 def _data():
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))["backing"]
+    return read_data(_FILE)["backing"]
 
 
 def list_names() -> tuple[str, ...]:
@@ -56,8 +56,10 @@ def table(
     ------
     InputError : as `entry`
     """
-    data = {one: plain(value["value"]) for one, value in entry(name, file=file, key=key).items()}
-    return {"material": name} | data | dict(given or {})
+    data: dict[str, Any] = {"material": name}
+    for constant, row in entry(name, file=file, key=key).items():
+        data[constant] = plain(row["value"])
+    return data | dict(given or {})
 
 
 def load(name: str) -> Isotropic:
@@ -77,10 +79,9 @@ def assumed_line(name: str, block: Isotropic) -> str:
     else:
         data = read_table("backing")
     own = of_table(data, _FILE)
-    kept = [
-        key
-        for key, row in data.items()
-        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)
-    ]
+    kept = []
+    for key, row in data.items():
+        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key):
+            kept.append(key)
     constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)
     return f"assumed: {constants or 'nothing'}, of the block of {name or 'the thesis'}"

@@ -81,27 +81,26 @@ class CompressionLaw:
 
     def ends(self) -> dict[str, CompressionLaw]:
         """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
-        return {
-            end: CompressionLaw(
-                a, b, self.form, f"{self.provenance}; {end} end of the assumed range"
-            )
-            for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
-        }
+        laws = {}
+        for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ()):
+            provenance = f"{self.provenance}; {end} end of the assumed range"
+            laws[end] = CompressionLaw(a, b, self.form, provenance)
+        return laws
 
     def outside_ends(self) -> list[str]:
         """A line for each end of the assumed range that the law lies outside of, up to the largest force of its fit.
 
         The soft end is to be compressed more than the law, the stiff end less.
         """
-        found = []
+        lines = []
         F = np.linspace(0, self.F_range[1] if self.F_range else 0, 1001)[1:]
         for (end, law), sign, other in zip(self.ends().items(), (1, -1), ("stiffer", "softer")):
             if (outside := F[sign * (law.d(F) - self.d(F)) < 0]).size:
                 forces = f"from {outside[0]:.3g} to {outside[-1]:.3g} N"
-                found.append(
+                lines.append(
                     f"{end} end {other} than the law {forces}: the ends do not bracket it there"
                 )
-        return found
+        return lines
 
     def require_fabric(
         self, name: str, *, file: FilePath | None = None, key: str, value: object = None
@@ -222,10 +221,7 @@ class CompressionLaw:
         a = length * np.exp(p)
         F0 = force * np.exp(q)
         b = a * np.cbrt(F0)
-        if F.size > 2:
-            spread = student.ppf(0.5 + confidence / 2, F.size - 2)
-        else:
-            spread = np.inf
+        spread = student.ppf(0.5 + confidence / 2, F.size - 2)
         da = spread * np.sqrt(covariance[0, 0])
         db = spread * np.sqrt(covariance[0, 0] + 2 / 3 * covariance[0, 1] + covariance[1, 1] / 9)
         fitted = cls(float(a), float(b), provenance=provenance, fabric=fabric)
@@ -269,19 +265,15 @@ class CompressionLaw:
         content = law_file.read(path)
         with placed(path):
             fit = content.get("fit") or {}
-            F_range, a_interval, b_interval = (
-                tuple(fit[key]) if fit.get(key) else None
-                for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
-            )
             return cls(
                 si(content.get("a"), "m", file=path, key="a"),
                 si(content.get("b"), "m * N**(1/3)", file=path, key="b"),
                 content.get("form", "regularised"),
                 content.get("provenance", ""),
                 fit.get("residual_rms_m"),
-                F_range,
-                a_interval,
-                b_interval,
+                _pair(fit.get("F_range_N")),
+                _pair(fit.get("a_interval_m")),
+                _pair(fit.get("b_interval_m_N^(1/3)")),
                 _read_range(content.get("assumed_range"), path),
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
@@ -312,17 +304,19 @@ def check_room(
         raise InputError(file=file, key=key, value=value, allowed=allowed)
 
 
+def _pair(values):
+    return values and tuple(values)
+
+
 def _read_range(entries, path):
     if not entries:
         return None
-    soft, stiff = (
-        (
-            si(entry.get("a"), "m", file=path, key="a"),
-            si(entry.get("b"), "m * N**(1/3)", file=path, key="b"),
-        )
-        for entry in entries
-    )
-    return soft, stiff
+    ends = []
+    for entry in entries:
+        a = si(entry.get("a"), "m", file=path, key="a")
+        b = si(entry.get("b"), "m * N**(1/3)", file=path, key="b")
+        ends.append((a, b))
+    return tuple(ends)
 
 
 class HasLaw(Protocol):

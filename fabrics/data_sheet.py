@@ -11,13 +11,13 @@ data sheet: `data_sheet.toml` has its value with a range, and that of the thickn
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
 from fabrics.base.errors import InputError
+from fabrics.base.files import read_data
 from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
 from fabrics.families import Entry, entry, list_families
 from fabrics.weave import Weave, arc_length, height_from_length
@@ -27,20 +27,24 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
-TOO_THICK = (
-    3.0  # times the stated thickness: closest packed fibres of yarns whose mass has another unit
-)
-NOTED = 0.01  # [-] difference of a stated quantity and what other data give, from which it is said
+# if closest packed fibres are so many times thicker than the sheet, the mass of the yarn has
+# another unit
+TOO_THICK = 3.0
+# [-] a stated quantity that differs by more from what other data give is mentioned
+NOTED = 0.01
 
 
 @cache
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
-    content = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    return {
-        name: entry(table, "m" if name.endswith("length") else "")
-        for name, table in content.items()
-    }
+    content = read_data(Path(__file__).with_suffix(".toml"))
+    named = {}
+    for name, table in content.items():
+        unit = ""
+        if name.endswith("length"):
+            unit = "m"
+        named[name] = entry(table, unit)
+    return named
 
 
 def crimps(
@@ -128,19 +132,17 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     ------
     InputError : outside the ranges of all of them
     """
-    found = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
+    fibre = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
     families = [family for family in list_families() if family.holds(yarn)]
-    if not families or any(family.allows(found) for family in families):
+    if not families or any(family.allows(fibre) for family in families):
         return
     limits = families[0].strengths
-    strain, stress = (
-        " to ".join(f"{scale * end:g}" for end in limits[name])
-        for name, scale in (("failure_strain", 100), ("strength", 1e-9))
-    )
+    strain = "{:g} to {:g}".format(*(100 * end for end in limits["failure_strain"]))
+    stress = "{:g} to {:g}".format(*(1e-9 * end for end in limits["strength"]))
     raise InputError(
         key=key,
         allowed=f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "
-        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * found['strength']:.3g} GPa",
+        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * fibre['strength']:.3g} GPa",
     )
 
 

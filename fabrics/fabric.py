@@ -156,10 +156,9 @@ class Fabric:
         """
         warp, weft = (yarn.woven(damage) for yarn in self.weave.yarns)
         entry = {"source": damage.source, "status": damage.status}
-        sources = {
-            f"weaving_damage.{key}": {"value": getattr(damage, key), **entry}
-            for key in ("modulus", "strength")
-        }
+        sources = {}
+        for key in ("modulus", "strength"):
+            sources[f"weaving_damage.{key}"] = {"value": getattr(damage, key), **entry}
         return replace(
             self,
             weave=replace(self.weave, warp=warp, weft=weft),

@@ -16,15 +16,8 @@ from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.schema import Table, described, one_of, string
 from fabrics.base.units import example, in_one_of, si
 
-STATUSES = (
-    "measured",
-    "computed",
-    "fitted",
-    "derived",
-    "assumed",
-    "corrected",
-    "user",
-)  # of the data of a fabric
+# how a number of a fabric is known
+STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")
 OF_YARNS = ("modulus", "failure_strain", "strength", "tenacity", "crimp")
 # numbers that may have a range
 RANGED = (

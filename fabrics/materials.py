@@ -5,7 +5,6 @@ Clay and gelatine by name are in `fabrics.backings`.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, sqrt
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from fabrics.base.checks import FilePath, positive
 from fabrics.base.errors import InputError
+from fabrics.base.files import read_data
 from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("materials.toml")
@@ -94,7 +94,7 @@ class Isotropic:
 
 def read_table(name: str) -> dict[str, dict]:
     """{constant: its table} of a material of `materials.toml`."""
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))[name]
+    return read_data(_FILE)[name]
 
 
 def load(name: str) -> Isotropic:
@@ -111,12 +111,19 @@ def load(name: str) -> Isotropic:
 
 def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
     """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have their defaults."""
-    read = {
-        key: si(plain(table[key]["value"]), unit, file=file, key=key)
-        for key, unit in _UNITS.items()
-        if key in table
-    }
+    read = in_si(table, _UNITS, file)
     return Isotropic(**read, erosion_strain=float(table["erosion_strain"]["value"]))
+
+
+def in_si(
+    table: Mapping[str, Mapping[str, str]], units: Mapping[str, str], file: FilePath
+) -> dict[str, float]:
+    """The values of a table of a data file in the SI units of its keys; a key may be missing."""
+    values = {}
+    for key, unit in units.items():
+        if key in table:
+            values[key] = si(plain(table[key]["value"]), unit, file=file, key=key)
+    return values
 
 
 def plain(text: str) -> float | str:
@@ -129,5 +136,4 @@ def plain(text: str) -> float | str:
 
 def round_projectile() -> dict:
     """diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
-    found = read_table("rcc")
-    return {key: si(found[key]["value"], unit, file=_FILE, key=key) for key, unit in _ROUND.items()}
+    return in_si(read_table("rcc"), _ROUND, _FILE)

@@ -16,7 +16,6 @@ Pressures rise; thicknesses fall, closures rise. Only the loading belongs in the
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,15 +24,14 @@ from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, placed
-from fabrics.base.files import read_columns
-from fabrics.base.units import si
+from fabrics.base.files import read_columns, read_data
+from fabrics.materials import in_si
 
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
 FEWEST = 5
-PLATEN_PRESSURE = (
-    7000 / 0.019**2
-)  # [Pa] highest of the tests of plies and packs: 7 kN on 19 mm x 19 mm
+# [Pa] the highest in the tests of plies and packs: 7 kN on 19 mm x 19 mm
+PLATEN_PRESSURE = 7000 / 0.019**2
 SAMPLES = 24
 
 
@@ -85,7 +83,7 @@ class PlateCurve:
         ------
         InputError : the areal density is below that where K'' vanishes, or a pack that was not tested
         """
-        content = tomllib.loads(_LAW.read_text(encoding="utf-8"))
+        content = read_data(_LAW)
         packs = content.pop("plies")
         if plies != 1:
             if str(plies) not in packs:
@@ -93,9 +91,7 @@ class PlateCurve:
                     key="plies", value=plies, allowed="1, 4, 8 or 16, of which packs were tested"
                 )
             content |= packs[str(plies)]
-        law = {
-            key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()
-        }
+        law = in_si(content, _UNITS, _LAW)
         K = law["c1"] * areal_density**3 + law["c2"]
         if not K > 0:
             allowed = f"above {(-law['c2'] / law['c1']) ** (1 / 3):.4f} kg/m2, where K'' vanishes"

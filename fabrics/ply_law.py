@@ -23,9 +23,8 @@ from numpy.typing import ArrayLike
 from fabrics.base.checks import FloatArray, positive
 from fabrics.base.errors import InputError
 
-SOLID_TRAVEL = (
-    1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
-)
+# [m] a law without travel is a straight line, and one sample at any distance describes it
+SOLID_TRAVEL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

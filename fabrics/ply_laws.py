@@ -27,7 +27,8 @@ from fabrics.fabric_tables import STATUSES
 from fabrics.plate_curve import PlateCurve
 from fabrics.ply_law import SOLID_TRAVEL, PlyLaw
 
-TESTED = 4  # plies of the packs that the thesis takes the contact of plies from (section 5.2.2)
+# the thesis takes the contact of plies from packs of so many plies (section 5.2.2)
+TESTED = 4
 _TABLE = ("closure", "pressure", "source", "status")
 UNITS = {"closure": "m", "pressure": "Pa"}
 
@@ -222,8 +223,8 @@ def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray
     ------
     InputError : as PlateCurve.pressure_law
     """
-    pack, one = (PlateCurve.pressure_law(areal_density, count) for count in (plies, 1))
-    return one.pressure, (pack.closure - one.closure) / (plies - 1)
+    pack, single = (PlateCurve.pressure_law(areal_density, count) for count in (plies, 1))
+    return single.pressure, (pack.closure - single.closure) / (plies - 1)
 
 
 NAMED = {"solid": solid_fibre, "pressure_law": of_packs}

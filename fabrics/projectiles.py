@@ -6,7 +6,6 @@ source and status, and the tolerance of the mass where one is known. A file of a
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import unknown_name
+from fabrics.base.files import read_data
 from fabrics.base.schema import read_toml
 from fabrics.base.units import si
 
@@ -27,7 +27,7 @@ Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
 
 @cache
 def _data():
-    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+    return read_data(_FILE)
 
 
 def list_names() -> tuple[str, ...]:
@@ -51,10 +51,13 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         path = Path(file or "").parent / name
         own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
         sole = {"source": path.name, "status": "user"}
-        return own.pop("shape"), {
-            one: sole | (value if isinstance(value, dict) else {"value": value})
-            for one, value in own.items()
-        }
+        shape = own.pop("shape")
+        entries = {}
+        for key, value in own.items():
+            if not isinstance(value, dict):
+                value = {"value": value}
+            entries[key] = sole | value
+        return shape, entries
     known = list_names()
     if name not in known:
         raise unknown_name("projectile", name, known, file=file, key=key)
@@ -80,11 +83,9 @@ def table(
     given = given or {}
     shape, data = entry(name, file=file, key=key)
     chosen = given.get("shape", shape)
-    taken = [one for one in data if one != "mass_tolerance"]
-    if chosen != shape:
-        taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
-    return (
-        {"name": name, "shape": shape}
-        | {one: data[one].get("value") for one in taken}
-        | dict(given)
-    )
+    shared = _OF_SHAPE.get(chosen, _OF_ANY_NOSE)
+    taken: dict[str, Any] = {"name": name, "shape": shape}
+    for quantity, row in data.items():
+        if quantity != "mass_tolerance" and (chosen == shape or quantity in shared):
+            taken[quantity] = row.get("value")
+    return taken | dict(given)

@@ -44,15 +44,12 @@ def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
 
 def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
     """Values of the yarns, each times a factor [-]; `factors` by the fields of `Yarn`."""
-    return fabric.with_yarns(
-        **{
-            name: tuple(
-                getattr(yarn, name) * factor
-                for yarn, factor in zip(fabric.weave.yarns, pair(factors))
-            )
-            for name, factors in factors.items()
-        }
-    )
+    warp, weft = fabric.weave.yarns
+    changed = {}
+    for name, of_family in factors.items():
+        of_warp, of_weft = pair(of_family)
+        changed[name] = getattr(warp, name) * of_warp, getattr(weft, name) * of_weft
+    return fabric.with_yarns(**changed)
 
 
 def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:

@@ -11,7 +11,8 @@ from math import pi, sqrt
 from fabrics.base.checks import fraction, positive
 from fabrics.base.errors import InputError
 
-CLOSEST_PACKING = pi / (2 * sqrt(3))  # fibre volume fraction of round fibres
+# fibre volume fraction of round fibres that touch
+CLOSEST_PACKING = pi / (2 * sqrt(3))
 STATUSES = ("measured", "assumed")  # of weaving damage
 
 

@@ -38,7 +38,8 @@ def image_of(result):
     strength = np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns])
     body = shape.projectile_position + result.setup.projectile.surface()
     grid = vtk.panel([Shape.of(shape)], [snapshots.quads(result.panel)])
-    centre = (*pictures3d.tip(body)[:2], grid.bounds.z_max)
+    foremost = body[..., 2] > body[..., 2].max() - 1e-4  # [m]
+    centre = (*body[foremost].mean(axis=0)[:2], grid.bounds.z_max)
     return shape.t, pictures3d.panel(grid, strength, body, result.mirrored, HALF_HEIGHT, centre)
 
 

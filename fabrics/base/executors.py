@@ -22,7 +22,8 @@ from typing import Any
 
 from fabrics.base.errors import InputError
 
-CONTEXT = get_context("spawn")  # MPI and PETSc do not survive a fork
+# a new process, since neither MPI nor PETSc survives a fork
+CONTEXT = get_context("spawn")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -83,7 +84,8 @@ def open_executor(
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
             try:
                 yield pool
-            except KeyboardInterrupt:  # the end of the tasks is not waited for
+            except KeyboardInterrupt:
+                # the program is to end now, not after the tasks that still run
                 for worker in set(active_children()).difference(others):
                     worker.terminate()
                 raise

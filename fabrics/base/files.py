@@ -16,9 +16,11 @@ from __future__ import annotations
 
 import codecs
 import csv
+import json
 import os
 import re
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -32,7 +34,8 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
-ROOM = 65536  # [bytes] that must still fit on the disk behind a file that a library has written
+# [bytes] this much must still fit on the disk behind a file that a library has written
+ROOM = 65536
 # a number with decimal marks, and a unit of up to two words
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
@@ -112,7 +115,8 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
     """
     import h5py
 
-    content = BytesIO()  # HDF5 ends the process where it cannot write to a disk
+    # in memory first: HDF5 ends the process if it cannot write to a disk
+    content = BytesIO()
     with h5py.File(content, "w") as file:
         file.attrs.update(format=format, **attributes)
         yield file
@@ -137,14 +141,47 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
     try:
         with h5py.File(path, "r") as file:
-            found = file.attrs.get("format")
-            if found not in formats:
+            stated = file.attrs.get("format")
+            if stated not in formats:
                 raise InputError(
-                    file=path, key="format", value=found, allowed=" or ".join(map(repr, formats))
+                    file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))
                 )
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
+
+
+def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
+    """The content of a JSON file of this project.
+
+    Parameters
+    ----------
+    format : kind and version of the file, its entry "format"
+    what : the file in words, for the message
+
+    Raises
+    ------
+    InputError : no such file, not JSON, or another format
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as problem:
+        raise InputError(
+            "cannot be read", file=path, allowed=f"{what} ({problem.strerror})"
+        ) from problem
+    except ValueError as problem:
+        raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
+    stated = None
+    if isinstance(content, dict):
+        stated = content.get("format")
+    if stated != format:
+        raise InputError(file=path, key="format", value=stated, allowed=repr(format))
+    return content
+
+
+def read_data(path: FilePath) -> dict[str, Any]:
+    """The content of a TOML file of a package, which needs no message for a user."""
+    return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def read_text(path: FilePath) -> str:
@@ -197,7 +234,8 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
         allowed = f"{what} ({problem.strerror})"
         raise InputError("cannot be read", file=path, allowed=allowed) from problem
     separator = None
-    if lines[0][1].startswith("sep="):  # of Excel
+    # Excel writes this line to name the separator
+    if lines[0][1].startswith("sep="):
         separator = lines.pop(0)[1][4:5]
     lines = [
         (n, line) for n, line in lines if line.strip("; ,\t") and not line.lstrip().startswith("#")
@@ -234,22 +272,22 @@ def _point_decimals(rows, words, path):
     numbers = []
     for line, cells in rows[1:]:
         for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
-            found = None
+            quantity = None
             if heading not in words:
-                found = _QUANTITY.fullmatch(cell)
-            if found:
-                numbers.append((line, cells, column, found))
+                quantity = _QUANTITY.fullmatch(cell)
+            if quantity:
+                numbers.append((line, cells, column, quantity))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
     # "12,345" can be read in two ways, "12,34" in one
-    sure = any(not _THOUSANDS.fullmatch(found[1]) for *_, found in with_comma)
-    with_point = any("." in found[1] for *_, found in numbers)
-    for line, cells, column, found in with_comma:
-        if with_point or not sure or found[1].count(",") > 1:
+    sure = any(not _THOUSANDS.fullmatch(quantity[1]) for *_, quantity in with_comma)
+    with_point = any("." in quantity[1] for *_, quantity in numbers)
+    for line, cells, column, quantity in with_comma:
+        if with_point or not sure or quantity[1].count(",") > 1:
             allowed = (
                 "written without commas: here they may be decimal commas, or separate thousands"
             )
-            raise InputError(file=path, key=f"line {line}", value=found[0], allowed=allowed)
-        cells[column] = found[1].replace(",", ".") + found[2]
+            raise InputError(file=path, key=f"line {line}", value=quantity[0], allowed=allowed)
+        cells[column] = quantity[1].replace(",", ".") + quantity[2]
 
 
 def read_columns(
@@ -296,10 +334,10 @@ def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
 
 def _heading(cell, units, allowed, path):
     """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
-    found = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
-    if found is None or found[1] not in units:
+    parts = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
+    if parts is None or parts[1] not in units:
         raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-    return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
+    return parts[1], si(f"1 {parts[2]}", units[parts[1]], file=path, key=parts[1])
 
 
 def _row(number, cells, names, path):
@@ -312,7 +350,8 @@ def _row(number, cells, names, path):
         if len(cells) == 2 * len(names):
             message = "if these are decimal commas, separate the columns by semicolons"
         raise InputError(message, file=path, key=line, value=", ".join(cells), allowed=allowed)
-    return [
-        read_number(cell, "a finite number", file=path, key=f"{line}, {name}")
-        for name, cell in zip(names, cells)
-    ]
+    numbers = []
+    for name, cell in zip(names, cells):
+        key = f"{line}, {name}"
+        numbers.append(read_number(cell, "a finite number", file=path, key=key))
+    return numbers

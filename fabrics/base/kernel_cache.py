@@ -44,9 +44,12 @@ ROOT = Path(__file__).parents[2]
 IMPORT = re.compile(
     r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE
 )  # kernels import at the head of their file
-PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
-_announced: set[str] = set()  # folders, since the last pause
-_last = 0.0  # [s] when something was compiled last
+# [s] after so long a pause without compiling, kernels of the same folder are announced again
+PAUSE = 3.0
+# folders announced since the last pause
+_announced: set[str] = set()
+# [s] time at which something was compiled last
+_last = 0.0
 
 
 def compiling(module: str, done: bool = False) -> None:
@@ -153,7 +156,8 @@ def one_compiler_a_node() -> None:
         def on_end(self, _):
             self.depth -= 1
             if self.depth == 0 and self.file is not None:
-                os.close(self.file)  # which unlocks it
+                # closing the file also unlocks it
+                os.close(self.file)
                 self.file = None
             self.thread.release()
 

@@ -49,36 +49,28 @@ class Record:
         """One row per state; a column of several numbers per state gives one for each, name_0, name_1, ..."""
         from pandas import DataFrame
 
-        flat = {
-            name: np.reshape(values, (len(values), -1)).T for name, values in self.columns.items()
-        }
-        ends = {
-            name: [""] if np.ndim(self[name]) == 1 else [f"_{k}" for k in range(len(flat[name]))]
-            for name in flat
-        }
-        return DataFrame(
-            {name + end: part for name in flat for end, part in zip(ends[name], flat[name])}
-        )
+        flat = {}
+        for name, values in self.columns.items():
+            if np.ndim(values) == 1:
+                flat[name] = values
+                continue
+            for number, part in enumerate(np.reshape(values, (len(values), -1)).T):
+                flat[f"{name}_{number}"] = part
+        return DataFrame(flat)
 
     def to_xarray(self, *dimensions: str) -> Dataset:
         """The columns as variables over `dimensions` ("row" without), with units; further axes are name_1, ..."""
         from xarray import Dataset
 
-        named = dimensions or ("row",)
-        return Dataset(
-            {
-                name: (
-                    [
-                        *named[: np.ndim(values)],
-                        *(f"{name}_{axis}" for axis in range(len(named), np.ndim(values))),
-                    ],
-                    values,
-                    {"units": self.unit(name), "long_name": self.meanings[name].partition("] ")[2]},
-                )
-                for name, values in self.columns.items()
-            },
-            attrs=self.facts,
-        )
+        shared = dimensions or ("row",)
+        variables = {}
+        for name, values in self.columns.items():
+            count = np.ndim(values)
+            axes = [*shared[:count]]
+            axes += [f"{name}_{axis}" for axis in range(len(shared), count)]
+            meaning = self.meanings[name].partition("] ")[2]
+            variables[name] = (axes, values, {"units": self.unit(name), "long_name": meaning})
+        return Dataset(variables, attrs=self.facts)
 
     def write(self, path: FilePath, **notes: Any) -> None:
         """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
@@ -110,11 +102,14 @@ class Record:
         InputError : no such file, or another format
         """
         with read_hdf5(path, FORMAT, what="record") as file:
+            columns = {}
+            meanings = {}
+            for name, values in file["columns"].items():
+                columns[name] = values[:]
+                meanings[name] = str(values.attrs["meaning"])
             return cls(
-                columns={name: values[:] for name, values in file["columns"].items()},
-                meanings={
-                    name: str(values.attrs["meaning"]) for name, values in file["columns"].items()
-                },
+                columns,
+                meanings,
                 facts=dict(file["facts"].attrs),
                 last={name: values[:] for name, values in file.get("last", {}).items()},
                 failed=str(file.attrs["failed"]),

@@ -43,7 +43,8 @@ COMPUTING = (
 )  # folders of weavecell whose code counts beside that of a module's own folder
 SUFFIXES = (".py", ".toml", ".json", ".csv")
 # enough to tell two versions of the code apart by eye
-_SHORT = 12  # digits of the code's digest that messages show
+# a message shows so many digits of the code's digest
+_SHORT = 12
 
 
 @cache
@@ -97,12 +98,12 @@ def inputs_digest(inputs: object) -> str:
     ------
     TypeError : it holds something that has no value of its own, as a function or an open file
     """
-    found = hashlib.sha256()
-    _feed(found, inputs)
-    return found.hexdigest()
+    hasher = hashlib.sha256()
+    _feed(hasher, inputs)
+    return hasher.hexdigest()
 
 
-def _feed(found, value):
+def _feed(hasher, value):
     if isinstance(value, np.generic):
         # a number of numpy and the same number of Python are one input
         value = value.item()
@@ -110,35 +111,35 @@ def _feed(found, value):
         text = value
         if isinstance(value, Path):
             text = str(value)
-        _mark(found, type(text).__name__, repr(text))
+        _mark(hasher, type(text).__name__, repr(text))
     elif isinstance(value, np.ndarray) and value.dtype != object:
-        _mark(found, "array", f"{value.dtype.str} {value.shape}")
-        found.update(np.ascontiguousarray(value).tobytes())
+        _mark(hasher, "array", f"{value.dtype.str} {value.shape}")
+        hasher.update(np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value) and not isinstance(value, type):
         # fields that are computed from others add nothing
         kept = [entry.name for entry in fields(value) if entry.init]
-        _mark(found, "dataclass", f"{type(value).__qualname__} {kept}")
+        _mark(hasher, "dataclass", f"{type(value).__qualname__} {kept}")
         for name in kept:
-            _feed(found, getattr(value, name))
+            _feed(hasher, getattr(value, name))
     elif isinstance(value, Mapping):
-        _mark(found, "mapping", str(len(value)))
+        _mark(hasher, "mapping", str(len(value)))
         # the order in which a table was written does not change a result
         for name in sorted(value, key=repr):
-            _feed(found, name)
-            _feed(found, value[name])
+            _feed(hasher, name)
+            _feed(hasher, value[name])
     elif isinstance(value, (set, frozenset)):
-        _mark(found, "set", repr(sorted(map(inputs_digest, value))))
+        _mark(hasher, "set", repr(sorted(map(inputs_digest, value))))
     elif isinstance(value, (tuple, list)):
-        _mark(found, "sequence", str(len(value)))
-        for one in value:
-            _feed(found, one)
+        _mark(hasher, "sequence", str(len(value)))
+        for part in value:
+            _feed(hasher, part)
     else:
         raise TypeError(f"a {type(value).__name__} cannot be part of a key")
 
 
-def _mark(found, kind, text):
+def _mark(hasher, kind, text):
     content = text.encode()
-    found.update(f"{kind} {len(content)} ".encode() + content)
+    hasher.update(f"{kind} {len(content)} ".encode() + content)
 
 
 @dataclass(frozen=True)
@@ -199,7 +200,7 @@ def results(
     resume: bool = True,
     report: Callable[[int, int], object] | None = None,
 ) -> list:
-    """function(*one) for each one of `arguments`, in their order; each is kept as soon as it is done.
+    """function(*row) for each row of `arguments`, in their order; each is kept as soon as it is done.
 
     Nothing depends on how many runs are under way, or in which order they end.
 
@@ -216,7 +217,7 @@ def results(
     ------
     WeavecellError : as the function; what had ended has been kept
     """
-    names = [key((function.__qualname__, one), function.__module__) for one in arguments]
+    names = [key((function.__qualname__, row), function.__module__) for row in arguments]
     kept = RunCache(folder)
     if not resume:
         kept.clear()
@@ -225,8 +226,8 @@ def results(
     report(len(names) - len(missing), len(names))
     if missing:
         with executors.open_executor(executor, jobs, fresh=fresh) as pool:
-            found = executors.as_done(pool, function, [arguments[k] for k in missing])
-            for done, (k, content) in enumerate(found, 1):
+            finished = executors.as_done(pool, function, [arguments[k] for k in missing])
+            for done, (k, content) in enumerate(finished, 1):
                 # kept at once, so that an interrupted study has lost only what was under way
                 kept[names[missing[k]]] = content
                 report(len(names) - len(missing) + done, len(names))
@@ -238,18 +239,21 @@ def stamp(inputs: object, *modules: str) -> dict[str, str]:
     return {"identity": inputs_digest(inputs), "code": version(*modules)}
 
 
-def check_stamp(found: Mapping, wanted: Mapping[str, str], file: FilePath, of: str = "run") -> None:
-    """Refuse a file whose attributes `found` are not those of `wanted`, a `stamp`.
+def check_stamp(
+    attributes: Mapping, wanted: Mapping[str, str], file: FilePath, of: str = "run"
+) -> None:
+    """Refuse a file whose attributes are not those of `wanted`, a `stamp`.
 
     Raises
     ------
     InputError : it is of other inputs, or of other code
     """
-    if found.get("identity") != wanted["identity"]:
+    if attributes.get("identity") != wanted["identity"]:
         raise InputError(f"is the checkpoint of another {of}", file=file)
-    if found.get("code") != wanted["code"]:
+    if attributes.get("code") != wanted["code"]:
+        writer = attributes.get("code", "of an earlier version")
         raise InputError(
-            f"was written by weavecell {found.get('code', 'of an earlier version')}, and this is {wanted['code']}: a "
-            "run goes on only with the code that began it; run it again without --resume",
+            f"was written by weavecell {writer}, and this is {wanted['code']}: a run goes on only with "
+            "the code that began it; run it again without --resume",
             file=file,
         )

@@ -34,7 +34,8 @@ from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import read_text
 from fabrics.base.units import refused, si
 
-PYTHON = {"python": True}  # context of what is given in Python, not read from a file
+# context of values given in Python, which are not read from a file
+PYTHON = {"python": True}
 
 
 class Table(BaseModel):
@@ -106,7 +107,8 @@ def from_text(
     def validate(value, info):
         try:
             return convert(value, reader(info))
-        except InputError:  # which does not know the limits of the key
+        except InputError:
+            # the type does not know the limits that its key adds
             raise ValueError("not allowed") from None
 
     field = described(meaning, allowed, unit, example)
@@ -290,7 +292,7 @@ def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any
         raise together(_problems(problem, model, table, file)) from None
 
 
-def _problems(found, model, given, file):
+def _problems(problem, model, given, file):
     """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
     A mistyped key leaves the right one missing, which is not reported again. What a validator raises as an InputError
@@ -300,7 +302,7 @@ def _problems(found, model, given, file):
     meant = set()
 
     for error in sorted(
-        found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
+        problem.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
     ):
         names, field, table = _locate(model, error["loc"])
         key = ".".join(names)
@@ -323,14 +325,18 @@ def _problems(found, model, given, file):
             heading = (field.json_schema_extra or {}).get("heading", key)
             line = InputError("is missing", file=file, key=heading, allowed=field.description)
         elif isinstance(cause, InputError):
-            for one in getattr(cause, "problems", (cause,)):
-                key = ".".join(filter(None, (*names, one.key)))
-                if one.message is None and one.value is None:
+            for part in getattr(cause, "problems", (cause,)):
+                key = ".".join(filter(None, (*names, part.key)))
+                if part.message is None and part.value is None:
                     value = written(given, key)
                 else:
-                    value = one.value
+                    value = part.value
                 line = InputError(
-                    one.message, file=file, key=key or None, value=value, allowed=one.allowed
+                    part.message,
+                    file=file,
+                    key=key or None,
+                    value=value,
+                    allowed=part.allowed,
                 )
                 problems.setdefault(key, line)
             continue
@@ -349,8 +355,8 @@ def _meant(key, value, table):
 
 def _homes(model, key):
     """The tables of a schema that have a key, in words; an empty text where none has it."""
-    found = [name for name, table in tables(model).items() if key in table.model_fields]
-    return ", ".join(f"[{name}]" if name else "the top of the file" for name in found)
+    names = [name for name, table in tables(model).items() if key in table.model_fields]
+    return ", ".join(f"[{name}]" if name else "the top of the file" for name in names)
 
 
 def _locate(model, location):
@@ -407,10 +413,10 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
             for part in (value if isinstance(value, tuple) else (value,))
             if isinstance(part, Table)
         ]
-        found = [below for part in inner for below in changed(part, f"{key}.")]
-        yield from dict.fromkeys(found)
+        keys_below = [below for part in inner for below in changed(part, f"{key}.")]
+        yield from dict.fromkeys(keys_below)
         differs = entry.is_required() or value != entry.get_default(call_default_factory=True)
-        if not found and differs and not (inner and entry.is_required()):
+        if not keys_below and differs and not (inner and entry.is_required()):
             yield key
 
 
@@ -421,21 +427,21 @@ def keys(model: type[Table]) -> tuple[str, ...]:
 
 def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
     """{dotted name: table} of a schema, "" for the schema itself."""
-    found = {name: model}
+    named = {name: model}
     for key, entry in model.model_fields.items():
         for kind in dict.fromkeys(tables_in(entry.annotation)):
-            found |= tables(kind, f"{name}.{key}".lstrip("."))
-    return found
+            named |= tables(kind, f"{name}.{key}".lstrip("."))
+    return named
 
 
 def entries(model: type[Table]) -> dict[str, FieldInfo]:
     """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
-    return {
-        f"{name}.{key}".lstrip("."): entry
-        for name, table in tables(model).items()
-        for key, entry in table.model_fields.items()
-        if entry.title
-    }
+    fields = {}
+    for name, table in tables(model).items():
+        for key, entry in table.model_fields.items():
+            if entry.title:
+                fields[f"{name}.{key}".lstrip(".")] = entry
+    return fields
 
 
 def written(table: Any, key: str) -> Any:

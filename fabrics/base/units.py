@@ -60,16 +60,20 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _EXPONENT = re.compile(
     r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))"
 )
-_PLAIN_EXPONENT = re.compile(r"(?<=[^\W\d_])(-?[1-9])\b")  # of "g/cm3" and "kg m-3"
+# a unit as in "g/cm3" and "kg m-3", whose exponent has no mark
+_PLAIN_EXPONENT = re.compile(r"(?<=[^\W\d_])(-?[1-9])\b")
 _PER = re.compile(
     r"(?:per\b|1?/) *"
 )  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
-_YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")  # of "8.5 yarns/cm", a count
+# a count, as in "8.5 yarns/cm"
+_YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")
 # what data sheets write, in small letters, as a unit of pint, whose own mil is an angle
 _ALIASES = {
-    **dict.fromkeys(("epi", "ppi", "tpi"), "/ inch"),  # ends, picks, threads per inch
-    **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),  # grams as a force
+    # ends, picks and threads per inch
+    **dict.fromkeys(("epi", "ppi", "tpi"), "/ inch"),
+    # the gram of a tenacity is a force
+    **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),
     **dict.fromkeys(("mil", "mils"), "thou"),
 }
 
@@ -112,7 +116,8 @@ def in_one_of(
     for unit in units:
         try:
             number = _converted(value, unit)
-        except Exception:  # pint raises many types: parse, undefined unit, dimension
+        except Exception:
+            # pint raises many types: of the parser, of undefined units, of dimensions
             continue
         if isfinite(number):
             return number, unit
@@ -136,10 +141,10 @@ def decimal_comma(value: Any) -> str | None:
         parts = value
     else:
         parts = (value,)
-    found = any(
+    has_comma = any(
         isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts
     )
-    if found:
+    if has_comma:
         return "write a decimal point and no comma"
     return None
 
@@ -183,5 +188,5 @@ def _factor_by_pint(written, unit):
     if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
         raise ValueError("more than one number, or brackets in brackets")
     registry = _registry()
-    found = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
-    return float(registry.Quantity(1.0, found).to(unit or "dimensionless").magnitude)
+    parsed = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
+    return float(registry.Quantity(1.0, parsed).to(unit or "dimensionless").magnitude)

@@ -99,7 +99,8 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     except InputError as problem:
         if problem.file is not None:
             raise
-        value = sources.get(problem.key or "", {}).get("value", problem.value)  # as it is written
+        # the message shows the value as the file has it
+        value = sources.get(problem.key or "", {}).get("value", problem.value)
         raise InputError(
             problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed
         ) from None
@@ -110,14 +111,11 @@ def _fabric(file, sources, path):
     # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
-    masses = data_sheet.mass_notes(
-        file, crimp
-    )  # before what a wrong mass makes of strength and thickness
+    # a wrong mass also spoils strength and thickness: it is reported first
+    masses = data_sheet.mass_notes(file, crimp)
     strengths: dict[str, list[str]] = {}
-    warp, weft = (
-        _yarn(family, file.yarns[family], value, strengths)
-        for family, value in zip(FAMILIES, crimp)
-    )
+    warp = _yarn("warp", file.warp, crimp[0], strengths)
+    weft = _yarn("weft", file.weft, crimp[1], strengths)
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []
@@ -231,10 +229,8 @@ def _crimps(file, thickness, sources):
     known = tuple(_value(yarn.crimp) for yarn in file.yarns.values())
     if None not in known:
         return known, False
-    cells = (
-        0.5 / file.weft.count.value,
-        0.5 / file.warp.count.value,
-    )  # half cell lengths along warp and weft
+    # half cell lengths along warp and weft
+    cells = (0.5 / file.weft.count.value, 0.5 / file.warp.count.value)
     crimp = data_sheet.crimps(cells, thickness, known)
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:

@@ -11,7 +11,6 @@ of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are the
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
 from math import inf
@@ -19,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
+from fabrics.base.files import read_data
 from fabrics.base.units import si
 from fabrics.families.strain_rate import RateLaw
 from fabrics.families.trellis import Widths, from_weave
@@ -68,10 +68,8 @@ class Entry:
         """This entry with low / value and high / value to a power; as it is where it has no range."""
         if self.low == self.high:
             return self
-        low, high = (
-            min(self.value * (end / self.value) ** power, self.most)
-            for end in (self.low, self.high)
-        )
+        low = min(self.value * (self.low / self.value) ** power, self.most)
+        high = min(self.value * (self.high / self.value) ** power, self.most)
         value = self.written.partition(" (")[0]
         number, _, unit = value.partition(" ")
         ends = " .. ".join(
@@ -109,12 +107,12 @@ class Family:
 
     def holds(self, yarn: Yarn) -> bool:
         """Whether a yarn belongs to the family, by modulus and fibre density."""
-        found = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
-        return all(low <= found[key] <= high for key, (low, high) in self.limits.items())
+        fibre = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
+        return all(low <= fibre[key] <= high for key, (low, high) in self.limits.items())
 
-    def allows(self, found: dict[str, float]) -> bool:
+    def allows(self, fibre: dict[str, float]) -> bool:
         """Whether {"strength": [Pa], "failure_strain": [-]} are those of such a yarn."""
-        return all(low <= found[key] <= high for key, (low, high) in self.strengths.items())
+        return all(low <= fibre[key] <= high for key, (low, high) in self.strengths.items())
 
     def _at(self, table, key, end):
         return self.entries[f"{table}.{key}"].at(end, key in _SOFT_AT_HIGH)
@@ -142,10 +140,8 @@ class Family:
     def solid_laws(self, end: str = "nominal") -> tuple[SolidLaw, SolidLaw]:
         """(warp, weft) solid laws, or those of an end of their range."""
         common = {key: self._at("solid", key, end) for key in _SOLID}
-        warp, weft = (
-            SolidLaw(**common, Vf0=self._at("solid.Vf0", family, end))
-            for family in ("warp", "weft")
-        )
+        warp = SolidLaw(**common, Vf0=self._at("solid.Vf0", "warp", end))
+        weft = SolidLaw(**common, Vf0=self._at("solid.Vf0", "weft", end))
         return warp, weft
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
@@ -154,15 +150,12 @@ class Family:
             of = f"{self.name}, its range to the power {self.power:g} for another fibre"
         else:
             of = self.name
-        return {
-            key: {
-                "value": entry.written,
-                "source": f"{entry.source} ({of})",
-                "status": entry.status,
-            }
-            for key, entry in self.entries.items()
-            if key == table or key.startswith(f"{table}.")
-        }
+        sources = {}
+        for key, entry in self.entries.items():
+            if key == table or key.startswith(f"{table}."):
+                source = f"{entry.source} ({of})"
+                sources[key] = {"value": entry.written, "source": source, "status": entry.status}
+        return sources
 
 
 @cache
@@ -172,12 +165,12 @@ def list_families() -> tuple[Family, ...]:
 
 
 def _read(path: FilePath) -> Family:
-    content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    content = read_data(path)
     units = {"modulus": "Pa", "fibre_density": "kg/m^3", "strength": "Pa", "failure_strain": ""}
-    limits = {
-        key: (si(content["yarns"][key]["low"], unit), si(content["yarns"][key]["high"], unit))
-        for key, unit in units.items()
-    }
+    limits = {}
+    for key, unit in units.items():
+        row = content["yarns"][key]
+        limits[key] = si(row["low"], unit), si(row["high"], unit)
     strengths = {key: limits.pop(key) for key in ("strength", "failure_strain")}
     Vf0 = content["solid"]["Vf0"]
     entries = {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}

@@ -19,7 +19,9 @@ from fabrics.fabric_tables import STATUSES
 
 UNITS = {"rates": "1/s", "strength": "", "modulus": ""}
 _TABLE = (*UNITS, "source", "status")
-RAMP = 0.01  # [-] below the strength at the slowest rate, over which damage sets in: slower tests fail within it
+# [-] damage sets in over this range below the strength at the slowest rate: slower tests fail
+# within it
+RAMP = 0.01
 
 
 @dataclass(frozen=True)

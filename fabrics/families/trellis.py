@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, pi
+from math import acos, inf, pi
 from typing import TypeAlias
 
 from fabrics.base.errors import InputError
@@ -10,9 +10,8 @@ from fabrics.trellis import TrellisShear, locking_angle, locking_modulus, touchi
 from fabrics.weave import Weave
 
 Widths: TypeAlias = tuple[float | None, float | None]
-LEAST_RISE = (
-    0.05  # [rad] between the angles, where the packed yarn is as wide as its spacing or nearly so
-)
+# [rad] between the two angles the packed yarn is as wide as its spacing, or nearly so
+LEAST_RISE = 0.05
 LARGEST = 0.49 * pi  # [rad]
 
 
@@ -48,7 +47,8 @@ def from_weave(
         raise InputError(
             "the trellis law cannot be derived: neither yarn is crimped, so that the fabric is flat"
         )
-    spacings = 2 * weave.w2, 2 * weave.w1  # of parallel warp yarns, of parallel weft yarns
+    # spacing of parallel warp yarns, of parallel weft yarns
+    spacings = 2 * weave.w2, 2 * weave.w1
     G2 = (
         2
         * locking_share
@@ -59,15 +59,15 @@ def from_weave(
         for width, spacing in zip(widths, spacings)
     )
     gamma1 = min(gamma1, LARGEST - LEAST_RISE)
-    gamma2 = min(
-        _locking(yarn.A_s, K_s, weave.thickness, spacing)
-        for yarn, spacing in zip(weave.yarns, spacings)
-    )
+    gamma2 = inf
+    for yarn, spacing in zip(weave.yarns, spacings):
+        gamma2 = min(gamma2, _locking(yarn.A_s, K_s, weave.thickness, spacing))
     return TrellisShear(G1_over_G2 * G2, G2, gamma1, min(max(gamma2, gamma1 + LEAST_RISE), LARGEST))
 
 
 def _locking(A_s, K_s, thickness, spacing):
     try:
         return locking_angle(A_s, K_s, thickness, spacing)
-    except InputError:  # the packed yarn is wider than its spacing
+    except InputError:
+        # the packed yarn is wider than its spacing: it locks at once
         return 0.0

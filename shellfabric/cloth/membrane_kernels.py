@@ -10,7 +10,7 @@ one along its line is a segment of yarn of the stretch Lambda; <> is the mean ov
     failed yarns       N_e = kappa_e N + (1 - kappa_e) T_alone,  force alpha_e N_e   (alpha intact, kappa crossed part)
 
 c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the
-D of `panel.model`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of a crossing line before and behind a node
+D of `panel.grid`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of a crossing line before and behind a node
 count by their length, so that a mean is its own transpose; constants become arrays of slots (`load_or_broadcast`).
 
 Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to (i+1, j), the

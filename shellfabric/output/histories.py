@@ -22,7 +22,6 @@ from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
-from shellfabric.panel.boundary import in_frame, loose, stepped
 from shellfabric.projectile.frames import axes
 
 if TYPE_CHECKING:
@@ -221,13 +220,13 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
     A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
-    Where the edge is a staircase (`boundary.stepped`) its sides are the held nodes, each with the side of the opening
+    Where the edge is a staircase (`PanelGrid.stepped`) its sides are the held nodes, each with the side of the opening
     that it is nearest to.
     """
     shape = tuple(n + 1 for n in panel.counts)
     numbers = np.arange(shape[0] * shape[1]).reshape(shape)
     mirrored = [False, panel.mirrors[0], False, panel.mirrors[1]]
-    if stepped(panel):
+    if panel.stepped:
         on, normals = _stepped_sides(panel)
     else:
         on = np.zeros((4, *shape), bool)
@@ -246,9 +245,9 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
 def _stepped_sides(panel):
     """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase for an edge."""
     c, s = axes(panel.weave_angle)[0]
-    x, y = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
+    x, y = panel.in_frame() / (0.5 * np.array(panel.opening))[:, None, None]
     nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
-    return ~loose(panel) & (nearest == np.arange(4)[:, None, None]), np.array(
+    return ~panel.loose() & (nearest == np.arange(4)[:, None, None]), np.array(
         [(c, -s), (-c, s), (s, c), (-s, -c)]
     )
 

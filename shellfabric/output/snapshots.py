@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
-from shellfabric.panel import boundary
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.panel import edges
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -26,7 +27,7 @@ class Snapshot:
     nose_position : [m] foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
     nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is in; those beyond the
-        edge of the opening on it (`boundary.shown`)
+        edge of the opening on it (`edges.shown`)
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
@@ -59,7 +60,7 @@ def snapshot(
     ----------
     pressing : of `solver.pack_solver.PackSolver.normal_contact_forces`
     """
-    X, Y = boundary.shown(panel)
+    X, Y = edges.shown(panel)
     nodes = _stacked(panel, state.u)
     nodes[..., 0] += X
     nodes[..., 1] += Y
@@ -105,15 +106,22 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
 
 def failures(c: Any, state: Any) -> BoolArray:
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
-    flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
-    return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+
+    def nodes(slots):
+        return slots[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+
+    warp, weft = (nodes(segments) != 0 for segments in state.failed)
+    eroded = nodes(state.element_flag)[:-1, :-1] & ERODED != 0
+    return np.stack(
+        [warp[:-1, :-1] | warp[:-1, 1:], weft[:-1, :-1] | weft[1:, :-1], eroded], axis=2
+    )
 
 
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
-    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of their intact parts."""
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of whole yarn."""
     warp, weft = (
-        (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for part, T in zip(state.intact_fraction, state.T)
+        ((failed == 0) * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+        for failed, T in zip(state.failed, state.T)
     )
     return np.stack(
         [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
 from shellfabric.jit.aligned import aligned_zeros
-from shellfabric.panel import boundary, failure, forces, grading
+from shellfabric.panel import edges, failure, forces, grading
+from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.projectile import contact, dynamics, window_kernels
 from shellfabric.state import Constants, State, Work
-
-if TYPE_CHECKING:
-    from shellfabric.panel.model import Panel
 
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
@@ -27,7 +25,7 @@ MOST_POINTS = (
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 
 
-def constants(panel: Panel) -> Constants:
+def constants(panel: PanelGrid) -> Constants:
     """What the kernels need to know, as plain numbers and arrays.
 
     Computed once: all runs of a panel read the same arrays, and no kernel writes to them.
@@ -52,7 +50,7 @@ def _constants(panel):
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
     (x0, y0), shot = panel.origin, panel.shot
-    rim_node, rim_axis, rim = boundary.rim(panel)
+    rim_node, rim_axis, rim = edges.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
@@ -149,18 +147,18 @@ def _constants(panel):
         slip_data=rim,
         bending=_bending(panel),
         packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
-        yarn_ends=boundary.yarn_ends(panel),
+        yarn_ends=edges.yarn_ends(panel),
         has_backing=panel.backing is not None,
         **dynamics.constants(shot, panel.share, dt),
     )
 
 
-def state(panel: Panel, strike_velocity: float) -> State:
+def state(panel: PanelGrid, strike_velocity: float) -> State:
     """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s].
 
     The kernels of a run compute its forces before the first step.
     """
-    const = panel.constants()
+    const = constants(panel)
     state, ni = undeformed(panel, const, strike_velocity), const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
@@ -176,14 +174,14 @@ def state(panel: Panel, strike_velocity: float) -> State:
     return state
 
 
-def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
+def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> State:
     """The state before its forces are computed."""
     s = const.row_stride
     slots = (const.ni + 2) * s + 16
     found = State.zeros(slots=slots, blocks=-(-const.ni // const.rows_per_block), rows=const.ni + 1)
     mass = found["mass"]
     mass[: (const.ni + 1) * s] = panel.masses().ravel()
-    loose = np.flatnonzero(boundary.loose(panel))
+    loose = np.flatnonzero(panel.loose())
     found["inverse_mass"][loose] = 1.0 / mass[loose]
     found["dt_over_mass"][:] = const.dt * found["inverse_mass"]
     lengths = zip(found["yarn_length"], _yarn_lengths(panel, const), found["stretch"])
@@ -207,13 +205,13 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
     found |= dynamics.state(panel.shot, strike_velocity)
-    found["modules"] = forces.table(forces.of(panel), panel.sides is not None)
+    found["modules"] = forces.table(panel.force_modules(), panel.sides is not None)
     return State(**found)
 
 
-def work(panel: Panel) -> Work:
+def work(panel: PanelGrid) -> Work:
     """Scratch of one thread, for one block of elements."""
-    const = panel.constants()
+    const = constants(panel)
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
     rows["T1"] = rows["dW_own1"]

@@ -6,23 +6,20 @@ The criterion and its equations: `cloth.failure_kernels`.
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, IntArray
+from shellfabric.panel.grid import PanelGrid
 from shellfabric.state import FailureLines
-
-if TYPE_CHECKING:
-    from shellfabric.panel.model import Panel
 
 WATCHED = (
     0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
 )
 
 
-def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
+def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
     """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the weft."""
     x, sides, families = panel.lines(), panel.element_sides, []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)

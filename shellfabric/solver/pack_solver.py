@@ -9,6 +9,7 @@ each step the same for all.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,7 +22,7 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolv
 from shellfabric.jit import barrier
 from shellfabric.jit.compile import PythonCell, compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.panel import boundary, forces, grading, quality
+from shellfabric.panel import edges, forces, grading, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
@@ -31,6 +32,7 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.solver import compile_ahead, loop, ply_audit
 from shellfabric.state import Constants, PackContact
+from shellfabric.yarns import model as yarns
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (
@@ -79,6 +81,7 @@ class PackSolver(ExplicitSolver):
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
     states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
+    zone : state.Zone of resolved yarns about the nose, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
@@ -124,6 +127,7 @@ class PackSolver(ExplicitSolver):
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         self.modules = tuple(forces.given(state.modules) for state in self.states)
+        self.zone = yarns.zone_of(self.modules[0])
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
@@ -145,7 +149,7 @@ class PackSolver(ExplicitSolver):
     @property
     def _further_energies(self):
         """Names of the energies of the modules that the plies have besides the usual ones."""
-        return [module.energy for module in self.modules[0][len(forces.USUAL) :]]
+        return ply_audit.further_names(self.modules[0])
 
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
@@ -173,7 +177,7 @@ class PackSolver(ExplicitSolver):
             state.modules.behind[0] = self._behind.place
             self.contacts += (("backing_damped", "the contact with the block"),)
         self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
-        self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
+        self._ends = [edges.ends(panel) for panel, _, _ in self.parts]
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
@@ -205,6 +209,13 @@ class PackSolver(ExplicitSolver):
         """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the strike energy."""
         both = self.sample("error") - self.sample("yarn_snap")
         return float(np.abs(both).max() / self.strike_energy)
+
+    @property
+    def rim_indicator(self) -> quality.Indicator:
+        """Slip of the resolved yarns beside the rim of their zone, where there is one."""
+        assert self.zone is not None
+        found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
+        return replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}")
 
     @property
     def held_apart(self) -> int:
@@ -299,6 +310,8 @@ class PackSolver(ExplicitSolver):
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
         *projectile, speed = dynamics.audit(self.state, self.const, force)
+        if self.zone is not None:
+            yarns.show(self.zone, self.state)
         total = plies.sum(axis=0)
         block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
@@ -364,13 +377,18 @@ class PackSolver(ExplicitSolver):
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
         limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
-        return [
+        found = [
             (np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel))
             for panel, _, state in self.parts
         ]
+        if self.zone is not None:
+            found.append((np.sqrt((self.zone.v**2).sum(axis=1)), limit(self.panel)))
+        return found
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
+        if part == len(self.parts):
+            return f"node {int(node)} of the resolved yarns"
         row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
         return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
@@ -389,7 +407,8 @@ class PackSolver(ExplicitSolver):
         ):
             self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or self.backing is not None:
+        ends = self.reason != RUNNING or self.zone is not None
+        if ends or not failed or self.backing is not None:
             return
         through = all(
             passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
@@ -399,8 +418,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; the guard of a pack
-        holds."""
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone, one that strikes
+        resolved yarns to theirs; the guard of a pack holds."""
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue
@@ -409,6 +428,13 @@ class PackSolver(ExplicitSolver):
                 x, y = 1e3 * nose[:2]
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
                 self.stop("the projectile leaves the first zone of the grading", where)
+        nose = self.state.projectile_position
+        if self.zone is not None and not yarns.holds_nose(self.panel, nose):
+            x, y = 1e3 * nose[:2]
+            self.stop(
+                "the projectile leaves the zone of resolved yarns",
+                f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
+            )
         if self.contact and self.contact.guard[near_kernels.FAILED]:
             self.stop(
                 f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}",
@@ -430,6 +456,7 @@ class PackSolver(ExplicitSolver):
         for modules, (_, const, state) in zip(self.modules, self.parts):
             known += const.nested(), state.mass, state.inverse_mass
             known += tuple((module.energy, module.stiffness) for module in modules)
+        known += yarns.identity(self.panel)
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:

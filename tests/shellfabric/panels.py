@@ -11,9 +11,10 @@ from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
 from shellfabric.cloth.trellis_kernels import FADE_STRETCH
-from shellfabric.panel import boundary
+from shellfabric.panel import edges
 from shellfabric.panel.grading import tributary
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 
 INF = np.inf
 SERIAL = Numerics(threads=1)
@@ -110,7 +111,7 @@ def plain_energies(panel, x):
         length = own * yarns
         t = edge / stretch[..., None]
         turns = np.sum((t[1:] - t[:-1]) ** 2, axis=-1) / (own[1:] + own[:-1])
-        for end, kind in zip((0, -1), boundary.yarn_ends(panel)[axis]):
+        for end, kind in zip((0, -1), edges.yarn_ends(panel)[axis]):
             along = t[end, :, axis]
             energy = {FREE_END: 0 * along, CLAMPED_END: 2 - 2 * along, SYMMETRY_END: 1 - along**2}[
                 kind

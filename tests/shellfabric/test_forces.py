@@ -25,7 +25,9 @@ from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit.table import Row
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.element_kernels import DAMAGED, INTACT
-from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
+from shellfabric.panel.grid import SYMMETRIES
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.projectile import Projectile

@@ -12,7 +12,7 @@ import numpy as np
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel.model import SYMMETRIES
+from shellfabric.panel.grid import SYMMETRIES
 from validation.cases import drawn_shots
 from validation.values import Values
 from weavecell.studies import mesh_uncertainty, window

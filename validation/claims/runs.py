@@ -23,7 +23,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import simulation
 from shellfabric.output.snapshots import yarn_tensions
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.projectile.bar import Bar
 from shellfabric.solver.pack_solver import PackSolver

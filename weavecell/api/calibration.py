@@ -13,10 +13,9 @@ The folder of `weavecell calibrate`
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -24,11 +23,12 @@ from fabrics import assumed
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.executors import InProcess
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import data_digest, with_linear_density
 from weavecell.api import meshes, targets
+from weavecell.api.execution import Execution, ResumableKeywords
+from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure, saved
 from weavecell.results import json_file, out_folder, progress
 
@@ -43,10 +43,12 @@ if TYPE_CHECKING:
 
 __all__ = ["CalibrationResult", "calibrate"]
 
-TRIALS = 20  # of a fit of the solid, about, for the progress bar
+# a fit of the solid takes about so many trials; the progress bar needs a number
+TRIALS = 20
 SOLID_RUNS = "solid-runs"
 
 
+@explained(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
     *,
@@ -55,10 +57,7 @@ def calibrate(
     fit_solid: bool = False,
     friction: float = 0.0,
     assumed_range: bool = True,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
+    **options: Unpack[ResumableKeywords],
 ) -> CalibrationResult:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs dolfinx and PETSc.
 
@@ -78,8 +77,7 @@ def calibrate(
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which triples the cost
-    jobs, executor, resume : as of `v50`
-    out : folder of the results; in Python None writes nothing
+    **options : jobs, executor, out and resume
 
     Returns
     -------
@@ -98,6 +96,7 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
+    how = Execution.of("calibrate", options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     solid = None
@@ -106,13 +105,9 @@ def calibrate(
     curve = None
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
-    choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
-    if executor == "local" and jobs == 1:
-        choices["executor"] = InProcess()
-    else:
-        choices["executor"] = executor
-    place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
-    with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
+    choices = {"friction": friction, **how.solver_pool}
+    place = out_folder.held(how.out, how.resume, [(fabric, size, friction, curve)])
+    with place as folder, targets.kept_runs(folder, how.resume, SOLID_RUNS) as runs:
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
@@ -124,7 +119,7 @@ def calibrate(
                 size=size,
                 out=folder,
                 laws=False,
-                resume=resume,
+                resume=how.resume,
                 on_progress=watch,
                 **choices,
             )
@@ -261,7 +256,7 @@ class CalibrationResult(Result):
         "outside" says at which forces the ends of that range do not bracket the law.
         """
         law = self.law
-        found: dict[str, Any] = {
+        numbers: dict[str, Any] = {
             "fabric": self.fabric.name,
             "a_m": law.a,
             "b_m_N^(1/3)": law.b,
@@ -269,12 +264,12 @@ class CalibrationResult(Result):
         }
         for key, interval in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
             if interval is not None:
-                found[f"{key}_low"], found[f"{key}_high"] = interval
+                numbers[f"{key}_low"], numbers[f"{key}_high"] = interval
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
-            found |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+            numbers |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
         if law.outside_ends():
-            found["outside"] = "; ".join(law.outside_ends())
-        return found | self._what_is_assumed()
+            numbers["outside"] = "; ".join(law.outside_ends())
+        return numbers | self._what_is_assumed()
 
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
@@ -427,7 +422,8 @@ class CalibrationResult(Result):
         picture = (folder / "crossover.png").read_bytes()
         sections = (*self.sections(), chapters.mesh(self.mesh.summary(), picture))
         chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
-        done.write(folder)  # law.json, the last: what is there is whole
+        # law.json comes last: a folder that has it is complete
+        done.write(folder)
 
     def sections(self) -> tuple[Section, ...]:
         """Chapters of the report: the fit, the solid if it was fitted, the response of the shells' cell."""
@@ -439,10 +435,10 @@ class CalibrationResult(Result):
         for name, path in self._stretched.items():
             paths[name] = (path["d1"] / w1, path["d2"] / w2, path["T1"], path["T2"])
         laws = {label: (law, law) for label, law in self._fitted.items()}
-        found = [self._fit()]
+        chapters_of_fit = [self._fit()]
         if self.solid is not None:
-            found.append(self._of_the_solid())
-        return (*found, chapters.cell(fabric, laws, paths=paths))
+            chapters_of_fit.append(self._of_the_solid())
+        return (*chapters_of_fit, chapters.cell(fabric, laws, paths=paths))
 
     def _fit(self):
         """Samples and laws, each path alone, and fibre failure."""
@@ -492,10 +488,10 @@ class CalibrationResult(Result):
 
         rows = []
         for name, failures in self.calibration.failures.items():
-            for one in failures:
-                yarn = ("warp", "weft")[one.yarn]
-                d1, d2 = (1e6 * d for d in one.d)
-                rows.append((name, one.criterion, yarn, d1, d2, *one.T, one.F_c))
+            for state in failures:
+                yarn = ("warp", "weft")[state.yarn]
+                d1, d2 = (1e6 * d for d in state.d)
+                rows.append((name, state.criterion, yarn, d1, d2, *state.T, state.F_c))
         columns = ["path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]"]
         return DataFrame(rows, columns=columns)
 

@@ -15,19 +15,18 @@ Of tests alone
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities, targets
+from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import Result, figure, saved
-from weavecell.api.study_result import StudyResult
+from weavecell.api.result import saved
+from weavecell.api.study_result import DrawnResult, StudyResult
 from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
@@ -42,16 +41,13 @@ if TYPE_CHECKING:
 __all__ = ["ComparisonResult", "TestsResult", "compare"]
 
 
-@explained
+@explained(SearchKeywords, Keywords)
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
     *,
     tolerance: float | str = "1 m/s",
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    **options: Unpack[Keywords],
+    **options: Unpack[SearchKeywords],
 ) -> ComparisonResult | TestsResult:
     """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual velocities, with intervals.
 
@@ -72,8 +68,8 @@ def compare(
     tests : table of tests (``*.csv``), a row a shot
     target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up or a Fabric.
         Left out, the tests alone are reduced
-    tolerance, jobs, executor, out : as of `critical_velocity`
-    **options : beside a fabric, keywords of `setup` but history
+    tolerance : as of `critical_velocity`
+    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -98,14 +94,18 @@ def compare(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
+    how, keys = Execution.split(options, ExecutionKeywords)
     if target is None:
-        for key in options:
+        for key in keys:
             raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.held(out) as folder:
+        with out_folder.held(how.out) as folder:
             return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = targets.of(target, options, honoured.LIMITS)
-    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
-    with out_folder.held(out) as folder, limits.kept_shots(panel, folder) as ended, panel.named():
+    panel = targets.of(target, keys, honoured.LIMITS)
+    with (
+        out_folder.held(how.out) as folder,
+        limits.kept_shots(panel, folder) as ended,
+        panel.named(),
+    ):
         struck = panel.setup.target()
 
         def reported(advance):
@@ -113,7 +113,7 @@ def compare(
                 ended.append(shot)
                 advance(share)
 
-            return beside | {"report": report}
+            return how.pool | {"report": report}
 
         with progress.bar(f"{panel.title}, critical velocity") as advance:
             limit = ballistic_limit.critical_velocity(struck, tolerance=width, **reported(advance))
@@ -129,7 +129,7 @@ def compare(
 
 
 @dataclass(frozen=True, repr=False)
-class TestsResult(Result):
+class TestsResult(DrawnResult):
     """Tests of a laboratory, to which nothing is computed; the table has a row a test.
 
     Parameters
@@ -145,7 +145,8 @@ class TestsResult(Result):
     (4, 3)
     """
 
-    __test__ = False  # pytest: these are not its tests
+    # pytest would take a class of this name for tests
+    __test__ = False
 
     reduced: ReducedTests
     tests: str
@@ -163,20 +164,19 @@ class TestsResult(Result):
 
         return pictures.tested_and_computed(pyplot, self.tests, self.reduced, None)
 
-    def plot(self) -> Figure:
-        """A matplotlib figure."""
-        return figure(self.draw)
-
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
+        from weavecell.results import provenance
 
-        out = Path(out)
-        content = {"format": "weavecell tests 1", **self.summary()}
-        json_file.write(out / "tests.json", content | {"provenance": provenance.stamp("")})
-        files.write(out / "shots.csv", self.to_dataframe().to_csv(index=False, float_format="%.6g"))
-        files.write(out / "tests.svg", pictures.render(self.draw, kind="svg"))
+        self._write_files(Path(out), provenance.stamp())
+
+    def files(self) -> dict[str, Any]:
+        """{file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the picture."""
+        return {
+            "tests.json": {"format": "weavecell tests 1", **self.summary()},
+            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "tests.svg": None,
+        }
 
     def __str__(self) -> str:
         return "\n".join(self.reduced.lines(self.tests))
@@ -265,6 +265,6 @@ class ComparisonResult(StudyResult):
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
-        return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(
-            doubtful
-        )
+        if doubtful:
+            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
+        return lines

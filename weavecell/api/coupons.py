@@ -180,6 +180,8 @@ def _pull_out(case, text, key, *_):
 
 def _relaxed(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
+    from shellfabric.coupon import quasistatic
+
     began = time.perf_counter()
     scene = case.scene
     table = _table(case)
@@ -203,9 +205,8 @@ def _relaxed(case, text, key, checkpoint, resume):
             advance(state.load, f"{state.iterations} iterations")
 
         try:
-            solved = coupon_results.relaxed(
-                table, scene.test, dict(inputs), **options, progress=keep, done=tuple(states)
-            )
+            relax = getattr(quasistatic, scene.test)
+            solved = relax(table, **dict(inputs), **options, progress=keep, done=tuple(states))
         except UnstableError as problem:
             failure = problem
             solved = problem.result
@@ -297,9 +298,10 @@ class CouponResult(Result):
     def _columns(self):
         record = self.record
         units = {name: f"_{record.unit(name)}".removesuffix("_1") for name in record.columns}
-        return {
-            name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()
-        }
+        columns = {}
+        for name, values in record.columns.items():
+            columns[name.replace(" ", "_") + units[name]] = values
+        return columns
 
     def to_dataframe(self) -> DataFrame:
         """As of `Result`; its attrs name what is assumed."""
@@ -409,10 +411,10 @@ class CouponResult(Result):
         """Write histories.h5; the further entries of summary.json."""
         record = self.record
         coupon_results.write(out / "histories.h5", record, self.solved)
-        last = {
-            name: {"value": values[-1], "unit": record.unit(name)} | self._what_is_assumed()
-            for name, values in record.columns.items()
-        }
+        last = {}
+        for name, values in record.columns.items():
+            row = {"value": values[-1], "unit": record.unit(name)}
+            last[name] = row | self._what_is_assumed()
         return {"at_end": last}
 
     def save(self, out: FilePath) -> None:

@@ -25,6 +25,7 @@ from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
 from weavecell.api import meshes, quantities
 from weavecell.api.crossover_result import CASES, CrossoverResult
+from weavecell.api.keywords import explained
 from weavecell.api.meshes import Sections
 from weavecell.api.result import saved
 from weavecell.results import out_folder, progress
@@ -32,9 +33,25 @@ from weavecell.results import out_folder, progress
 __all__ = ["biaxial", "path", "platens", "pull_out", "shear", "stack", "yarn"]
 
 FAMILIES = ("warp", "weft")
-Mesh = str | float | tuple[int, int, int]
 
 
+class CaseKeywords(Sections, total=False):
+    """Keywords that all cases share.
+
+    Parameters
+    ----------
+    mesh : auto, coarse (default), medium or fine, the numbers of hexahedra along, across and through a quarter yarn,
+        such as 8,6,2, or an edge length
+    out : folder of the results; in Python None writes nothing
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]; none if not given
+    """
+
+    mesh: str | float | tuple[int, int, int]
+    out: FilePath | None
+
+
+@explained(CaseKeywords)
 def yarn(
     fabric: Fabric | FilePath,
     *,
@@ -43,28 +60,24 @@ def yarn(
     failure: bool = False,
     reduced_integration: bool = False,
     domain: Literal["quarter", "whole"] = "quarter",
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Pull one yarn straight.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     yarn : family of the yarn
     bars : fibre lines that carry bars; all if not given
     failure : let fibres fail at their failure strain
     reduced_integration : one integration point, to see the zero-energy modes
     domain : a quarter of the crossover, by symmetry, or the whole
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` is the CrossoverResult up to then, which is written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
@@ -73,76 +86,73 @@ def yarn(
     if reduced_integration:
         options["integration"] = solid_law.ONE_POINT
     _check(domain, "quarter", "whole")
-    return _solved("yarn", single_yarn.pull, options, fabric, domain, mesh, out, sections)
+    return _solved("yarn", single_yarn.pull, options, fabric, domain, shared)
 
 
+@explained(CaseKeywords)
 def platens(
     fabric: Fabric | FilePath,
     *,
     pressure: float | str | None = None,
     friction: float = 0.0,
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Press one ply between platens.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     pressure : pressure at the end [Pa]; the highest of the thesis if not given
     friction : Coulomb's coefficient between the yarns
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
-    return _pressed("platens", 1, fabric, pressure, friction, mesh, out, sections)
+    return _pressed("platens", 1, fabric, pressure, friction, shared)
 
 
+@explained(CaseKeywords)
 def stack(
     fabric: Fabric | FilePath,
     *,
     plies: int = 2,
     pressure: float | str | None = None,
     friction: float = 0.0,
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Press several plies between platens.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     plies : number of plies
     pressure : pressure at the end [Pa]; the highest of the thesis if not given
     friction : Coulomb's coefficient between the yarns
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    return _pressed("stack", plies, fabric, pressure, friction, mesh, out, sections)
+    return _pressed("stack", plies, fabric, pressure, friction, shared)
 
 
-def _pressed(case, plies, fabric, pressure, friction, mesh, out, sections):
+def _pressed(case, plies, fabric, pressure, friction, shared):
     from unitcell3d.cases import stack
 
     options = {"plies": plies, "numerics": _numerics(friction)}
     if pressure is not None:
         options["pressure"] = quantities.number(pressure, "Pa", "pressure")
-    return _solved(case, stack.stack_compression, options, fabric, "quarter", mesh, out, sections)
+    return _solved(case, stack.stack_compression, options, fabric, "quarter", shared)
 
 
+@explained(CaseKeywords)
 def biaxial(
     fabric: Fabric | FilePath,
     *,
@@ -150,26 +160,23 @@ def biaxial(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["whole", "periodic"] = "whole",
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Stretch warp and weft.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     end_displacement : displacement of each yarn end, of both yarns or of warp and weft [m]
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     from unitcell3d.cases import periodic_cell
 
@@ -179,9 +186,10 @@ def biaxial(
         raise InputError(key="end_displacement", value=end_displacement, allowed=allowed)
     options = {"d": ends, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "whole", "periodic")
-    return _solved("biaxial", periodic_cell.biaxial, options, fabric, domain, mesh, out, sections)
+    return _solved("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
 
 
+@explained(CaseKeywords)
 def path(
     fabric: Fabric | FilePath,
     *,
@@ -189,35 +197,33 @@ def path(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["quarter", "whole"] = "quarter",
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Take the yarn ends along a path.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     path : CSV file of the corners of the path, headed "d1 [um], d2 [um]"
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : a quarter of the crossover, by symmetry, or the whole
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     from unitcell3d.cases import load_path
 
     corners = load_path.read(path)
     options = {"corners": corners, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "quarter", "whole")
-    return _solved("path", load_path.along, options, fabric, domain, mesh, out, sections)
+    return _solved("path", load_path.along, options, fabric, domain, shared)
 
 
+@explained(CaseKeywords)
 def shear(
     fabric: Fabric | FilePath,
     *,
@@ -226,27 +232,24 @@ def shear(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["whole", "periodic"] = "whole",
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Shear the weave, which may be stretched before.
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     shear_angle : angle at the end [rad]
     end_displacement : displacement of each yarn end before the shear, of both yarns or of warp and weft [m]
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     from unitcell3d.cases import periodic_cell
 
@@ -261,9 +264,10 @@ def shear(
         "numerics": _numerics(friction),
     }
     _check(domain, "whole", "periodic")
-    return _solved("shear", periodic_cell.shear, options, fabric, domain, mesh, out, sections)
+    return _solved("shear", periodic_cell.shear, options, fabric, domain, shared)
 
 
+@explained(CaseKeywords)
 def pull_out(
     fabric: Fabric | FilePath,
     *,
@@ -272,9 +276,7 @@ def pull_out(
     pressure: float | str | list[float] | None = None,
     pull: float | str | None = None,
     friction: float = FRICTION,
-    mesh: str | float | tuple[int, int, int] = "coarse",
-    out: FilePath | None = None,
-    **sections: Unpack[Sections],
+    **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Pull one yarn along its axis until it slides.
 
@@ -282,20 +284,19 @@ def pull_out(
 
     Parameters
     ----------
-    fabric : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     yarn : family of the yarn that is pulled
     end_displacement : displacements of the crossing yarn's ends, one for each transverse load [m]; four shares of its
         crimp if neither these nor pressures are given
     pressure : pressures of platens in their place, one for each transverse load [Pa]
     pull : displacement of the yarn along its axis [m]; as far as it takes to slide if not given
     friction : Coulomb's coefficient between the yarns
-    mesh : as of `mesh`
-    out : folder of the results; in Python None writes nothing
-    **sections : sections of the yarns, as of `mesh`
+    **shared : mesh, out, section and yarn_gap
 
     Raises
     ------
-    InputError, UnstableError : as `yarn`
+    InputError : an option that is not allowed, or a fabric that cannot be meshed
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
     """
     from unitcell3d.cases import pull_out as case
 
@@ -320,7 +321,7 @@ def pull_out(
             displacements = case.displacements(fabric, family)
         return case.pull_out(built, fabric, displacements, **more)
 
-    return _solved("pull-out", solve, options, fabric, "whole", mesh, out, sections)
+    return _solved("pull-out", solve, options, fabric, "whole", shared)
 
 
 def _family(yarn: str) -> int:
@@ -349,9 +350,7 @@ def _solved(
     options: dict[str, Any],
     fabric: Fabric | FilePath,
     domain: str,
-    mesh: Mesh,
-    out: FilePath | None,
-    sections: Sections,
+    shared: CaseKeywords,
 ) -> CrossoverResult:
     """Mesh the crossover, solve the case on it, and write the result.
 
@@ -360,6 +359,9 @@ def _solved(
     case : one of `CASES`
     solve : function of `unitcell3d.cases`: (mesh, fabric, hooks=, and the options) -> Record
     """
+    sections: dict[str, Any] = dict(shared)
+    out = sections.pop("out", None)
+    mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
     fabric = meshes.of_3d(fabric)
     with out_folder.held(out) as folder:
@@ -367,9 +369,9 @@ def _solved(
         with progress.bar(f"{fabric.name}, {case}") as advance:
             hooks = [lambda share, row: advance(share)]
             record = solve(built, fabric=fabric, hooks=hooks, **options)
-        found = CASES[case].summary(fabric, record)
+        numbers = CASES[case].summary(fabric, record)
         size = str(mesh).strip("()")
-        result = CrossoverResult(fabric, case, built, record, domain, size, found)
+        result = CrossoverResult(fabric, case, built, record, domain, size, numbers)
         saved(result, folder)
     if record.failed:
         raise UnstableError(record.failed, result=result)

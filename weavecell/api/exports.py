@@ -115,9 +115,8 @@ class DeckResult(Result):
     def __str__(self) -> str:
         from weavecell.decks.folder import ROWS, percent
 
-        lines = [
-            f"{name}: "
-            + ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
-            for name, numbers in self.errors.items()
-        ]
+        lines = []
+        for name, numbers in self.errors.items():
+            errors = ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
+            lines.append(f"{name}: {errors}")
         return "\n".join([*lines, f"of the strength; the deck has not been run in {self.code}"])

@@ -52,7 +52,8 @@ _OBJECTS = {
 }  # may be objects, which no file can hold
 
 Function = TypeVar("Function", bound=Callable)
-Quantity = float | str  # in SI units, or a text with a unit
+# a number in SI units, or a text with a unit
+Quantity = float | str
 Number = float
 End = Literal["clamped", "free"] | Mapping[str, Quantity]
 Side = End | tuple[End, End] | list[End]
@@ -83,8 +84,9 @@ class Keywords(TypedDict, total=False):
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
     opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
     impact_point : where the projectile hits, from the middle of the opening along its two sides;
-        the middle if not given. Off the middle it needs the symmetry `half`, on the second axis,
-        else `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+        the middle if not given, of resolved yarns a quarter of a spacing off the crossover there,
+        in both directions. Off the middle it needs the symmetry `half`, on the second axis, else
+        `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
@@ -109,6 +111,15 @@ class Keywords(TypedDict, total=False):
     grading : coarser mesh with the distance from the impact point: zones of distance and element
         side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
         "1/2"], [20, 1], [inf, 2]]
+    crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
+        yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
+        one of "pinned", "yarns"
+    zone : resolved yarns: half width of the square zone about the nose; 20 mm if not given [m]; a
+        length above 0, such as "20 mm"
+    aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
+        middle of the opening; a whole number from 0 to 2147483647
+    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not
+        given; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
@@ -146,6 +157,10 @@ class Keywords(TypedDict, total=False):
     strength: Mapping[str, Quantity] | None
     rate_dependence: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
+    crossovers: Literal["pinned", "yarns"]
+    zone: Quantity | None
+    aim_seed: int | None
+    crossover_friction: Number | None
     end_time: Quantity
     elements_per_crossover: int | None
     snapshot_interval: Quantity | None
@@ -157,25 +172,29 @@ class Keywords(TypedDict, total=False):
 # <!-- end of keywords -->
 
 
-def explained(function: Function) -> Function:
-    """The function, whose docstring also has what each of its `Keywords` means, for help()."""
-    meanings = (Keywords.__doc__ or "").partition("\n\n")[2]
-    section = f"\n    Other Parameters\n    ----------------\n{meanings}"
-    text = function.__doc__ or ""
-    function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
-    return function
+def explained(*kinds: type) -> Callable[[Function], Function]:
+    """Add to the docstring of a function what each keyword of these TypedDicts means, for help()."""
+    section = "\n    Other Parameters\n    ----------------\n"
+    for kind in kinds:
+        section += (kind.__doc__ or "").split("\n\n")[-1].split("--\n")[-1].rstrip() + "\n"
+
+    def add(function):
+        text = function.__doc__ or ""
+        function.__doc__ = text.replace("\n    Raises\n", f"{section}\n    Raises\n", 1)
+        return function
+
+    return add
 
 
 def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
     from weavecell.scenes.impact import Scene
 
-    flat = {
-        key: name
-        for name in FLAT
-        for key in fields_of(Scene, name)
-        if f"{name}.{key}" not in NOT_HERE
-    }
+    flat = {}
+    for name in FLAT:
+        for key in fields_of(Scene, name):
+            if f"{name}.{key}" not in NOT_HERE:
+                flat[key] = name
     return flat | dict.fromkeys(GROUPS, "")
 
 
@@ -259,7 +278,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
     objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
     if not isinstance(fabric, (str, Path)) or not all(
-        isinstance(one, (str, dict)) for one in objects
+        isinstance(value, (str, dict)) for value in objects
     ):
         return ""
     if str(fabric).endswith(".toml"):
@@ -267,11 +286,11 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     else:
         named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
-    content = {
-        key: _text(value, Scene.model_fields[key])
-        for key, value in {**table, "fabric": named | rest}.items()
-    }
-    return tomlkit.dumps({key: value for key, value in content.items() if value})
+    content = {}
+    for key, value in {**table, "fabric": named | rest}.items():
+        if written := _text(value, Scene.model_fields[key]):
+            content[key] = written
+    return tomlkit.dumps(content)
 
 
 @contextmanager
@@ -294,11 +313,10 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 def _fields(entry):
     from fabrics.base.schema import tables_in
 
-    return {
-        key: field
-        for table in tables_in(entry.annotation)
-        for key, field in table.model_fields.items()
-    }
+    fields = {}
+    for table in tables_in(entry.annotation):
+        fields |= table.model_fields
+    return fields
 
 
 def _text(value, entry):
@@ -345,7 +363,7 @@ def _unknown(key, value, known):
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
     """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
     if isinstance(problem, InputErrors):
-        return together([named(one, flat) for one in problem.problems])
+        return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
     short = "velocity"
@@ -355,8 +373,8 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
             short = rest
     if not short or not str(problem).startswith(key):
         return problem
-    found = InputError(short + str(problem)[len(key) :])
-    found.key = short
-    found.value = problem.value
-    found.allowed = problem.allowed
-    return found
+    renamed = InputError(short + str(problem)[len(key) :])
+    renamed.key = short
+    renamed.value = problem.value
+    renamed.allowed = problem.allowed
+    return renamed

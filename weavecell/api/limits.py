@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from itertools import count
@@ -24,6 +23,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
+from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.run_size import StudySize
@@ -58,7 +58,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
-@explained
+@explained(SearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -70,10 +70,7 @@ def critical_velocity(
     scan_step: float | str = "2 %",
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    **options: Unpack[Keywords],
+    **options: Unpack[SearchKeywords],
 ) -> CriticalVelocityResult:
     """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
 
@@ -102,11 +99,7 @@ def critical_velocity(
     assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up; without this option a
         command does so where a law or the crimp is assumed; in Python "laws" does
     check : run nothing and write nothing: forecast shots and CPU time
-    jobs : shots that run at the same time, as threads of this process
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None writes nothing
-    **options : beside a fabric, keywords of `setup` but history
+    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -128,23 +121,30 @@ def critical_velocity(
     from weavecell.studies import limit as limits
     from weavecell.studies.limit_scan import ScanRange
 
-    width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
+    began = time.perf_counter()
+    width = quantities.above_zero(tolerance, "m/s", "tolerance")
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
+    numbers = {}
+    for key, value in shares.items():
+        numbers[key] = quantities.number(value, "", f"scan_{key}")
     with keywords.of_group("scan", shares):
-        around = ScanRange(
-            **{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
-        )
-    panel = targets.of(target, options, honoured.LIMITS)
+        around: ScanRange | None = ScanRange(**numbers)
+    # the range of a scan is checked even if none is wanted
+    if not scan:
+        around = None
+    how, keys = Execution.split(options, ExecutionKeywords)
+    panel = targets.of(target, keys, honoured.LIMITS)
     over = ranges.with_ends(panel.setup, assumed_range)
     if check:
-        ends = () if over is None else ranges.changes(over).values()
-        scanned = (around.above + around.below) / around.step if scan else 0
-        searches = 1 + sum(map(len, ends)) + 2 * bool(ends)
-        fired = residual_shots + round(scanned)
+        fired = residual_shots
+        if around is not None:
+            fired += round((around.above + around.below) / around.step)
+        searches = 1
+        if over is not None:
+            searches += ranges.searches(over)
         return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
-    beside: dict[str, Any] = {"tolerance": width, "jobs": jobs, "executor": executor}
-    search = beside | {"residual_shots": residual_shots, "scan": around if scan else None}
-    with out_folder.held(out) as folder, kept_shots(panel, folder) as ended:
+    beside = {"tolerance": width, **how.pool}
+    with out_folder.held(how.out) as folder, kept_shots(panel, folder) as ended:
 
         @contextmanager
         def stage(title):
@@ -159,12 +159,14 @@ def critical_velocity(
                 yield report
 
         with panel.named():
-            study = limits.search(panel.setup, **search, stage=stage)
-        wall_time = time.perf_counter() - began
-        scan_range = search["scan"]
+            study = limits.search(
+                panel.setup, residual_shots=residual_shots, scan=around, stage=stage, **beside
+            )
+        seconds = time.perf_counter() - began
         result = CriticalVelocityResult(
-            panel, study.limit, study.fit, scan=scan_range, wall_time=wall_time
+            panel, study.limit, study.fit, scan=around, wall_time=seconds
         )
+        # what is written with the result need not be kept apart
         ended.clear()
         saved(result, folder)
         if over is not None:
@@ -240,7 +242,9 @@ class CriticalVelocityResult(StudyResult):
     @property
     def critical_velocity(self) -> float | None:
         """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
-        return float(self.limit.velocity) if self.limit.single else None
+        if not self.limit.single:
+            return None
+        return float(self.limit.velocity)
 
     @property
     def bracket(self) -> tuple[float, float]:
@@ -258,9 +262,8 @@ class CriticalVelocityResult(StudyResult):
         from shellfabric.panel import quality
         from weavecell.studies import limit_scan
 
-        return *quality.worst(shot.checks for shot in self.limit.shots), limit_scan.indicator(
-            self.limit
-        )
+        worst = quality.worst(shot.checks for shot in self.limit.shots)
+        return (*worst, limit_scan.indicator(self.limit))
 
     @property
     def bracket_checks(self) -> str:
@@ -269,19 +272,19 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def headline(self) -> tuple[str, str]:
-        single, zone = f"{self.limit.velocity:.1f} m/s", self.limit.mixed_zone
-        return (
-            "Critical velocity",
-            single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s",
-        )
+        value = f"{self.limit.velocity:.1f} m/s"
+        if self.limit.mixed_zone is not None:
+            value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
+        return "Critical velocity", value
 
     def _what(self):
-        name = f"{self.target.title}, critical velocity"
-        return (
-            name
-            if self.bracket_checks == checks.OK
-            else f"{name}: the limit rests on a {self.bracket_checks}"
-        )
+        return ": ".join((f"{self.target.title}, critical velocity", *self._doubt()))
+
+    def _doubt(self):
+        """A line if the limit is not sound."""
+        if self.bracket_checks == checks.OK:
+            return []
+        return [f"the limit rests on a {self.bracket_checks}"]
 
     def summary(self) -> dict[str, Any]:
         """The entries of critical-velocity.json (docs/reference.md), but of the shots their number and the worst
@@ -289,7 +292,8 @@ class CriticalVelocityResult(StudyResult):
         return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _facts(self):
-        limit, setup = self.limit, self.target.setup
+        limit = self.limit
+        setup = self.target.setup
         return {
             "fabric": setup.name,
             "plies": setup.plies,
@@ -315,22 +319,21 @@ class CriticalVelocityResult(StudyResult):
         """Residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 
-        drawn = self.limit, self.lambert_jonas, self.shots
-        return pictures.residual_velocity(pyplot, self.title, *drawn)
+        return pictures.residual_velocity(
+            pyplot, self.title, self.limit, self.lambert_jonas, self.shots
+        )
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
         shots = self.to_dataframe().to_dict("records")
         for shot in shots:
-            shot["peak_tension_N"] = (
-                shot.pop("peak_tension_warp_N"),
-                shot.pop("peak_tension_weft_N"),
-            )
+            warp = shot.pop("peak_tension_warp_N")
+            weft = shot.pop("peak_tension_weft_N")
+            shot["peak_tension_N"] = (warp, weft)
         content = {"format": "weavecell critical velocity 4", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
-        content |= (
-            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
-        )
+        if self.assumed_range is not None:
+            content["assumed_range"] = self.assumed_range.summary()
         return {
             "critical-velocity.json": content,
             "shots.csv": csv_of(self.shots),
@@ -339,29 +342,29 @@ class CriticalVelocityResult(StudyResult):
 
     def lines(self) -> list[str]:
         """What is printed."""
-        title, limit, count = self.title, self.limit, len(self.limit.shots)
+        limit = self.limit
+        count = len(limit.shots)
         if limit.mixed_zone is None:
-            lines = [f"{title}: critical velocity {limit.velocity:.1f} m/s"]
-            lines.append(
-                f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots"
-            )
+            lines = [
+                f"{self.title}: critical velocity {limit.velocity:.1f} m/s",
+                f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots",
+            ]
         else:
             low, high = limit.mixed_zone
-            inside = [
-                shot.perforated for shot in limit.shots if low <= shot.strike_velocity <= high
-            ]
-            perforate, stop = inside.count(True), inside.count(False)
+            inside = [s.perforated for s in limit.shots if low <= s.strike_velocity <= high]
+            perforate = inside.count(True)
+            stop = inside.count(False)
+            mixed = f"mixed outcomes from {low:.1f} to {high:.1f} m/s"
             lines = [
-                f"{title}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s"
+                f"{self.title}: no single critical velocity, {mixed}",
+                f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots",
+                f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop",
             ]
-            lines.append(
-                f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots"
-            )
-            lines.append(f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop")
-        if self.bracket_checks != checks.OK:
-            lines.append(f"the limit rests on a {self.bracket_checks}")
+        lines += self._doubt()
         fit = self.lambert_jonas
-        rms = "" if fit.reason else f", rms {fit.residual_rms:.1f} m/s"
+        rms = ""
+        if not fit.reason:
+            rms = f", rms {fit.residual_rms:.1f} m/s"
         lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
         if self.assumed_range is not None:
             lines.append(f"assumed laws: {self.assumed_range.words()}")
@@ -370,15 +373,14 @@ class CriticalVelocityResult(StudyResult):
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
     """{name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
-    warp, weft = zip(*(shot.peak_tension for shot in shots)) if shots else ((), ())
     return {
         "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
         "residual_velocity_m_s": [shot.residual_velocity for shot in shots],
         "outcome": [shot.outcome for shot in shots],
         "end_time_s": [shot.time for shot in shots],
         "cut_yarns": [shot.cut_yarns for shot in shots],
-        "peak_tension_warp_N": warp,
-        "peak_tension_weft_N": weft,
+        "peak_tension_warp_N": [shot.peak_tension[0] for shot in shots],
+        "peak_tension_weft_N": [shot.peak_tension[1] for shot in shots],
         "energy_error_max": [shot.balance for shot in shots],
         "wall_time_s": [shot.wall_time for shot in shots],
         "checks": [checks.status(shot.checks) for shot in shots],

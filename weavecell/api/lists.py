@@ -80,7 +80,8 @@ def in_terminal(table: DataFrame, title: str = "") -> str:
 def _cell(value):
     if not isinstance(value, float):
         return str(value)
-    if isnan(value):  # a sphere has no length
+    # a sphere has no length
+    if isnan(value):
         return "–"
     return f"{value:.4g}"
 
@@ -142,7 +143,8 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
             "mass [g]": 1e3 * si(data["mass"]["value"], "kg"),
             "diameter [mm]": 1e3 * si(diameter["value"], "m"),
         }
-        if "length" in data:  # a sphere has none
+        # a sphere has no length
+        if "length" in data:
             rows[name]["length [mm]"] = 1e3 * si(data["length"]["value"], "m")
         rows[name]["status of the diameter"] = diameter["status"]
     return _listed("projectile", rows, out)

@@ -30,7 +30,8 @@ __all__ = ["MeshResult", "mesh"]
 
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
-PERIODIC = (2, 2)  # yarns of the periodic cell
+# yarns of the smallest cell that repeats in a plain weave
+PERIODIC = (2, 2)
 
 
 class Sections(TypedDict, total=False):

@@ -31,14 +31,14 @@ def number(value: Any, unit: str, key: str) -> float:
     if isinstance(value, str):
         return si(value, unit, key=key)
     try:
-        found = float(value)
+        converted = float(value)
     except (TypeError, ValueError):
-        found = float("nan")
-    if isinstance(value, bool) or not isfinite(found):
+        converted = float("nan")
+    if isinstance(value, bool) or not isfinite(converted):
         raise InputError(
             key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"'
         )
-    return found
+    return converted
 
 
 def above_zero(value: float | str, unit: str, key: str) -> float:

@@ -45,7 +45,7 @@ class Result:
     @property
     def doubtful(self) -> bool:
         """Whether a quality check is beyond its limit."""
-        return any(one.doubtful for one in self.checks)
+        return any(check.doubtful for check in self.checks)
 
     @property
     def checks_text(self) -> str:

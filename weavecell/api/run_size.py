@@ -26,13 +26,33 @@ if TYPE_CHECKING:
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9
+OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
 SHOTS_OF_A_SEARCH = 9
 
 
+class _Size(Result):
+    """A forecast, whose table has one row."""
+
+    cpu_time: tuple[float, float]
+
+    def _columns(self):
+        return {name: [value] for name, value in self.summary().items()}
+
+    def _of_cpu_time(self):
+        """Entries of the summary."""
+        low, high = self.cpu_time
+        return {"cpu_time_low_s": low, "cpu_time_high_s": high}
+
+    @property
+    def _seconds(self):
+        low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
+        return f"{low} to {high} s of CPU time"
+
+
 @dataclass(frozen=True, repr=False)
-class RunSize(Result):
+class RunSize(_Size):
     """What an impact would take.
 
     Parameters
@@ -69,6 +89,7 @@ class RunSize(Result):
         InputError : values that do not go together
         """
         from shellfabric.plies import memory
+        from shellfabric.yarns.model import crossings_of
 
         pack = setup.target()
         backing = pack.plies[0].backing
@@ -79,50 +100,39 @@ class RunSize(Result):
         kind = "one ply"
         if setup.plies > 1:
             kind = "pack"
-        cpu_time = [
-            steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)
-        ]
+        numbers = np.array([pack.elements, bricks, crossings_of(pack.plies[0])])
+        costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
+        low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=True)
-        return cls(
-            title,
-            pack.elements,
-            bricks,
-            steps,
-            pack.time_step,
-            needed,
-            (cpu_time[0], cpu_time[1]),
-            assumed,
-        )
+        step = pack.time_step
+        return cls(title, pack.elements, bricks, steps, step, needed, (low, high), assumed)
 
     def summary(self) -> dict[str, Any]:
         """All of it, names with units."""
-        low, high = self.cpu_time
-        counts = {"elements": self.elements, "bricks": self.bricks, "steps": self.steps}
-        costs = {"time_step_s": self.time_step, "memory_bytes": self.memory}
-        return (
-            counts
-            | costs
-            | {"cpu_time_low_s": low, "cpu_time_high_s": high, "assumed": "; ".join(self.assumed)}
-        )
-
-    def _columns(self):
-        return {name: [value] for name, value in self.summary().items()}
+        return {
+            "elements": self.elements,
+            "bricks": self.bricks,
+            "steps": self.steps,
+            "time_step_s": self.time_step,
+            "memory_bytes": self.memory,
+            **self._of_cpu_time(),
+            "assumed": "; ".join(self.assumed),
+        }
 
     def __str__(self) -> str:
-        low, high = (f"{float(f'{seconds:.2g}'):g}" for seconds in self.cpu_time)
         block = ""
         if self.bricks:
             block = f" and {self.bricks:,} bricks"
         lines = [
             f"{self.title}: nothing is run",
             f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
-            f"memory {1e-6 * self.memory:.0f} MB; {low} to {high} s of CPU time if it goes on to its end time",
+            f"memory {1e-6 * self.memory:.0f} MB; {self._seconds} if it goes on to its end time",
         ]
         return "\n".join([*lines, *self.assumed])
 
 
 @dataclass(frozen=True, repr=False)
-class StudySize(Result):
+class StudySize(_Size):
     """What a study of many shots would take.
 
     Parameters
@@ -157,10 +167,8 @@ class StudySize(Result):
         shots += SHOTS_OF_A_SEARCH * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
         to_its_end = RunSize.of(setup, title, ()).cpu_time
-        low, high = (
-            shots * seconds * share * crossing / setup.end_time
-            for seconds, share in zip(to_its_end, DURATION)
-        )
+        of_a_shot = crossing / setup.end_time
+        low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
         return cls(title, shots, searches, (low, high))
 
     @classmethod
@@ -173,16 +181,12 @@ class StudySize(Result):
 
     def summary(self) -> dict[str, Any]:
         """All of it, names with units."""
-        low, high = self.cpu_time
-        counts = {"shots": self.shots, "searches": self.searches}
-        return counts | {"cpu_time_low_s": low, "cpu_time_high_s": high}
-
-    def _columns(self):
-        return {name: [value] for name, value in self.summary().items()}
+        return {"shots": self.shots, "searches": self.searches, **self._of_cpu_time()}
 
     def __str__(self) -> str:
-        low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
         searches = ""
         if self.searches:
             searches = f", of which {self.searches} searches of a limit"
-        return f"{self.title}: nothing is run\nabout {self.shots:,} shots{searches}; {low} to {high} s of CPU time"
+        return (
+            f"{self.title}: nothing is run\nabout {self.shots:,} shots{searches}; {self._seconds}"
+        )

@@ -45,7 +45,7 @@ def fabric(
     return with_linear_density(catalogue.load(name), linear_density)
 
 
-@explained
+@explained(Keywords)
 def setup(
     fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
 ) -> ImpactSetup:

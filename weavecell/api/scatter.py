@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -17,6 +16,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
+from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["V50Result", "v50"]
 
 
-@explained
+@explained(ResumableKeywords, Keywords)
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -47,11 +47,7 @@ def v50(
     modulus_cov: float | str | None = None,
     crimp_cov: float | str | None = None,
     seed: int = 1,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
-    **options: Unpack[Keywords],
+    **options: Unpack[StudyKeywords],
 ) -> V50Result:
     """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
@@ -79,10 +75,7 @@ def v50(
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
-    jobs : number of runs in parallel, each in a process of its own
-    executor, out : as of `critical_velocity`
-    resume : whether to take finished runs from the folder; those of another version of the code are computed again
-    **options : beside a fabric, keywords of `setup` but history
+    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -112,21 +105,20 @@ def v50(
     scatter = replace(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
-    panel = targets.of(target, options, honoured.V50)
+    how, keys = Execution.split(options)
+    panel = targets.of(target, keys, honoured.V50)
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0
     if over is not None:
-        searches = sum(map(len, ranges.changes(over).values())) + 2
+        searches = ranges.searches(over)
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
     if check:
         fired = shots * (1 + repeats)
         whole = replace(analysis.graded(panel.setup), symmetry="whole")
         return StudySize.of(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
-    with targets.study(
-        panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn
-    ) as run:
+    with targets.study(panel, f"{panel.title}, repeated shots", how, drawn) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
@@ -140,8 +132,10 @@ def v50(
             study = replace(study, assumed_range=ends)
             result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
     if study.failures:
-        told = f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
-        raise UnstableError(told, result=result)
+        message = (
+            f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
+        )
+        raise UnstableError(message, result=result)
     return result
 
 
@@ -208,8 +202,8 @@ class V50Result(StudyResult):
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
         weakest = {
-            f"weakest_{family}": [shot.weakest[k] for shot in shots]
-            for k, family in enumerate(("warp", "weft"))
+            "weakest_warp": [shot.weakest[0] for shot in shots],
+            "weakest_weft": [shot.weakest[1] for shot in shots],
         }
         return columns | weakest
 
@@ -287,10 +281,8 @@ class V50Result(StudyResult):
 
         rows = []
         for link, curve in self.study.curves.items():
-            rows += [
-                (link, name, getattr(curve, name), *curve.intervals[name])
-                for name in ("V0", "V50", "V100")
-            ]
+            for name in ("V0", "V50", "V100"):
+                rows.append((link, name, getattr(curve, name), *curve.intervals[name]))
             scale = 1.0
             if curve.s:
                 scale = curve.deviation / curve.s
@@ -316,10 +308,10 @@ class V50Result(StudyResult):
         shots.insert(
             2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")]
         )
-        curves = {
-            link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
-            for link, curve in study.curves.items()
-        }
+        curves = {}
+        for link, curve in study.curves.items():
+            curves[link] = asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
+        given = (*inputs.table("weibull").values(), *inputs.table("spread").values())
         content = {
             **study.summary(),
             "plies": self.target.setup.plies,
@@ -333,11 +325,7 @@ class V50Result(StudyResult):
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
             "curves": curves,
-            "inputs": [
-                asdict(entry)
-                for name in ("weibull", "spread")
-                for entry in inputs.table(name).values()
-            ],
+            "inputs": [asdict(entry) for entry in given],
             "wall_time": self.wall_time,
         }
         return {

@@ -55,7 +55,7 @@ __all__ = ["ShotResult", "impact"]
 WINDOW = "window"  # folder of the finished shots at other velocities
 
 
-@explained
+@explained(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
@@ -166,7 +166,8 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
         # a shot that holds has no staircase of failing yarns
-        from weavecell.studies import window  # which an impact alone does not need
+        # an impact alone does not need it
+        from weavecell.studies import window
 
         with (
             targets.kept_runs(folder, True, WINDOW) as runs,
@@ -330,10 +331,8 @@ class ShotResult(ImpactRecord, Result):
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
                 columns[name if unit == "1" else f"{name}_{unit}"] = values
-        columns |= {
-            f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1)
-            for name in ("warp", "weft")
-        }
+        for name in ("reaction_warp", "reaction_weft"):
+            columns[f"{name}_N"] = self.plies[name].sum(axis=1)
         return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:
@@ -395,7 +394,8 @@ class ShotResult(ImpactRecord, Result):
         out = Path(out)
         scene = self.case.scene
         target = self.target
-        assert target is not None  # since it has a case
+        # it has a case, and so a target
+        assert target is not None
         outputs = scene.run.outputs
         projectile = scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
@@ -457,7 +457,8 @@ class ShotResult(ImpactRecord, Result):
             places = ()
             if scene.history:
                 places = scene.history.report_positions
-            for ply in dict.fromkeys((0, self.count - 1)):  # the one that is struck, and the last
+            # the ply that is struck, and the last
+            for ply in dict.fromkeys((0, self.count - 1)):
                 number = None
                 if self.pack:
                     number = ply + 1

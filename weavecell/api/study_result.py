@@ -16,10 +16,39 @@ if TYPE_CHECKING:
 
     from weavecell.scenes.target import Target
 
-CARD_LINES = 2  # of the report's first card
+# the first card of the report holds so many lines
+CARD_LINES = 2
 
 
-class StudyResult(Result):
+class DrawnResult(Result):
+    """A result with a picture and files. A derived class has what raises NotImplementedError here."""
+
+    def draw(self, pyplot: Any) -> Figure:
+        """The picture."""
+        raise NotImplementedError
+
+    def files(self) -> dict[str, Any]:
+        """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV;
+        nothing for the picture (.svg or .png)."""
+        raise NotImplementedError
+
+    def plot(self) -> Figure:
+        """A matplotlib figure."""
+        return figure(self.draw)
+
+    def _write_files(self, folder, stamp):
+        from weavecell.report import pictures
+        from weavecell.results import json_file
+
+        for name, content in self.files().items():
+            kind = name.partition(".")[2]
+            if kind == "json":
+                json_file.write(folder / name, content | {"provenance": stamp})
+            else:
+                files.write(folder / name, content or pictures.render(self.draw, kind=kind))
+
+
+class StudyResult(DrawnResult):
     """Shots at a target. A derived class has the target as a field, and what raises NotImplementedError here."""
 
     target: Target
@@ -38,10 +67,6 @@ class StudyResult(Result):
         """What is printed, and stands at the top of a page."""
         raise NotImplementedError
 
-    def draw(self, pyplot: Any) -> Figure:
-        """The picture."""
-        raise NotImplementedError
-
     @property
     def headline(self) -> tuple[str, str]:
         """What was looked for, and what was found, in a few words."""
@@ -54,30 +79,15 @@ class StudyResult(Result):
     def _shown(self):
         return self._columns_shown()
 
-    def files(self) -> dict[str, Any]:
-        """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV;
-        nothing for the picture (.svg or .png)."""
-        raise NotImplementedError
-
-    def plot(self) -> Figure:
-        """A matplotlib figure."""
-        return figure(self.draw)
-
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
+        from weavecell.results import provenance
 
         out = Path(out)
         stamp = provenance.stamp(self.target.text, setup=self.target.setup)
         if self.target.text:
             files.write(out / "scene.toml", self.target.text)
-        for name, content in self.files().items():
-            kind = name.partition(".")[2]
-            if kind == "json":
-                json_file.write(out / name, content | {"provenance": stamp})
-            else:
-                files.write(out / name, content or pictures.render(self.draw, kind=kind))
+        self._write_files(out, stamp)
         self._write_report(out, stamp)
 
     def _write_report(self, out, stamp):
@@ -118,7 +128,8 @@ class StudyResult(Result):
         if ":" not in title:
             title += f": {label[0].lower()}{label[1:]}"
         lead = chapters.struck(setup, case and case.scene)
-        if hasattr(self, "targets"):  # of a sweep
+        # a sweep has a target for each row
+        if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
         cards = (Card(label, value, tuple(shown)), *chapters.law_cards(case))
         chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)

@@ -10,20 +10,20 @@ The folder of `weavecell surface`
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from math import sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.executors import InProcess
 from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
+from weavecell.api.execution import Execution, ResumableKeywords
+from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
@@ -45,6 +45,7 @@ SHOWN = {
 }
 
 
+@explained(ResumableKeywords)
 def surface(
     fabric: Fabric | FilePath,
     *,
@@ -54,10 +55,7 @@ def surface(
     points: int = 21,
     tolerance: float | None = None,
     friction: float = 0.0,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
+    **options: Unpack[ResumableKeywords],
 ) -> SurfaceResult:
     """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
 
@@ -73,8 +71,7 @@ def surface(
     points : initial number of lines in each direction
     tolerance : refine until every line is interpolated from the others within this share of the largest force
     friction : as of `calibrate`
-    jobs, executor, resume : as of `v50`
-    out : folder of the results; in Python None writes nothing
+    **options : jobs, executor, out and resume
 
     Returns
     -------
@@ -92,13 +89,14 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
+    how = Execution.of("surface", options)
     fabric = meshes.of_3d(fabric)
     stamp = provenance.stamp("")
     span1 = _span(d1, "d1")
     span2 = _span(d2, "d2")
     size = meshes.size(mesh)
     inputs = (fabric, [span1, span2], points, tolerance, size, friction)
-    with out_folder.held(out, resume, [inputs]) as folder:
+    with out_folder.held(how.out, how.resume, [inputs]) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
@@ -109,9 +107,8 @@ def surface(
                 size=size,
                 friction=friction,
                 folder=folder and folder / "runs",
-                resume=resume,
-                jobs=jobs,
-                executor=InProcess() if executor == "local" and jobs == 1 else executor,
+                resume=how.resume,
+                **how.solver_pool,
                 on_progress=advance,
                 provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
             )

@@ -14,10 +14,9 @@ from __future__ import annotations
 import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -28,6 +27,8 @@ from fabrics.base.executors import as_done, open_executor
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
+from weavecell.api.execution import Execution, ResumableKeywords
+from weavecell.api.keywords import explained
 from weavecell.api.result import Result, figure, plain, saved
 from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
@@ -46,7 +47,8 @@ if TYPE_CHECKING:
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 SEED = "panel.strength.seed"
-SCANNED = 18  # shots of a scan about the bracket, as it is by default
+# a scan about the bracket takes about so many shots with its default range
+SCANNED = 18
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -59,6 +61,7 @@ _SHOWN = (
 )
 
 
+@explained(ResumableKeywords)
 def sweep(
     target: Fabric | FilePath | Iterable[ImpactSetup],
     *,
@@ -69,10 +72,7 @@ def sweep(
     seed: int = 1,
     one_at_a_time: bool = False,
     check: bool = False,
-    jobs: int = 1,
-    executor: str | Executor = "local",
-    out: FilePath | None = None,
-    resume: bool = False,
+    **options: Unpack[ResumableKeywords],
 ) -> Any:
     """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
 
@@ -96,8 +96,7 @@ def sweep(
     seed : of a V50, of all that is drawn
     one_at_a_time : compute the input file as it is, and then each value alone, in place of all combinations
     check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
-    jobs : number of runs in parallel; 1 runs them in this process one after the other
-    executor, out, resume : as of `v50`
+    **options : jobs, executor, out and resume
 
     Returns
     -------
@@ -118,8 +117,9 @@ def sweep(
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
+    how = Execution.of("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
-        return _of_setups(target, jobs, executor)
+        return _of_setups(target, how)
     from weavecell.studies import inputs
     from weavecell.studies import sweep as studies
 
@@ -142,7 +142,7 @@ def sweep(
     }
     support = of_quantity[quantity]
     combinations = _combinations(keys, one_at_a_time)
-    panels = [_panel(str(target), Path(out or "."), support, each) for each in combinations]
+    panels = [_panel(str(target), Path(how.out or "."), support, each) for each in combinations]
     if check:
         fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
             quantity, (shots, 1)
@@ -154,14 +154,13 @@ def sweep(
         sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
         return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
-    with targets.study(
-        panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments
-    ) as run:
-        if quantity == "v50":  # whose shots run in parallel, one V50 after the other
+    with targets.study(panels[0], f"{len(panels)} x {quantity}", how, *arguments) as run:
+        # the shots of a V50 run in parallel already, so the V50s follow one another
+        if quantity == "v50":
             reports = [run.report(number, len(panels)) for number in range(len(panels))]
-            options: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
+            drawn: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
             rows = [
-                studies.row(p.setup, quantity, report=r, **options) for p, r in zip(panels, reports)
+                studies.row(p.setup, quantity, report=r, **drawn) for p, r in zip(panels, reports)
             ]
         else:
             rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
@@ -304,7 +303,8 @@ class SweepTable(StudyResult):
         key = self.keys[0]
         if key == "panel.plies":
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
-        if "." not in key:  # a factor
+        # a key without a table is a factor
+        if "." not in key:
             return [row[key] for row in self.rows], f"factor on {key}"
         values = []
         for panel in self.targets:
@@ -367,10 +367,10 @@ class SweepTable(StudyResult):
         return lines
 
 
-def _of_setups(setups, jobs, executor):
+def _of_setups(setups, how):
     """The SweepResult of set-ups."""
     arguments = [(setup,) for setup in setups]
-    with open_executor(executor, jobs) as pool, progress.bar(f"{len(arguments)} shots") as advance:
+    with open_executor(**how.pool) as pool, progress.bar(f"{len(arguments)} shots") as advance:
         shots = {}
         for number, shot in as_done(pool, _fire, arguments):
             shots[number] = shot

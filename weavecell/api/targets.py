@@ -7,7 +7,6 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -28,10 +27,13 @@ from weavecell.scenes.target import Target
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.api.execution import Execution
     from weavecell.scenes.honoured import Keys
 
-STRIKE = 92.5  # [m/s] of the deck of a fabric, and of studies that choose their velocities
-RUNS = "runs"  # folder of finished runs
+# [m/s] for the deck of a fabric, and for studies that choose their velocities
+STRIKE = 92.5
+# folder of the finished runs
+RUNS = "runs"
 
 
 def of(
@@ -174,10 +176,7 @@ class Study:
 def study(
     panel: Target,
     title: str,
-    out: FilePath | None,
-    resume: bool,
-    jobs: int,
-    executor: str | Executor,
+    how: Execution,
     *inputs: Any,
 ) -> Iterator[Study]:
     """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
@@ -186,14 +185,14 @@ def study(
     ------
     InputError : as `out_folder.claim`; any other names the target's file
     """
-    place = out_folder.held(out, resume, inputs)
+    place = out_folder.held(how.out, how.resume, inputs)
     with (
         place as folder,
-        kept_runs(folder, resume) as runs,
+        kept_runs(folder, how.resume) as runs,
         panel.named(),
         progress.bar(title) as bar,
     ):
-        yield Study(folder, {"folder": runs, "executor": executor, "jobs": jobs}, bar)
+        yield Study(folder, {"folder": runs, **how.pool}, bar)
 
 
 @contextmanager

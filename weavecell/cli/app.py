@@ -129,9 +129,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     gc.set_threshold(COLLECT_EVERY)
     progress.shown = True
     log = logging.getLogger("weavecell")
-    log.propagate = (
-        False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
-    )
+    # plain lines, even if an imported library configures all loggers (ffcx does)
+    log.propagate = False
     log.setLevel(logging.INFO)
     log.addHandler(lines := _Lines())
     # click's own class, wherever this typer keeps its click
@@ -156,7 +155,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}",
             1,
         )
-    except OSError as problem:  # a full disk, a folder that may not be written to
+    except OSError as problem:
+        # for example a full disk, or a folder without permission to write
         if problem.filename:
             line = f"{problem.filename}: {problem.strerror}"
         else:
@@ -191,6 +191,7 @@ def _hint(package):
 
 
 def _fail(line, code):
-    if line:  # a command without its sub-command has printed its help and has nothing to add
+    # a group without a command has printed its help, and has nothing to add
+    if line:
         print(marked(line), file=sys.stderr)
     sys.exit(code)

@@ -28,16 +28,19 @@ from weavecell.report import checks
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
-DEFAULTS: dict[str, Any] = {"jobs": CORES}
+DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
 LEFT_OUT = {
     "assumed_range": "laws"
 }  # what a function gets where neither the option nor --no-... is given
 ARGUMENTS = ("target", "tests", "fabric", "name", "file")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
-WORDS = {"values": "from"}  # options with another name than their parameter
+# options with another name than their parameter
+WORDS = {"values": "from"}
 SHORT = {"out": "-o"}
-OF_PYTHON = ("test", "velocity")  # positional parameters of a fabric, which an input file says
-OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
+# an input file has these; a fabric in Python needs them as arguments
+OF_PYTHON = ("test", "velocity")
+# the folder of a single run is named after the input file alone
+OF_ONE_RUN = ("impact", "coupon")
 LEAST = {"jobs": 1, "seed": 0}
 _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
@@ -56,10 +59,10 @@ def command(
     """
     text, meanings = documented(function)
     parameters = []
-    for one in inspect.signature(function).parameters.values():
-        of_python = one.name in OF_PYTHON and one.kind is not one.KEYWORD_ONLY
-        if not of_python and one.kind is not one.VAR_KEYWORD:
-            parameters.append(one)
+    for parameter in inspect.signature(function).parameters.values():
+        of_python = parameter.name in OF_PYTHON and parameter.kind is not parameter.KEYWORD_ONLY
+        if not of_python and parameter.kind is not parameter.VAR_KEYWORD:
+            parameters.append(parameter)
     parameters += unpacked(function, meanings)
     returns = inspect.signature(function).return_annotation
     has_checks = returns not in ("None", "DataFrame", "Tables")
@@ -72,7 +75,8 @@ def command(
                 values[key] = LEFT_OUT.get(key)
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
+            # the line of the checks says it already
+            warnings.simplefilter("ignore", DoubtfulResult)
             try:
                 for key in keywords:
                     if key in chosen:
@@ -92,10 +96,13 @@ def command(
             if "out" in values and not values.get("check"):
                 print(f"written to {values['out']}", flush=True)
             checks.report(result.checks, strict)
-        elif strict and result is not None and result.doubtful:  # done before
+        elif strict and result is not None and result.doubtful:
+            # the folder of a run that was finished before
             raise DoubtfulError("the result is doubtful")
 
-    signature = [_parameter(one, meanings.get(one.name, "")) for one in parameters]
+    signature = [
+        _parameter(parameter, meanings.get(parameter.name, "")) for parameter in parameters
+    ]
     for key in keywords:
         signature.append(_parameter(_keyword(key, "str"), _escaped(_meaning(key))))
     if has_checks:
@@ -105,7 +112,7 @@ def command(
         signature.append(inspect.Parameter("strict", only, default=False, annotation=strict))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
-    made.__annotations__ = {one.name: one.annotation for one in signature}
+    made.__annotations__ = {parameter.name: parameter.annotation for parameter in signature}
     made.__doc__ = text
     return made, f"Example: [bold]weavecell {name} {example}[/bold]"
 
@@ -113,10 +120,10 @@ def command(
 def _folder(name, parameters, values):
     """Folder of the results of a command, named after the command and what it is given."""
     stems = []
-    for one in parameters:
-        required = one.default is one.empty and one.name not in ("out", "tests")
-        if (required or one.name == "target") and values[one.name] is not None:
-            stems.append(Path(values[one.name]).stem)
+    for parameter in parameters:
+        required = parameter.default is parameter.empty and parameter.name not in ("out", "tests")
+        if (required or parameter.name == "target") and values[parameter.name] is not None:
+            stems.append(Path(values[parameter.name]).stem)
     if name not in OF_ONE_RUN:
         stems = [*name.split(), *stems]
     return RESULTS / "-".join(stems)
@@ -125,15 +132,17 @@ def _folder(name, parameters, values):
 def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
     """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
-    Those of `weavecell.setup` are keys of the input file, which a command reads.
+    They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input file, which a
+    command reads.
     """
     *_, last = inspect.signature(function).parameters.values()
     name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
-    if last.kind is not last.VAR_KEYWORD or name in ("Any", "Keywords"):
+    if last.kind is not last.VAR_KEYWORD or name == "Any":
         return []
     kind = getattr(inspect.getmodule(function), name)
-    meanings |= documented(kind)[1]
-    return [_keyword(key, text.__forward_arg__) for key, text in kind.__annotations__.items()]
+    own = documented(kind)[1]
+    meanings |= own
+    return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in own]
 
 
 def _keyword(key, annotation):

@@ -19,9 +19,11 @@ def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
     mark : with which comments begin
     names : of the fields; those that begin with _ have none
     """
-    line = "".join(
-        f"{'' if name.startswith('_') else name:>{width}}" for name, width in zip(names, widths)
-    )
+    line = ""
+    for name, width in zip(names, widths):
+        if name.startswith("_"):
+            name = ""
+        line += f"{name:>{width}}"
     return f"{mark}{line[len(mark) :].rstrip()}\n"
 
 

@@ -18,12 +18,16 @@ from fabrics.base.errors import InputError
 from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 
-MATCHES = ("plane", "uniaxial")  # what a law is to be nearest to
-_POINTS = 81  # of a curve to the strength
-_PLANE = 81  # along each side of the biaxial plane
+# tests that a law can be fitted to
+MATCHES = ("plane", "uniaxial")
+# points of a curve up to the strength
+_POINTS = 81
+# points along each side of the biaxial plane
+_PLANE = 81
 # A curve goes on so far beyond its last strain: other codes extrapolate as they like.
 _FURTHER = 2.0
-_STEEPEST = np.radians(80)  # of a shear curve
+# [rad] a shear curve ends here
+_STEEPEST = np.radians(80)
 
 
 @dataclass(frozen=True)

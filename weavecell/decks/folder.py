@@ -25,11 +25,9 @@ ROWS = {
     "uniaxial": "largest in uniaxial tension",
     "shear": "largest in trellis shear until locking",
 }
-_SIDES = [
-    f"panel.boundary.{side}{key}"
-    for side in ("", "warp.", "weft.")
-    for key in SlipTable.model_fields
-]
+_SIDES = []
+for _side in ("panel.boundary", "panel.boundary.warp", "panel.boundary.weft"):
+    _SIDES += [f"{_side}.{key}" for key in SlipTable.model_fields]
 _IN_PART = (
     "panel.boundary",
     "panel.ply.angle",
@@ -100,16 +98,16 @@ def error_section(deck: model.Deck) -> page.Section:
     first = deck.cards[0]
     names = tuple(card.name for card in deck.cards)
     errors = [card.mismatch.numbers() for card in deck.cards]
-    rows = tuple(
-        (words, *(percent(numbers[key]) for numbers in errors)) for key, words in ROWS.items()
-    )
+    rows = []
+    for key, words in ROWS.items():
+        rows.append((words, *(percent(numbers[key]) for numbers in errors)))
     caption = f"Law less cell of {first.name}, where both yarns are below their strength."
     figure = pictures.draw_figure("mapping", caption, mismatch.plot, first.mismatch)
     lead = (
         "The law is evaluated here by its own equations, and held against the unit cell. "
         f"Not held: {first.law.lost}."
     )
-    table = page.Table(("over the strength", *names), rows, "", names)
+    table = page.Table(("over the strength", *names), tuple(rows), "", names)
     return page.Section("mapping", "Error of the mapping", lead, (figure,), (table,))
 
 

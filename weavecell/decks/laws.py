@@ -26,8 +26,10 @@ from numpy.typing import ArrayLike
 from fabrics.base.checks import FloatArray
 from weavecell.decks.cloth import Cloth
 
-FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone
-_EVERY = 3  # row and column of the plane that a fit looks at
+# LAW58 is unstable unless its yarns have some bending stiffness
+FLEX = 1e-3
+# a fit looks at every third row and column of the plane, which is enough for a smooth law
+_EVERY = 3
 
 
 @dataclass(frozen=True)

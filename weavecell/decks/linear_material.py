@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 from fabrics.fabric import Fabric
 
-BAR_SHARE = 0.5  # of the mass
+# share of the mass that the bars carry
+BAR_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ class RestMaterial:
 
 def linearise(fabric: Fabric, Vf0: Sequence[float]) -> tuple[RestMaterial, ...]:
     """Materials of warp and weft, meshed with the fibre volume fractions `Vf0` : (2,)."""
-    assert fabric.solid_laws is not None  # else it has no mesh
+    # a fabric without a solid law has no mesh
+    assert fabric.solid_laws is not None
     return tuple(map(_material, fabric.weave.yarns, fabric.solid_laws, Vf0))
 
 

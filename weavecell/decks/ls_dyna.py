@@ -24,8 +24,10 @@ from weavecell.decks.model import STEEL, Card, Deck
 NAME = "LS-DYNA"
 LAW = UncoupledCurves
 KEYWORD = "*MAT_FABRIC (034), FORM 14"
-MEMBRANE = 9  # ELFORM
-SHELL = 2  # ELFORM
+# ELFORM of a membrane
+MEMBRANE = 9
+# ELFORM of a shell
+SHELL = 2
 _MARK = "$#"
 _COURANT = 0.9
 # CON1: what is held of x and y
@@ -41,7 +43,8 @@ def write(deck: Deck, name: str) -> dict[str, str]:
 def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = deck.intervals
-    title = deck.title.replace(",", "")  # a reader may take a comma for free format
+    # a reader may take a comma for free format
+    title = deck.title.replace(",", "")
     yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{title}\n"
     yield "*CONTROL_TERMINATION\n" + _card(
         ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0

@@ -29,9 +29,7 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.write("".join(f"** {line}\n" for line in numbered.header))
         file.write(f"*HEADING\n{numbered.header[0]}; SI units\n")
-        file.write(
-            "*NODE\n" + lines("%d,%.13E,%.13E,%.13E", range(1, len(mesh.points) + 1), mesh.points)
-        )
+        file.write("*NODE\n" + numbered.nodes("%d,%.13E,%.13E,%.13E"))
         for part in numbered.parts:
             file.write(f"*ELEMENT, TYPE={TYPES[part.kind]}, ELSET={part.name}\n")
             file.write(lines("%d" + ",%d" * part.nodes.shape[1], part.elements, part.nodes))
@@ -45,16 +43,13 @@ def _sets(mesh, numbered):
     for name, bars in numbered.bar_sets.items():
         yield f"*ELSET, ELSET={name}\n" + _listed(bars)
     nodes = {name: _listed(members) for name, members in numbered.node_sets.items()}
-    nodes |= {
-        name: "".join(nodes[m] for m in members) for name, members in numbered.node_unions.items()
-    }
+    for name, members in numbered.node_unions.items():
+        nodes[name] = "".join(nodes[member] for member in members)
     for name, text in nodes.items():
         yield f"*NSET, NSET={name}\n{text}"
     sides = _surfaces(mesh, numbered)
-    sides |= {
-        name: "".join(sides[m] for m in members)
-        for name, members in numbered.surface_unions.items()
-    }
+    for name, members in numbered.surface_unions.items():
+        sides[name] = "".join(sides[member] for member in members)
     for name, text in sides.items():
         yield f"*SURFACE, TYPE=ELEMENT, NAME={name}\n{text}"
 
@@ -73,11 +68,11 @@ def _surfaces(mesh, numbered):
     keys, order = np.unique(
         _key(corners), return_index=True
     )  # of inner faces either element will do: none is named
-    found = {}
+    surfaces = {}
     for name, quads in numbered.surfaces.items():
         place = order[np.searchsorted(keys, _key(quads))]
-        found[name] = lines("%d,S%d", place // len(SIDES) + 1, place % len(SIDES) + 1)
-    return found
+        surfaces[name] = lines("%d,S%d", place // len(SIDES) + 1, place % len(SIDES) + 1)
+    return surfaces
 
 
 def _key(quads):

@@ -18,11 +18,12 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import SURFACES, YarnMesh
-from weavecell.decks.cards import wrapped
+from weavecell.decks.cards import lines, wrapped
 from weavecell.decks.linear_material import linearise
 
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
-SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
+# digits that decide whether two bars have the same area: rounding must not make two parts of them
+SAME_AREA = 9
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,18 @@ class Part:
     elements: np.ndarray
     nodes: np.ndarray
     size: float | None = None
+
+    @property
+    def section(self) -> int:
+        """Number of its section or property: one for all hexahedra, else one for each area or thickness."""
+        if self.kind == "hex":
+            return 1
+        return self.number
+
+    @property
+    def material(self) -> int:
+        """Number of its material."""
+        return material_number(self.family, self.kind)
 
 
 @dataclass(frozen=True)
@@ -72,6 +85,10 @@ class Deck:
     node_unions: dict
     surface_unions: dict
     materials: tuple
+
+    def nodes(self, template: str) -> str:
+        """A line of a %-template for each node: its number and its place."""
+        return lines(template, range(1, len(self.points) + 1), self.points)
 
     def of_kind(self, kind: str) -> list[Part]:
         """The parts of one kind."""

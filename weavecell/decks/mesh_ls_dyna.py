@@ -22,9 +22,7 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.write("*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header))
         file.write(f"*TITLE\n{numbered.header[0]}\n")
-        file.write(
-            "*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(mesh.points) + 1), mesh.points)
-        )
+        file.write("*NODE\n" + numbered.nodes("%8d%16.9E%16.9E%16.9E"))
         file.writelines(_elements(numbered))
         file.writelines(_parts(numbered))
         file.writelines(_materials(numbered))
@@ -47,17 +45,11 @@ def _parts(numbered):
     """Parts and sections: one section for all solids, one for each area or thickness."""
     yield "*SECTION_SOLID\n" + _ids(1, 2)
     for part in numbered.parts:
-        if part.kind == "hex":
-            section = 1
-        else:
-            section = part.number
-        yield f"*PART\n{part.name}\n" + _ids(
-            part.number, section, material_number(part.family, part.kind)
-        )
+        yield f"*PART\n{part.name}\n" + _ids(part.number, part.section, part.material)
         if part.kind == "bar":
-            yield "*SECTION_BEAM\n" + _ids(section, 3) + _reals(part.size)
+            yield "*SECTION_BEAM\n" + _ids(part.section, 3) + _reals(part.size)
         elif part.kind == "shell":
-            yield "*SECTION_SHELL\n" + _ids(section, 16) + _reals(*[part.size] * 4)
+            yield "*SECTION_SHELL\n" + _ids(part.section, 16) + _reals(*[part.size] * 4)
 
 
 def _materials(numbered):

@@ -14,10 +14,14 @@ from weavecell.decks.cards import fields, lines
 from weavecell.decks.mesh_deck import deck, material_number, set_lines
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
-FULL = 17  # Isolid
-FULL_PRESSURE = 3  # Icpre
-COROTATIONAL = 2  # Iframe
-EDGE_12 = 20  # Ip: the first axis from node 1 to node 2
+# Isolid: full integration
+FULL = 17
+# Icpre
+FULL_PRESSURE = 3
+# Iframe
+COROTATIONAL = 2
+# Ip: the first axis runs from node 1 to node 2
+EDGE_12 = 20
 
 
 def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
@@ -29,10 +33,7 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
         file.write(f"/TITLE\n{numbered.header[0]}\n")
         file.writelines(_materials(numbered))
         file.writelines(_parts(numbered))
-        file.write(
-            "/NODE\n"
-            + lines("%10d%20.12E%20.12E%20.12E", range(1, len(mesh.points) + 1), mesh.points)
-        )
+        file.write("/NODE\n" + numbered.nodes("%10d%20.12E%20.12E%20.12E"))
         for part in numbered.parts:
             file.write(f"/{ELEMENTS[part.kind]}/{part.number}\n")
             file.write(lines("%10d" * (1 + part.nodes.shape[1]), part.elements, part.nodes))
@@ -77,19 +78,17 @@ def _parts(numbered):
         + _reals(0)
     )
     for part in numbered.parts:
-        if part.kind == "hex":
-            number = 1
-        else:
-            number = part.number
         if part.kind == "bar":
-            yield f"/PROP/TYPE2/{number}\n{part.name}\n" + _reals(part.size, 0)
+            yield f"/PROP/TYPE2/{part.section}\n{part.name}\n" + _reals(part.size, 0)
         elif part.kind == "shell":
             # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through the thickness.
-            yield f"/PROP/TYPE1/{number}\n{part.name}\n" + _ids(0, 0, 0, 0) + _reals(0, 0, 0, 0, 0)
+            yield (
+                f"/PROP/TYPE1/{part.section}\n{part.name}\n"
+                + _ids(0, 0, 0, 0)
+                + _reals(0, 0, 0, 0, 0)
+            )
             yield _ids(1, 0)[:-1] + _reals(part.size)
-        yield f"/PART/{part.number}\n{part.name}\n" + _ids(
-            number, material_number(part.family, part.kind)
-        )
+        yield f"/PART/{part.number}\n{part.name}\n" + _ids(part.section, part.material)
 
 
 def _groups(numbered):

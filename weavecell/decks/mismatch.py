@@ -11,7 +11,8 @@ from fabrics.base.checks import BoolArray, FloatArray
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import Law
 
-LIMIT = 0.1  # of the strength: a card that is further off says so
+# a card that misses the tension by a larger share of the strength says so
+LIMIT = 0.1
 
 
 @dataclass(frozen=True)

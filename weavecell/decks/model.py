@@ -36,12 +36,18 @@ STEEL = (
     2e11,
     0.3,
 )  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
-_TABLE = 8  # samples a side of a cell's table that nothing uses
-_SKIN = 0.1  # [ply thicknesses] thickness of the projectile's shells
-_CLEARANCE = 0.01  # [ply thicknesses] from them to the first ply
-_SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
-_PICTURES = 50  # of a run
-_SAMPLES = 1000  # of the histories of a run
+# samples along each side of the cell's table, which a deck does not use
+_TABLE = 8
+# [ply thicknesses] thickness of the projectile's shells
+_SKIN = 0.1
+# [ply thicknesses] from the shells to the first ply: they must not touch at the start
+_CLEARANCE = 0.01
+# share of a body's volume that the surface holds at least, whatever its shape
+_SEEN = 0.9
+# states in the animation of a run
+_PICTURES = 50
+# samples in the histories of a run
+_SAMPLES = 1000
 _NEAREST = {
     "plane": "nearest to the cell over the biaxial plane",
     "uniaxial": "nearest to it in uniaxial tension",
@@ -64,6 +70,10 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
     "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
+    "panel.crossovers": (
+        '"pinned": no law here lets yarns slip',
+        lambda ply: ply.crossovers is not None,
+    ),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.strength": (
         "left out: cards have one strength",
@@ -229,14 +239,11 @@ class Deck:
 
     def held(self) -> dict[str, IntArray]:
         """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are left out."""
-        sets = {
-            name: np.concatenate([ply.held[name] for ply in self.plies])
-            for name in self.plies[0].held
-        }
-        chosen = {
-            name: held if name == "clamped" else held & ~sets["clamped"]
-            for name, held in sets.items()
-        }
+        chosen = {}
+        for name in self.plies[0].held:
+            chosen[name] = np.concatenate([ply.held[name] for ply in self.plies])
+            if name != "clamped":
+                chosen[name] &= ~chosen["clamped"]
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def watched(self) -> dict[str, int]:
@@ -278,7 +285,7 @@ def build(
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
         x, y = (values.ravel() for values in panel.coordinates())
-        held = {"clamped": ~boundary.loose(panel).ravel()}
+        held = {"clamped": ~panel.loose().ravel()}
         for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
             held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)
         points = np.column_stack([x, y, np.full(x.size, z)])

@@ -19,12 +19,18 @@ from shellfabric.projectile.projectile import Projectile
 # Least and most elements along a side of the grid; one more if an element, not a node, is to face the middle.
 _LEAST = 6
 _MOST = 24
-_POINTED = "cone", "stl"  # whose tip is a node
-_GRID = 0.5  # [radii] of arc to the sides of the grid
-_ROUND = 0.875  # [radii] of arc to the first ring that is a circle
-_BEND = np.radians(45)  # of the meridian within one element
-_RAYS = 101  # samples of the surface from tip to side
-_TURNS = 145  # samples of the surface about the axis
+# shapes whose tip is a node
+_POINTED = "cone", "stl"
+# [radii] arc from the tip to the sides of the square grid
+_GRID = 0.5
+# [radii] arc from the tip to the first ring that is a circle
+_ROUND = 0.875
+# the meridian may turn by so much within one element
+_BEND = np.radians(45)
+# samples of the surface from the tip to the side
+_RAYS = 101
+# samples of the surface about the axis
+_TURNS = 145
 
 
 def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:

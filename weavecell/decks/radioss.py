@@ -25,18 +25,24 @@ LAW = CrimpExchange
 KEYWORD = "/MAT/LAW58 (FABR_A)"
 VERSION = 2023
 _MARK = "#"
-_QEPH = 24  # Ishell
-_BROKEN = 1.001  # times the strain of failure: of rupture
-_COURANT = 0.5  # 0.9 becomes unstable once elements are lost
-_STIFF_NOSE = 0.03  # scale of the contact stiffness (Stfac) of the steel nose
-_STIFF_PLIES = 1.0  # the same of two plies
+# Ishell of the element
+_QEPH = 24
+# rupture comes just after the strain of failure, so that one criterion decides
+_BROKEN = 1.001
+# with 0.9 runs become unstable once elements are deleted
+_COURANT = 0.5
+# Stfac: scale of the contact stiffness of the steel nose
+_STIFF_NOSE = 0.03
+# Stfac of the contact between plies
+_STIFF_PLIES = 1.0
 _NO_FAILURE = (
     "No failure: for a law with strains of its fibres (LAW58) OpenRadioss as of 2026-08-21",
     "(mulawc.F90, failure model 31) gives /FAIL/FABRIC the strain of the neighbouring element, and to the",
     "first of a group a stress: false failures. To use these lines in a version where that is mended,",
     "take the # away from the three that follow:",
 )
-_GAP = 0.9  # of the distance between plies, so that they do not touch at rest
+# share of the distance between plies, so that they do not touch at rest
+_GAP = 0.9
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.impact import Scene
 
-STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
+# [-] strains of the cell, to past the failure strain of the yarns
+STRAINS = np.linspace(0.0, 0.032, 97)
 
 
 def fabric_card(fabric: Fabric) -> Card:
@@ -53,7 +54,8 @@ def law_card(
     """Which compression law, beside the published one; its constants if it was fitted."""
     title = "Compression of the yarns"
     headline = source.partition(" (")[0]
-    if law.a == law.b == 0:  # of a cell whose yarns are not compressed
+    # decoupled yarns do not compress each other
+    if law.a == law.b == 0:
         return Card(title, headline or "none", ("none: the yarns keep their thickness",))
     lines = [f"at a crossover by {1e6 * float(law.d(F)):.1f} µm under {F} N" for F in (10, 100)]
     if published is not None:
@@ -116,7 +118,8 @@ def cell(
     cases: dict[str, dict[str, Any]] = {}
     for title, (*strains, tension1, tension2) in _with_tensions(paths):
         ends = [float(strain[-1]) for strain in strains]
-        main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
+        # the axis shows the larger of the two strains
+        main = int(ends[1] > ends[0])
         curves = {}
         for label, of_law in models.items():
             state = of_law.solve(1 + share * ends[0], 1 + share * ends[1])

@@ -29,16 +29,16 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
         return {}
     window = pair.windows[0]
     results: dict[str, dict[str, Any]] = {}
-    for one in pair.intervals:
-        results[one.name] = {
-            "unit": one.unit,
-            "value": one.value,
-            pair.other: one.other,
-            "uncertainty": one.uncertainty,
+    for interval in pair.intervals:
+        results[interval.name] = {
+            "unit": interval.unit,
+            "value": interval.value,
+            pair.other: interval.other,
+            "uncertainty": interval.uncertainty,
         }
         if window is not None:
-            of_value, of_other = one.standard_errors
-            results[one.name] |= {
+            of_value, of_other = interval.standard_errors
+            results[interval.name] |= {
                 "standard_error": of_value,
                 f"{pair.other}_standard_error": of_other,
             }
@@ -76,9 +76,9 @@ def words(pair: Discretisation) -> str:
             lines.append(f"  {quantity} {with_error} ({at_strike})")
     lines.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
     lines += [f"  {line}" for line in _outcomes(pair)]
-    for one in pair.intervals:
-        value = f"{mean}{one.name} {one.value:.4g} +- {one.uncertainty:.2g} {one.unit}"
-        lines.append(f"  {value} ({one.other:.4g} on the {pair.other} mesh; no test)")
+    for interval in pair.intervals:
+        value = f"{mean}{interval.name} {interval.value:.4g} +- {interval.uncertainty:.2g} {interval.unit}"
+        lines.append(f"  {value} ({interval.other:.4g} on the {pair.other} mesh; no test)")
     return "\n".join([*lines, *_verdict(pair), *_against_tests(pair)])
 
 
@@ -159,8 +159,15 @@ def section(pair: Discretisation) -> Section:
             of_means = _MEANS
         sentences.append(_INDEX.format(mesh, of_means))
         rows = []
-        for one in pair.intervals:
-            rows.append((f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty))
+        for interval in pair.intervals:
+            rows.append(
+                (
+                    f"{interval.name} [{interval.unit}]",
+                    interval.value,
+                    interval.other,
+                    interval.uncertainty,
+                )
+            )
         tables.append(Table.of(DataFrame(rows, columns=heads)))
     lead = " ".join(sentences)
     if window is not None:

@@ -13,32 +13,36 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
     from weavecell.studies.ballistic_limit import Limit, Shot
 
-_SHOWN = 3  # indicators of the printed line
+# the printed line names so many indicators
+_SHOWN = 3
 
 
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
     """{"checks": {"status", "indicators"}} for summary.json."""
     return {
-        "checks": {"status": status(indicators), "indicators": [one.entry() for one in indicators]}
+        "checks": {
+            "status": status(indicators),
+            "indicators": [indicator.entry() for indicator in indicators],
+        }
     }
 
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
     """The worst indicators of a status, each with value and limit; "" if there is none."""
-    found = [one for one in indicators if one.status == status]
-    found.sort(key=lambda one: one.excess, reverse=True)
-    text = "; ".join(map(str, found[:_SHOWN]))
-    if len(found) > _SHOWN:
-        text += f"; {len(found) - _SHOWN} more in the summary"
+    worst = [indicator for indicator in indicators if indicator.status == status]
+    worst.sort(key=lambda indicator: indicator.excess, reverse=True)
+    text = "; ".join(map(str, worst[:_SHOWN]))
+    if len(worst) > _SHOWN:
+        text += f"; {len(worst) - _SHOWN} more in the summary"
     return text
 
 
 def words(indicators: Sequence[Indicator]) -> str:
     """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
-    found = status(indicators)
-    if found == OK:
-        return found
-    return f"{found}: {line(indicators, found)}"
+    worst = status(indicators)
+    if worst == OK:
+        return worst
+    return f"{worst}: {line(indicators, worst)}"
 
 
 def of_shot(shot: Shot) -> str:
@@ -51,14 +55,14 @@ def of_shot(shot: Shot) -> str:
 
 def of_bracket(limit: Limit) -> str:
     """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
-    found = []
+    doubtful = []
     for shot in limit.ends:
         if status(shot.checks) == DOUBTFUL:
             velocity = f"{shot.strike_velocity:.4g} m/s"
-            found.append(f"{shot.outcome} shot at {velocity} ({line(shot.checks)})")
-    if not found:
+            doubtful.append(f"{shot.outcome} shot at {velocity} ({line(shot.checks)})")
+    if not doubtful:
         return OK
-    return f"doubtful {' and '.join(found)}"
+    return f"doubtful {' and '.join(doubtful)}"
 
 
 def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
@@ -68,9 +72,9 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
     ------
     DoubtfulError : it is doubtful, and `strict`; to be called when all results have been written
     """
-    for found in (NOTED, DOUBTFUL):
-        if text := line(indicators, found):
-            print(f"checks: {found}: {text}", flush=True)
+    for level in (NOTED, DOUBTFUL):
+        if text := line(indicators, level):
+            print(f"checks: {level}: {text}", flush=True)
     if strict and text:
         raise DoubtfulError(f"the result is doubtful: {text}")
 
@@ -78,16 +82,18 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
 def section(indicators: Sequence[Indicator]) -> Section:
     """The section of a report."""
     sentences = []
-    for found in (DOUBTFUL, NOTED):
-        if text := line(indicators, found):
-            sentences.append(f"{found.capitalize()}: {text}.")
+    for level in (DOUBTFUL, NOTED):
+        if text := line(indicators, level):
+            sentences.append(f"{level.capitalize()}: {text}.")
     lead = " ".join(sentences) or "Every indicator is within its limit."
     rows = []
-    for one in indicators:
-        state = one.status
-        if one.note is not None:
-            state += f" (noted above {one.note:g})"
-        rows.append((one.name, one.number, f"{one.limit:g}", state, one.meaning))
+    for indicator in indicators:
+        state = indicator.status
+        if indicator.note is not None:
+            state += f" (noted above {indicator.note:g})"
+        rows.append(
+            (indicator.name, indicator.number, f"{indicator.limit:g}", state, indicator.meaning)
+        )
     columns = ("indicator", "value", "limit", "status", "value is")
     table = Table(columns, tuple(rows), numeric=columns[1:3])
     return Section("checks", "Quality checks", lead, tables=(table,))

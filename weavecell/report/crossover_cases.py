@@ -18,25 +18,25 @@ def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
         record["T_taut"] > 0.1 * record["T_taut"].max(),
         fabric.weave.yarns[record.facts["yarn"]],
     )
-    found = {"greatest tension [N]": record["T"].max()}
+    numbers = {"greatest tension [N]": record["T"].max()}
     if np.count_nonzero(taut) > 1 and not record["broken"].any():
         slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
-        found["stiffness when taut over E A / (1 + crimp) [-]"] = (
+        numbers["stiffness when taut over E A / (1 + crimp) [-]"] = (
             slope * (1 + record.facts["crimp"]) / yarn.EA
         )
-        found["strain at which it is straight [-]"] = -start / slope
-        found["crimp [-]"] = record.facts["crimp"]
+        numbers["strain at which it is straight [-]"] = -start / slope
+        numbers["crimp [-]"] = record.facts["crimp"]
     if record["broken"].any():
-        found["greatest tension over the yarn's strength [-]"] = record["T"].max() / yarn.strength
-        found["bars failed at the end [-]"] = record["broken"][-1]
-    return found
+        numbers["greatest tension over the yarn's strength [-]"] = record["T"].max() / yarn.strength
+        numbers["bars failed at the end [-]"] = record["broken"][-1]
+    return numbers
 
 
 def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
     """Plies between platens."""
     from unitcell3d.cases.stack import law_closure
 
-    found = {
+    numbers = {
         "pressure at the end [MPa]": record["pressure"][-1] / 1e6,
         "closure of a ply at the end [um]": 1e6 * record["closure_ply"][-1],
         "deepest penetration [um]": 1e6 * record["deepest"].max(),
@@ -44,18 +44,18 @@ def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
     if fabric.areal_density_measured is not None and record.facts["plies"] in (1, 4, 8, 16):
         pressure, law, closure = law_closure(fabric, record)
         if pressure.size:
-            found["closure since 28 kPa [um]"] = 1e6 * closure[-1]
-            found["the same by the pressure law (eq. 2-6) [um]"] = 1e6 * law[-1]
-    return found
+            numbers["closure since 28 kPa [um]"] = 1e6 * closure[-1]
+            numbers["the same by the pressure law (eq. 2-6) [um]"] = 1e6 * law[-1]
+    return numbers
 
 
 def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
     """Biaxial stretch, or any path."""
-    found = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
-    found |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
+    numbers = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
+    numbers |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
     if np.any(record["broken"]):
-        found["bars failed at the end [-]"] = np.max(record["broken"][-1])
-    return found
+        numbers["bars failed at the end [-]"] = np.max(record["broken"][-1])
+    return numbers
 
 
 def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
@@ -66,36 +66,36 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
     turned = record["gamma"] > 0
     gamma = np.concatenate([[0.0], record["gamma"][turned]])
     tau = np.concatenate([[0.0], record["tau"][turned]])
-    found = {
+    numbers = {
         "shear angle reached [rad]": gamma[-1],
         "shear stress there [MPa]": tau[-1] / 1e6,
         "tensions there [N]": [record["T1"][-1], record["T2"][-1]],
     }
     for family, name in enumerate(("warps", "wefts")):
         met = np.flatnonzero(record["F_side"][:, family] > 0)
-        found[f"parallel {name} meet at [rad]"] = record["gamma"][met[0]] if met.size else None
+        numbers[f"parallel {name} meet at [rad]"] = record["gamma"][met[0]] if met.size else None
         width, spacing = record.facts["width"][family], record.facts["spacing"][family]
         touching = touching_angle(width, spacing) if width < spacing else None
-        found[f"by width and spacing of {name} (eq. 4-32) [rad]"] = touching
+        numbers[f"by width and spacing of {name} (eq. 4-32) [rad]"] = touching
     try:
         fit = shear_fit.fit(gamma, tau)
     except InputError as problem:
-        found["fit"] = str(problem)
-        return found
-    found |= {"fit of eq. 4-35: " + key: value for key, value in _law(fit.law).items()}
-    found["rms of the fit [MPa]"] = fit.rms / 1e6
-    found["gamma2 lies inside the curve"] = fit.locked
+        numbers["fit"] = str(problem)
+        return numbers
+    numbers |= {"fit of eq. 4-35: " + key: value for key, value in _law(fit.law).items()}
+    numbers["rms of the fit [MPa]"] = fit.rms / 1e6
+    numbers["gamma2 lies inside the curve"] = fit.locked
     if fabric.shear is not None:
         slope = np.gradient(tau, gamma)
         for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
             stiffer = np.flatnonzero(slope >= modulus)
-            found[f"tangent modulus passes the data's {part} at [rad]"] = (
+            numbers[f"tangent modulus passes the data's {part} at [rad]"] = (
                 gamma[stiffer[0]] if stiffer.size else None
             )
-        found |= {
+        numbers |= {
             "fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()
         }
-    return found
+    return numbers
 
 
 def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
@@ -103,7 +103,7 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
     from unitcell3d.cases import pull_out as case
 
     F_c, T_f = case.thresholds(record)
-    found = {
+    numbers = {
         "Coulomb's coefficient of the contact [-]": record.facts["friction"],
         "contact forces in slip [N]": F_c.tolist(),
         "slip thresholds [N]": T_f.tolist(),
@@ -114,14 +114,14 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
     }
     if F_c.size > 1:
         law = case.fit(record)
-        found |= {
+        numbers |= {
             "threshold without contact force, c0 [N]": law.c0,
             "effective coefficient, mu_eff [-]": law.mu_eff,
             "rms of the fit [N]": law.residual_rms,
             "range of the coefficient [-]": list(FRICTION_RANGE),
             "status of the range": "literature",
         }
-    return found
+    return numbers
 
 
 def _law(law):

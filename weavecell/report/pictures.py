@@ -110,7 +110,8 @@ def place(
     """
     rows, columns = figure.axes[0].get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
-    wide = (width - left - right - (columns - 1) * across) / columns  # of one axes
+    # width of one pair of axes
+    wide = (width - left - right - (columns - 1) * across) / columns
     high = (height - bottom - top - (rows - 1) * down) / rows
     figure.subplots_adjust(
         left / width,
@@ -202,7 +203,8 @@ def cell(pyplot: Any, cases: Any) -> Any:
         axes.set_xlabel("strain of the cell [%]")
         axes.set_xlim(left=0)
     row[0][0].set_ylabel("yarn tension [N]")
-    row[0][0].set_ylim(bottom=0)  # of all, once all are drawn
+    # all axes share their limits, so this is set once everything is drawn
+    row[0][0].set_ylim(bottom=0)
     row[0][0].legend(loc="upper left", fontsize=None if len(cases) < 4 else 9)
     return figure
 
@@ -261,27 +263,11 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         )  # it rises steeply at the limit
         curve = fit.residual_velocity(velocities)
         axes.plot(velocities, curve, color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
-    axes.plot(
-        strike[through],
-        residual[through],
-        "o",
-        ms=7,
-        color=RED,
-        mec="white",
-        label="perforated",
-        zorder=3,
-    )
-    axes.plot(
-        strike[~through],
-        residual[~through],
-        "o",
-        ms=7,
-        mfc="white",
-        mec=GREEN,
-        mew=1.8,
-        label="stopped",
-        zorder=3,
-    )
+    for outcome, of, look in (
+        ("perforated", through, {"color": RED, "mec": "white"}),
+        ("stopped", ~through, {"mfc": "white", "mec": GREEN, "mew": 1.8}),
+    ):
+        axes.plot(strike[of], residual[of], "o", ms=7, label=outcome, zorder=3, **look)
     zone = (limit.low, limit.high)
     alpha = 0.8
     name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
@@ -303,13 +289,13 @@ def _of_velocities(pyplot, title, low, high):
     return figure, axes
 
 
-def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
+def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
     """Residual against strike velocity of tests and of computed shots, V50 and the critical velocity.
 
     Parameters
     ----------
     tests : weavecell.studies.compare.ReducedTests
-    found : weavecell.studies.compare.Comparison; None of tests alone
+    comparison : weavecell.studies.compare.Comparison; None of tests alone
     """
     table = tests.table
     strike = tests.table["velocity [m/s]"]
@@ -319,9 +305,9 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
     else:
         velocities = [*strike, curve.V50]
     fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
-    if found is not None:
-        velocities += [found.limit.low, found.limit.high]
-        fits.append((found.computed, BLUE, "computed, Lambert-Jonas"))
+    if comparison is not None:
+        velocities += [comparison.limit.low, comparison.limit.high]
+        fits.append((comparison.computed, BLUE, "computed, Lambert-Jonas"))
     low = 0.94 * min(velocities)
     high = 1.02 * max(velocities)
     figure, axes = _of_velocities(pyplot, title, low, high)
@@ -330,9 +316,9 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
         words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)"
         axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)
-    if found is not None:
-        words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
-        axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
+    if comparison is not None:
+        words = f"computed critical\nvelocity {comparison.limit.velocity:.1f} m/s"
+        axes.axvline(comparison.limit.velocity, color=ORANGE, lw=1.5, label=words)
     for fit, color, words in fits:
         if not fit.reason:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
@@ -350,8 +336,8 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, found: Any) -> Any:
             mec=STEEL,
             label=f"test, {outcome}",
         )
-    if found is not None:
-        computed = found.table["computed residual velocity [m/s]"]
+    if comparison is not None:
+        computed = comparison.table["computed residual velocity [m/s]"]
         axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure

@@ -13,13 +13,14 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from weavecell.report.pictures_style import RED, STEEL, tension_map
 
-SIZE = (1120, 612)  # [pixels] width and height of an image
+# [pixels] width and height of an image
+SIZE = (1120, 612)
 # The projectile is drawn this far [m] behind where it is: fabric that it touches would else be drawn inside of it.
 _CLOTH_DEPTH = 1e-3
-_VIEWER = np.array([0.55, -1.4, 0.95])  # direction of the viewer behind the panel
-_DISTANCE = (
-    2.0  # [m] of the camera: more than any panel is wide; without effect in a parallel projection
-)
+# direction from the panel to the viewer, who stands behind it
+_VIEWER = np.array([0.55, -1.4, 0.95])
+# [m] distance of the camera, larger than any panel; a parallel projection does not depend on it
+_DISTANCE = 2.0
 
 
 def panel(
@@ -98,8 +99,3 @@ def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
 def width(nodes: FloatArray, mirrored: bool) -> float:
     """[m] of a panel along x, from the nodes (n, 3) of what is modelled."""
     return float(np.ptp(nodes[:, 0])) * (2 if mirrored else 1)
-
-
-def tip(body: FloatArray) -> FloatArray:
-    """(3,) [m] middle of the foremost 0.1 mm of a projectile's surface (a, b, 3)."""
-    return body[body[..., 2] > body[..., 2].max() - 1e-4].mean(axis=0)

@@ -12,7 +12,8 @@ from weavecell.results.display import MM, US
 if TYPE_CHECKING:
     from shellfabric.projectile.dynamics import BarHistory
 
-_AT = 24e-3  # [m] least half-width of the cut that is shown
+# [m] the cut is shown at least this far to either side
+_AT = 24e-3
 
 
 def bar(pyplot: Any, history: BarHistory) -> Any:

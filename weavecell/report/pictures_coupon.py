@@ -54,7 +54,8 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
         ),
     ),
 }
-_KNOWN = ("cell", "trellis", "zone C")  # closed forms, which are dashed
+# closed forms, which are dashed
+_KNOWN = ("cell", "trellis", "zone C")
 _SHEARS = (
     "#f3f5f7",
     "#fde0a6",

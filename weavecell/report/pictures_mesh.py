@@ -21,8 +21,10 @@ from weavecell.report.pictures_style import INK
 from weavecell.report.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
-FOOT = 0.15  # of the window's height, kept for the caption
-MARGIN = 0.05  # of the window's height, free around the crossover
+# share of the window's height that is kept for the caption
+FOOT = 0.15
+# share of the window's height that stays free around the crossover
+MARGIN = 0.05
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 
@@ -95,23 +97,34 @@ def _solid(crossover, index):
 
 
 def aim(
-    scene: Any, points: FloatArray, view: Sequence[float], window: Sequence[int], foot: float = FOOT
+    scene: Any,
+    points: FloatArray,
+    view: Sequence[float],
+    window: Sequence[int],
+    foot: float = FOOT,
+    margin: float = MARGIN,
 ) -> None:
-    """Parallel projection along a view; the points [mm] fill the window above a foot kept free."""
+    """Parallel projection along a view; the points [mm] fill the window above a foot kept free.
+
+    Parameters
+    ----------
+    scene : of `plotter`
+    points : (n, 3) [mm] that are to be seen
+    view : direction from the points to the camera
+    window : (width, height) [pixels]
+    foot, margin : shares of the window's height that stay free below, and on every side
+    """
     toward = np.array(view) / np.linalg.norm(view)
     right = np.cross((0, 0, 1), toward)
     right /= np.linalg.norm(right)
     up = np.cross(toward, right)
-    (left, bottom), (far, top) = (
-        f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max)
-    )
-    scale = (
-        max(
-            (top - bottom) / (1 - foot - 2 * MARGIN),
-            (far - left) * window[1] / window[0] / (1 - 2 * MARGIN),
-        )
-        / 2
-    )
+    seen = points @ np.stack([right, up], axis=1)
+    left, bottom = seen.min(axis=0)
+    far, top = seen.max(axis=0)
+    free = 1 - 2 * margin
+    tall = (top - bottom) / (free - foot)
+    wide = (far - left) * window[1] / window[0] / free
+    scale = max(tall, wide) / 2
     middle = (left + far) / 2 * right + ((bottom + top) / 2 - foot * scale) * up
     scene.enable_parallel_projection()
     scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]

@@ -10,13 +10,17 @@ import pyvista
 from fabrics.base.checks import FilePath
 from meshing.inputs import YARNS
 from meshing.patch import Patch
-from weavecell.report.pictures_mesh import COLOURS, INK, plotter, save
+from weavecell.report.pictures_mesh import COLOURS, INK, aim, plotter, save
 
 WINDOW = (1600, 900)
-TOWARD = np.array([-0.8, -1.0, 0.72])  # from the patch to the camera
-FILL = 0.94  # of the window
-SHARP = 40.0  # degrees: an edge sharper than this is drawn sharp
-EDGES_UP_TO = 20_000  # hexahedra: beyond, mesh lines only darken the picture
+# direction from the patch to the camera
+TOWARD = (-0.8, -1.0, 0.72)
+# share of the window's height
+MARGIN = 0.03
+# [deg] an edge sharper than this is drawn sharp
+SHARP = 40.0
+# with more hexahedra mesh lines only darken the picture
+EDGES_UP_TO = 20_000
 
 
 def picture(patch: Patch, path: FilePath) -> None:
@@ -46,7 +50,12 @@ def picture(patch: Patch, path: FilePath) -> None:
             specular_power=18,
         )
     _light(scene)
-    _aim(scene, patch)
+    aim(scene, patch.points * 1e3, TOWARD, WINDOW, foot=0.0, margin=MARGIN)
+    # VTK's shading in passes aborts a process that has loaded dolfinx 0.5.2
+    if "dolfinx" not in sys.modules:
+        # The bias grows with the depth of the scene: below its steps the shadows turn into bands.
+        bias = 0.006 * scene.camera.parallel_scale
+        scene.enable_ssao(radius=0.35, bias=bias, kernel_size=32, blur=True)
     save(scene, path)
 
 
@@ -72,25 +81,3 @@ def _light(scene):
                 position=position, focal_point=(0, 0, 0), color=colour, intensity=strength
             )
         )
-
-
-def _aim(scene, patch):
-    """Parallel projection; the patch fills the window."""
-    points = patch.points * 1e3
-    toward = TOWARD / np.linalg.norm(TOWARD)
-    right = np.cross((0, 0, 1), toward)
-    right /= np.linalg.norm(right)
-    up = np.cross(toward, right)
-    seen = points @ np.stack([right, up], axis=1)
-    left, bottom = seen.min(axis=0)
-    far, top = seen.max(axis=0)
-    scale = max(top - bottom, (far - left) * WINDOW[1] / WINDOW[0]) / (2 * FILL)
-    middle = (left + far) / 2 * right + (bottom + top) / 2 * up
-    scene.enable_parallel_projection()
-    scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
-    scene.camera.parallel_scale = scale
-    scene.reset_camera_clipping_range()
-    if "dolfinx" in sys.modules:
-        return  # VTK's shading in passes aborts a process that has loaded dolfinx 0.5.2
-    # The bias grows with the depth of the scene: below its steps the shadows turn into bands.
-    scene.enable_ssao(radius=0.35, bias=0.006 * scale, kernel_size=32, blur=True)

@@ -18,7 +18,8 @@ from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
 from weavecell.report.pictures_mesh import COLOURS, INK, VIEWS, aim, plotter
 
-MAP = "cividis"  # distinct for colour-blind readers, and in grey
+# distinct to colour-blind readers, and in grey
+MAP = "cividis"
 STEPS = (
     0.01,
     0.02,
@@ -94,7 +95,8 @@ def _bars(axes, mesh, quality, low, step):
     """How many hexahedra of each family have which quality, and the worst of all."""
     family = np.array(mesh.families)[mesh.yarn]
     bounds = np.arange(low, 1 + step / 2, step)
-    bounds[-1] = 1 + 1e-9  # rounding of a brick
+    # the Jacobian of a brick may exceed 1 by rounding
+    bounds[-1] = 1 + 1e-9
     counts = [np.histogram(quality[family == f], bounds)[0] for f in (0, 1)]
     shares = [100 * count / count.sum() for count in counts]
     for f, (name, share) in enumerate(zip(YARNS, shares)):

@@ -15,7 +15,8 @@ SKY = "#56B4E9"
 
 WARP = BLUE
 WEFT = RED
-TINTS = {"warp": "#3d93c8", "weft": "#e27a3a"}  # of the same, for solids under a light
+# tints of the same colours, for solids under a light
+TINTS = {"warp": "#3d93c8", "weft": "#e27a3a"}
 FITTED = BLUE
 PUBLISHED = ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)

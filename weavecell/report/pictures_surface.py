@@ -76,11 +76,9 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
         low = values.min()
         high = values.max()
         # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
-        levels = [
-            v
-            for v in MaxNLocator(8).tick_values(low, high)
-            if 0.05 < (v - low) / (high - low) < 0.95
-        ]
+        ticks = MaxNLocator(8).tick_values(low, high)
+        shares = (ticks - low) / (high - low)
+        levels = ticks[(0.05 < shares) & (shares < 0.95)]
         shades = ["w" if v < 0.5 * (low + high) else INK for v in levels]
         lines = axes.contour(UM * x, UM * y, values.T, levels, colors=shades, linewidths=0.9)
         axes.clabel(lines, fontsize=9, fmt=f"%.{decimals}f")
@@ -111,10 +109,13 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
         cuts = [0, across.size // 2, across.size - 1]
         for axes, (name, title) in zip(grid[row], FORCES):
             for cut, colour in zip(cuts, (COLOURS[0], COLOURS[2], COLOURS[3])):
-                ours, theirs = (
-                    values[:, cut] if row == 0 else values[cut]
-                    for values in (getattr(surface, name), cell[name])
-                )
+                ours = getattr(surface, name)
+                theirs = cell[name]
+                if row == 0:
+                    ours = ours.T
+                    theirs = theirs.T
+                ours = ours[cut]
+                theirs = theirs[cut]
                 label_of_cut = f"3D, {names[1]} = {UM * across[cut]:.0f} µm"
                 axes.plot(
                     UM * along,

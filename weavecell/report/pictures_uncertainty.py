@@ -112,7 +112,8 @@ def sweep(
         columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
     )
     table = table.assign(x=x)
-    if quantity.ends is not None:  # of mixed outcomes, which have no value, the middle of the zone
+    # mixed outcomes have no single value: the middle of the zone stands for it
+    if quantity.ends is not None:
         middle = table[list(quantity.ends)].astype(float).mean(axis=1)
         table[quantity.column] = table[quantity.column].astype(float).fillna(middle)
     table = table.dropna(subset=[quantity.column])
@@ -122,10 +123,8 @@ def sweep(
         if quantity.ends is not None:
             low, high = (rows[end] for end in quantity.ends)
             error = np.maximum([y - low, high - y], 0)
-        name = ", ".join(
-            f"{key} = {value}"
-            for key, value in zip(others, np.atleast_1d(np.array(values, object)))
-        )
+        given = np.atleast_1d(np.array(values, object))
+        name = ", ".join(f"{key} = {value}" for key, value in zip(others, given))
         axes.errorbar(rows["x"], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
     axes.set(xlabel=label, ylabel=quantity.label)
     axes.set_ylim(bottom=0)

@@ -18,6 +18,7 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
+from fabrics.fabric_tables import FAMILIES
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
@@ -30,28 +31,15 @@ if TYPE_CHECKING:
 FORMAT = "weavecell coupon 2"
 CHECKPOINT = "weavecell coupon checkpoint 3"
 PULL_OUT_FORMAT = "weavecell pull-out 2"
-TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
+# stretches along each side of the cell's table, as many as in impacts
+TABLE_SIZE = 201
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
     "picture_frame": ("shear angle", "rad"),
     "uniaxial": ("strain of the strip", "1"),
     "biaxial": ("strain of the cross", "1"),
 }
-PULL_OUT = {  # columns of its record
-    "displacement of the crosshead": "[m] displacement of the crosshead",
-    "load": "[N] load on the pulled yarn",
-    "crossovers in slip": "[1] crossovers that the yarn slides through",
-    "crossovers left": "[1] crossovers that the end of the yarn has left",
-    "work of friction": "[J] work of friction at the crossovers",
-}
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
-
-
-def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
-    """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
-    from shellfabric.coupon import quasistatic
-
-    return getattr(quasistatic, test)(table, **inputs, **options)
 
 
 def record(inputs: Any, solved: Result, **facts: Any) -> Record:
@@ -74,47 +62,52 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
     }[test]
     name, unit = PRESCRIBED[test]
     measures = {name: (unit, solved.prescribed)} | measure(inputs, solved)
-    return Record(
-        columns={name: values for name, (_, values) in measures.items()},
-        meanings={name: f"[{unit}] {name}" for name, (unit, _) in measures.items()},
-        facts={
-            **facts,
-            "prescribed_name": name,
-            "prescribed_unit": unit,
-            "outcome": solved.outcome,
-            "elements": len(solved.coupon.quads),
-            "yarn_stiffness_share": solved.coupon.yarn_share,
-            "softened_work_share": softened_work(solved.coupon, solved.states[-1]),
-            "steps": len(solved.prescribed),
-            "iterations": sum(state.iterations for state in solved.states),
-            "residual_max": max(state.residual for state in solved.states),
-        },
-    )
+    facts |= {
+        "prescribed_name": name,
+        "prescribed_unit": unit,
+        "outcome": solved.outcome,
+        "elements": len(solved.coupon.quads),
+        "yarn_stiffness_share": solved.coupon.yarn_share,
+        "softened_work_share": softened_work(solved.coupon, solved.states[-1]),
+        "steps": len(solved.prescribed),
+        "iterations": sum(state.iterations for state in solved.states),
+        "residual_max": _residual_max(solved),
+    }
+    return _record_of(measures, facts)
+
+
+def _record_of(measures, facts):
+    """The Record of {name: (unit, values)} and facts."""
+    columns = {}
+    meanings = {}
+    for name, (unit, values) in measures.items():
+        columns[name] = values
+        meanings[name] = f"[{unit}] {name}"
+    return Record(columns, meanings, facts)
+
+
+def _residual_max(solved):
+    return max(state.residual for state in solved.states)
 
 
 def _bias(inputs, solved):
     from shellfabric.coupon import quasistatic
 
     size = quasistatic.bias_size(solved)
-    shear_angles = [solved.shear(step) for step in range(len(solved.states))]
+    shear = np.array([solved.shear(step) for step in range(len(solved.states))])
     zones = quasistatic.zones(solved.coupon, *size)
-    angles = [
-        np.array([0.5 * pi - gamma[zones == number].mean() for gamma in shear_angles])
-        for number in range(len(quasistatic.ZONES))
-    ]
-    rigid = [
-        0.5 * pi - quasistatic.inextensible_shear(*size, elongation)
-        for elongation in solved.prescribed
-    ]
-    concentration = [quasistatic.concentration(gamma, zones == 2) for gamma in shear_angles]
-    return {
-        "load": ("N", np.abs(solved.force(1, 1))),
-        **{
-            f"angle in zone {zone}": ("rad", angle)
-            for zone, angle in zip(quasistatic.ZONES, angles)
-        },
-        "B less the mean of A and C": ("rad", angles[1] - 0.5 * (angles[0] + angles[2])),
-        "zone C, yarns that do not stretch": ("rad", np.array(rigid)),
+    measures = {"load": ("N", np.abs(solved.force(1, 1)))}
+    angles = []
+    for number, zone in enumerate(quasistatic.ZONES):
+        angle = 0.5 * pi - shear[:, zones == number].mean(axis=1)
+        angles.append(angle)
+        measures[f"angle in zone {zone}"] = ("rad", angle)
+    a, b, c = angles
+    rigid = [quasistatic.inextensible_shear(*size, end) for end in solved.prescribed]
+    concentration = [quasistatic.concentration(gamma, zones == 2) for gamma in shear]
+    return measures | {
+        "B less the mean of A and C": ("rad", b - 0.5 * (a + c)),
+        "zone C, yarns that do not stretch": ("rad", 0.5 * pi - np.array(rigid)),
         "shear concentration": ("1", np.array(concentration)),
     }
 
@@ -122,12 +115,11 @@ def _bias(inputs, solved):
 def _frame(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    stress = ("Pa", quasistatic.frame_stress(solved))
+    measures = {"shear stress": ("Pa", quasistatic.frame_stress(solved))}
     law = solved.coupon.table.model.fabric.shear
-    known = {}
     if law is not None:
-        known = {"trellis law": ("Pa", law.stress(solved.prescribed))}
-    return {"shear stress": stress} | known
+        measures["trellis law"] = ("Pa", law.stress(solved.prescribed))
+    return measures
 
 
 def _uniaxial(inputs, solved):
@@ -155,16 +147,15 @@ def _biaxial(inputs, solved):
     strains = quasistatic.middle_strain(
         solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w]
     )
-    measures = {}
-    for family, load, strain in zip(
-        ("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T
-    ):
-        measures[f"load of a {family} yarn"] = "N", load / inputs.centre
-        measures[f"strain in the middle, {family}"] = "1", strain
     cell = solved.coupon.table.model.solve(*(1 + strains.T))
-    return measures | {
-        f"cell at these strains, {f}": ("N", cell[N]) for f, N in (("warp", "N1"), ("weft", "N2"))
-    }
+    loads = solved.force(1, 0), solved.force(3, 1)
+    measures = {}
+    for family, load, strain in zip(FAMILIES, loads, strains.T):
+        measures[f"load of a {family} yarn"] = ("N", load / inputs.centre)
+        measures[f"strain in the middle, {family}"] = ("1", strain)
+    for family, name in zip(FAMILIES, ("N1", "N2")):
+        measures[f"cell at these strains, {family}"] = ("N", cell[name])
+    return measures
 
 
 def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
@@ -175,9 +166,7 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     peaks = [float(tension.max()) for tension in coupon.tensions(solved.states[-1].x)]
     if solved.outcome == "yarn at its strength":
         peaks = [min(peak, yarn.strength) for peak, yarn in zip(peaks, coupon.weave.yarns)]
-    return quality.of_coupon(
-        coupon.table, peaks, max(state.residual for state in solved.states), tolerance
-    )
+    return quality.of_coupon(coupon.table, peaks, _residual_max(solved), tolerance)
 
 
 def run_pull_out(table: CellTable, inputs: Any, bending: float = 0.0) -> PullOutCurve:
@@ -209,26 +198,27 @@ def run_pull_out(table: CellTable, inputs: Any, bending: float = 0.0) -> PullOut
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """The record of a curve, a row a sample; `facts` come first."""
     coupon = curve.coupon
-    columns: list[Any] = [curve.displacement, curve.load, curve.sliding, curve.left]
-    columns.append(curve.friction_work)
-    return Record(
-        columns=dict(zip(PULL_OUT, columns)),
-        meanings=PULL_OUT,
-        facts={
-            **facts,
-            "crossings": coupon.crossings,
-            "pre_tension_N": coupon.pre_tension,
-            "crossover_friction": coupon.mu,
-            "crossover_cohesion_N": coupon.cohesion,
-            "yarn_bending_N_m2": coupon.bending[0],
-            "displacement_m": float(curve.displacement[-1]),
-            "peak_load_N": curve.peak,
-            "plateau_load_N": curve.plateau,
-            "slip_length_m": curve.slip_length,
-            "crossovers_left": int(curve.left[-1]),
-            "crossover_friction_work_J": float(curve.friction_work[-1]),
-        },
-    )
+    measures = {
+        "displacement of the crosshead": ("m", curve.displacement),
+        "load": ("N", curve.load),
+        "crossovers in slip": ("1", curve.sliding),
+        "crossovers left": ("1", curve.left),
+        "work of friction": ("J", curve.friction_work),
+    }
+    facts |= {
+        "crossings": coupon.crossings,
+        "pre_tension_N": coupon.pre_tension,
+        "crossover_friction": coupon.mu,
+        "crossover_cohesion_N": coupon.cohesion,
+        "yarn_bending_N_m2": coupon.bending[0],
+        "displacement_m": float(curve.displacement[-1]),
+        "peak_load_N": curve.peak,
+        "plateau_load_N": curve.plateau,
+        "slip_length_m": curve.slip_length,
+        "crossovers_left": int(curve.left[-1]),
+        "crossover_friction_work_J": float(curve.friction_work[-1]),
+    }
+    return _record_of(measures, facts)
 
 
 def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
@@ -240,16 +230,18 @@ def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
 
 def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
     """Write histories.h5, whole or not at all; `solved` is what the solver returned, None of a pull-out."""
-    datasets = {
-        f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()
-    }
-    with write_hdf5(path, FORMAT if solved is not None else PULL_OUT_FORMAT) as file:
-        file.attrs.update(
-            {name: value for name, value in record.facts.items() if value is not None}
-        )
-        for name, (values, unit) in (
-            datasets | ({} if solved is None else _arrays(solved))
-        ).items():
+    kind = PULL_OUT_FORMAT
+    arrays = {}
+    if solved is not None:
+        kind = FORMAT
+        arrays = _arrays(solved)
+    with write_hdf5(path, kind) as file:
+        for name, value in record.facts.items():
+            if value is not None:
+                file.attrs[name] = value
+        for name, values in record.columns.items():
+            put(file, f"histories/{name}", values, record.unit(name))
+        for name, (values, unit) in arrays.items():
             put(file, name, values, unit)
 
 
@@ -258,9 +250,11 @@ def _arrays(solved):
     coupon = solved.coupon
     states = solved.states
     x = np.array([state.x for state in states])
-    energies = zip(("yarns", "trellis"), np.transpose([state.energies for state in states]))
+    yarns, trellis = np.transpose([state.energies for state in states])
+    warp, weft = coupon.tensions(x[-1])
     return {
-        **{f"histories/energy of the {part}": (values, "J") for part, values in energies},
+        "histories/energy of the yarns": (yarns, "J"),
+        "histories/energy of the trellis": (trellis, "J"),
         "histories/residual": ([state.residual for state in states], "1"),
         "histories/iterations": ([state.iterations for state in states], "1"),
         "coupon/points": (coupon.points, "m"),
@@ -270,9 +264,8 @@ def _arrays(solved):
         "coupon/grips": (solved.grips, "1"),
         "states/x": (x, "m"),
         "states/shear": ([coupon.shear_angles(nodes) for nodes in x], "rad"),
-        **{
-            f"final/tension_{f}": (T, "N") for f, T in zip(("warp", "weft"), coupon.tensions(x[-1]))
-        },
+        "final/tension_warp": (warp, "N"),
+        "final/tension_weft": (weft, "N"),
         "relaxation": (np.concatenate([state.history for state in states]), "N"),
     }
 
@@ -297,11 +290,10 @@ def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
     with read_hdf5(path, CHECKPOINT) as file:
         run_cache.check_stamp(file.attrs, stamp, path, of="scene")
         groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
-    scalars: dict[str, Any] = {"load": float, "residual": float, "energies": tuple}
-    return [
-        State(
-            settled=True,
-            **{name: scalars.get(name, np.asarray)(values) for name, values in group.items()},
-        )
-        for group in groups
-    ]
+    states = []
+    for values in groups:
+        values["load"] = float(values["load"])
+        values["residual"] = float(values["residual"])
+        values["energies"] = tuple(values["energies"])
+        states.append(State(settled=True, **values))
+    return states

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from weavecell.results.keys import TABLES, Key
 
-_PACKED_FROM = 1000  # numbers
+# arrays with fewer numbers gain nothing from compression
+_PACKED_FROM = 1000
 
 
 def put(file: Any, name: str, values: ArrayLike, unit: str) -> None:

@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
 
-FORMAT = "weavecell impact 9"  # and version of the files
-AT_REST = 0.01  # of the energy that a block has taken up: its motion can no longer change the dent by more
+# name and version of the files
+FORMAT = "weavecell impact 9"
+# share of the energy that a block has taken up: motion with less can no longer change the dent
+AT_REST = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,9 +130,8 @@ class ImpactRecord:
         target = result.target
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
-        same = {entry.name for entry in fields(ImpactRecord)} & {
-            entry.name for entry in fields(result)
-        } - {"velocity"}
+        named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
+        same = set.intersection(*named) - {"velocity"}
         return cls(
             **{name: getattr(result, name) for name in same},
             **more,
@@ -273,12 +274,8 @@ class ImpactRecord:
     def nose_place(self, t: float) -> FloatArray:
         """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
-        return np.array(
-            [
-                np.interp(t, [0.0, *(shape.time for shape in self.rear)], places[:, axis])
-                for axis in (0, 1)
-            ]
-        )
+        times = [0.0, *(shape.time for shape in self.rear)]
+        return np.array([np.interp(t, times, place) for place in places[:, :2].T])
 
     @property
     def ply_shares(self) -> FloatArray:
@@ -300,14 +297,10 @@ class ImpactRecord:
 
     def facts(self) -> dict[str, Any]:
         """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
-        tables = [
-            "run",
-            "impact",
-            *(table for part, table in keys.OF_SOME.items() if getattr(self, part)),
-        ]
-        known = (
-            {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
-        )
+        tables = ["run", "impact"]
+        tables += [table for part, table in keys.OF_SOME.items() if getattr(self, part)]
+        known = {key.name: key.value(self) for key in keys.table(*tables)}
+        known |= self.pack | self.failure
         known["checks"] = status(self.checks)
         at_end = {name: values[-1] for name, values in self.energies.items()}
         return json_file.finite(known | {"energies_at_end_J": at_end})
@@ -315,19 +308,24 @@ class ImpactRecord:
     @property
     def histories(self) -> Record:
         """All that has a value an instant: of the shot, (n,) energy_NAME [J] of `energies`, (n, plies) ply_NAME."""
-        values = {key: key.value(self) for key in TABLES["histories"]}
+        columns = {}
+        meanings = {}
+
+        def add(prefix, key, history):
+            columns[f"{prefix}{key.name}"] = history
+            meanings[f"{prefix}{key.name}"] = f"[{key.unit}] {key.meaning}"
+
+        for key in TABLES["histories"]:
+            add("", key, key.value(self))
         for prefix, table, held in (
-            ("energy", "energies", self.energies),
-            ("ply", "ply_histories", self.plies),
+            ("energy_", "energies", self.energies),
+            ("ply_", "ply_histories", self.plies),
         ):
             known = {key.name: key for key in TABLES[table]}
             for name, history in held.items():
-                key = known.get(name, keys.Key(name, "J", name.replace("_", " ")))
-                values[key._replace(name=f"{prefix}_{name}")] = history
-        meanings = {key.name: f"[{key.unit}] {key.meaning}" for key in values}
-        return Record(
-            {key.name: history for key, history in values.items()}, meanings, self.facts()
-        )
+                # a force on a ply of one's own has an energy that no table names
+                add(prefix, known.get(name, keys.Key(name, "J", name.replace("_", " "))), history)
+        return Record(columns, meanings, self.facts())
 
     def to_xarray(self) -> Dataset:
         """The histories as an xarray.Dataset over time, those of plies over time and ply, with units and meanings."""
@@ -335,46 +333,41 @@ class ImpactRecord:
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
-        groups: dict[str, tuple[Any, str]] = {
-            "histories": (self, "histories"),
-            "plies": (self, "plies"),
-        }
-        groups |= {
-            f"half_energy/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.half_energy)
-        }
-        groups |= {f"final/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.final)}
-        groups |= {f"cuts/{number:04d}": (cut, "cut") for number, cut in enumerate(self.cuts)}
-        groups |= {
-            name: (getattr(self, name), name)
-            for name in ("bar", "backing")
-            if getattr(self, name) is not None
-        }
         units = {key.name: key.unit for key in TABLES["ply_histories"]}
         with write_hdf5(path, FORMAT) as file:
+
+            def write_table(name, source, table):
+                write_group(file.create_group(name), source, TABLES[table])
+
             for name, key in SCALARS.items():
                 file.attrs[key] = getattr(self, name)
-            for name, content in (
-                ("checks", list(map(asdict, self.checks))),
-                *((n, getattr(self, n)) for n in _TEXTS),
-            ):
-                file.attrs[name] = json.dumps(content)
-            for name, (source, table) in groups.items():
-                write_group(file.create_group(name), source, TABLES[table])
+            for name in _TEXTS:
+                file.attrs[name] = json.dumps(getattr(self, name))
+            file.attrs["checks"] = json.dumps(list(map(asdict, self.checks)))
+            write_table("histories", self, "histories")
             time, *others = (file["histories"][key.name] for key in TABLES["histories"])
-            time.make_scale("time")  # by which xarray and netCDF name the axis
+            # xarray and netCDF name the axis by it
+            time.make_scale("time")
             for history in others:
                 history.dims[0].attach_scale(time)
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
+            write_table("plies", self, "plies")
             for name, values in self.plies.items():
                 put(file, f"plies/histories/{name}", values, units[name])
             for ply, quads in enumerate(self.quads):
                 put(file, f"quads/{ply:02d}", quads, "1")
+                write_table(f"half_energy/{ply:02d}", self.half_energy[ply], "shape")
+                write_table(f"final/{ply:02d}", self.final[ply], "shape")
             for number, cut in enumerate(self.cuts):
+                write_table(f"cuts/{number:04d}", cut, "cut")
                 for ply, line in enumerate(cut.lines):
                     put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
             for ply, measured in enumerate(self.measured):
                 _write_measured(file.create_group(f"measured/{ply:02d}"), measured)
+            for name in _PARTS:
+                if getattr(self, name) is not None:
+                    write_table(name, getattr(self, name), name)
             put(file, "projectile", self.projectile, "m")
 
     @classmethod
@@ -385,47 +378,48 @@ class ImpactRecord:
         from shellfabric.projectile.dynamics import BarHistory
 
         with read_hdf5(path, FORMAT) as file:
-            parts = {
-                name: [group for _, group in sorted(file.get(name, {}).items())] for name in _PARTS
-            }
             values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
+            for name in _TEXTS:
+                values[name] = json.loads(file.attrs[name])
             for group in ("histories", "plies"):
-                values |= {key.name: file[group][key.name][()] for key in TABLES[group]}
+                for key in TABLES[group]:
+                    values[key.name] = file[group][key.name][()]
             for name, group in (("energies", "energies"), ("plies", "plies/histories")):
                 values[name] = {key: data[()] for key, data in file[group].items()}
             for name in ("half_energy", "final"):
-                values[name] = tuple(read_group(group, Shape, "shape") for group in parts[name])
-            for name, kind in (("bar", BarHistory), ("backing", BackingResult)):
+                shapes = [read_group(group, Shape, "shape") for group in _members(file, name)]
+                values[name] = tuple(shapes)
+            cuts = []
+            for group in _members(file, "cuts"):
+                lines = tuple(line[()] for line in _members(group, "lines"))
+                cuts.append(read_group(group, Cut, "cut", lines=lines))
+            for name, kind in zip(_PARTS, (BarHistory, BackingResult)):
                 if name in file:
                     values[name] = read_group(file[name], kind, name)
-                else:
-                    values[name] = None
-            values |= {name: json.loads(file.attrs.get(name, "{}")) for name in _TEXTS}
-            lines = [
-                tuple(line[()] for _, line in sorted(group["lines"].items()))
-                for group in parts["cuts"]
-            ]
             return cls(
                 **values,
                 checks=tuple(Indicator(**entry) for entry in json.loads(file.attrs["checks"])),
-                quads=tuple(quads[()] for quads in parts["quads"]),
+                quads=tuple(quads[()] for quads in _members(file, "quads")),
                 projectile=file["projectile"][()],
-                cuts=tuple(
-                    read_group(group, Cut, "cut", lines=own)
-                    for group, own in zip(parts["cuts"], lines)
-                ),
-                measured=tuple(map(_read_measured, parts["measured"])),
+                cuts=tuple(cuts),
+                measured=tuple(map(_read_measured, _members(file, "measured"))),
             )
 
 
 _TEXTS = ("pack", "failure")
-_PARTS = ("half_energy", "final", "quads", "cuts", "measured")
+# a record may lack these
+_PARTS = ("bar", "backing")
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     key.field: key.name
     for key in keys.table("run", "impact")
     if key.field in {entry.name for entry in fields(ImpactRecord)}
 }
+
+
+def _members(group, name):
+    """What a group holds under a name, in the order of its numbers; [] if it holds none."""
+    return [member for _, member in sorted(group.get(name, {}).items())]
 
 
 def _write_measured(group, measured):
@@ -446,10 +440,9 @@ def _write_measured(group, measured):
 def _read_measured(group):
     from shellfabric.output.histories import EDGES, Histories, YarnHistory
 
-    yarns = tuple(
-        read_group(yarn, YarnHistory, "yarn") for _, yarn in sorted(group.get("yarns", {}).items())
-    )
-    return Histories(group["time"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
+    yarns = [read_group(yarn, YarnHistory, "yarn") for yarn in _members(group, "yarns")]
+    edges = {name: group[f"edges/{name}"][()] for name in EDGES}
+    return Histories(group["time"][()], tuple(yarns), edges)
 
 
 def _stacked(setup, pack):
@@ -484,10 +477,12 @@ def _failure(result):
     if not result.setup.rate_dependence:
         return {}
     count, *sums = result.failures.sum(axis=0)
-    return {
-        key.name: float(value / count) if count else None
-        for key, value in zip(TABLES["failure"], sums)
-    }
+    shares = {}
+    for key, value in zip(TABLES["failure"], sums):
+        shares[key.name] = None
+        if count:
+            shares[key.name] = float(value / count)
+    return shares
 
 
 def _half_energy(result, final):

@@ -50,10 +50,9 @@ class Shape:
     def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
-        flat = {
-            name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:])
-            for name, grid in grids.items()
-        }
+        flat = {}
+        for name, grid in grids.items():
+            flat[name] = grid.reshape(-1, *grid.shape[2:])
         return cls(float(shot.t), float(shot.nose_position), shot.projectile_position, **flat)
 
 
@@ -94,7 +93,8 @@ def _across(shot, panel):
     which a yarn of the element has failed)."""
     from scipy.interpolate import RegularGridInterpolator
 
-    lines, way = panel.lines(), panel.axes[:, 0]  # a step along x in the ply's own frame
+    # a step along x in the ply's own frame
+    lines, way = panel.lines(), panel.axes[:, 0]
     at = np.unique(np.concatenate([line / step for line, step in zip(lines, way)]))
     inside = [(at * step >= line[0]) & (at * step <= line[-1]) for line, step in zip(lines, way)]
     at = at[inside[0] & inside[1]]

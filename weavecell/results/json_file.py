@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
-from fabrics.base.files import write_whole
+from fabrics.base.files import read_json, write_whole
 from weavecell.results import keys
 
 
@@ -46,12 +44,4 @@ def read_summary(path: FilePath) -> dict[str, Any]:
     ------
     InputError : no such file, not JSON, or of an unknown format
     """
-    try:
-        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
-        raise InputError(f"cannot be read; must be a summary.json ({problem})", file=path) from None
-    if content.get("format") != keys.SUMMARY_FORMAT:
-        raise InputError(
-            file=path, key="format", value=content.get("format"), allowed=repr(keys.SUMMARY_FORMAT)
-        )
-    return content
+    return read_json(path, keys.SUMMARY_FORMAT, what="a summary.json")

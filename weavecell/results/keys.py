@@ -8,15 +8,16 @@ summary.json, histories.h5, the tables of pandas and xarray and the report take 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from fabrics.base.files import read_data
 from weavecell.results import display
 
 SUMMARY_FORMAT = "weavecell summary 2"
-_UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")  # that ends a name
+# the unit that ends a name
+_UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
 
 
 class Key(NamedTuple):
@@ -63,10 +64,9 @@ def _under(group: str, table: Iterable[Key]) -> tuple[Key, ...]:
     return tuple(Key(f"{group}/{key.name}", *key[1:]) for key in table)
 
 
-TABLES = {
-    name: tuple(Key(key, *row) for key, row in table.items())
-    for name, table in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
-}
+TABLES: dict[str, tuple[Key, ...]] = {}
+for _name, _rows in read_data(Path(__file__).with_suffix(".toml")).items():
+    TABLES[_name] = tuple(Key(key, *row) for key, row in _rows.items())
 # tables of summary.json that an impact has where this attribute of its record is not empty
 OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing"}
 OF_IMPACTS = (

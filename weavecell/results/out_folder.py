@@ -42,7 +42,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     if place in _held:
         return
     mark = place / INPUT
-    digests = {run_cache.inputs_digest(one) for one in inputs}
+    digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and mark.exists() and digests.isdisjoint(mark.read_text("utf-8").split()):
         earlier = _earlier(place) or "an unfinished run"
         allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"
@@ -120,7 +120,8 @@ def _locked(path):
             # the run that had the lock may have removed the file after it was opened here
             if os.fstat(descriptor).st_ino == os.stat(path).st_ino:
                 return descriptor
-        except FileNotFoundError:  # removed by the run that had it before
+        except FileNotFoundError:
+            # the run that had the folder has removed it
             pass
         except BlockingIOError:
             os.close(descriptor)
@@ -140,7 +141,7 @@ def _remove_empty(folders):
 
 def _earlier(folder):
     """What a folder holds the results of, with their date; None where it holds none."""
-    found: list[tuple[str, str]] = []
+    dated: list[tuple[str, str]] = []
     for path in folder.glob("*.json"):
         content: Any = None
         with suppress(OSError, ValueError):
@@ -149,12 +150,12 @@ def _earlier(folder):
         if isinstance(content, dict):
             stamp = content.get("provenance", content)
         if isinstance(stamp, dict) and "date" in stamp:
-            found.append(
+            dated.append(
                 (
                     str(stamp["date"]),
                     str(content.get("title") or content.get("fabric") or path.stem),
                 )
             )
-    if found:
-        return "{1} of {0}".format(*max(found))
+    if dated:
+        return "{1} of {0}".format(*max(dated))
     return None

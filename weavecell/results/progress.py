@@ -12,9 +12,11 @@ from typing import Any
 
 from fabrics.base.errors import UnstableError
 
-DELAY = 1.0  # [s] a stage that is done before has no bar
+# [s] a stage that takes less shows no bar
+DELAY = 1.0
 # a batch log is read once an hour: a line each 30 s is enough
-_EVERY = 30.0  # [s] between the lines of a batch job
+# [s] between the lines of a batch job: more lines only fill its log
+_EVERY = 30.0
 shown = False
 
 

@@ -6,6 +6,7 @@ import os
 import platform
 import subprocess
 import sys
+from contextlib import suppress
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -17,11 +18,12 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.simulation import ImpactSetup
 
+# modules whose versions results depend on
 PACKAGES = (
     "numpy",
     "scipy",
     "numba",
-    "fenics-dolfinx",
+    "dolfinx",
     "petsc4py",
     "gmsh",
     "meshio",
@@ -41,10 +43,13 @@ def stamp(
     tables were assumed, and of a set-up its notes and what a projectile from an STL file was."""
     if setup is not None:
         fabrics = (*fabrics, *setup.fabrics)
-    lines = [line for fabric in fabrics if fabric.assumed for line in assumed.lines(fabric)]
+    lines = []
+    for fabric in fabrics:
+        if fabric.assumed:
+            lines += assumed.lines(fabric)
     known = {}
     if lines:
-        known = {"assumed": "; ".join(lines)}
+        known["assumed"] = "; ".join(lines)
     if setup is not None and setup.notes:
         known["notes"] = "; ".join(setup.notes)
     if setup is not None and setup.projectile.solid is not None:
@@ -55,8 +60,8 @@ def stamp(
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),
         "packages": ", ".join(f"{name} {version}" for name, version in versions().items()),
-        "system": f"{_distribution()}, {platform.machine()}",
-        "processor": f"{_processor()}, {os.cpu_count()} cores",
+        "system": platform.platform(),
+        "processor": f"{processor()}, {os.cpu_count()} cores",
         "threads": threads(),
         "scene": scene_text,
     }
@@ -68,18 +73,15 @@ def versions() -> dict[str, str]:
     Debian names some distributions otherwise than their makers do, so the version of the module that is loaded, where
     it states one, goes before that of the distribution.
     """
-
-    found = {}
+    installed = {}
     for name in PACKAGES:
-        module = sys.modules.get({"fenics-dolfinx": "dolfinx"}.get(name, name))
-        version = getattr(module, "__version__", None)
-        if version is None:
-            try:
-                version = metadata.version(name)
-            except metadata.PackageNotFoundError:
-                continue
-        found[{"fenics-dolfinx": "dolfinx"}.get(name, name)] = str(version)
-    return found
+        distribution = name
+        if name == "dolfinx":
+            distribution = "fenics-dolfinx"
+        version = getattr(sys.modules.get(name), "__version__", None)
+        with suppress(metadata.PackageNotFoundError):
+            installed[name] = version or metadata.version(distribution)
+    return installed
 
 
 def commit() -> str:
@@ -93,13 +95,14 @@ def commit() -> str:
         changed = _git(home, "status", "--porcelain", "--untracked-files=no")
     except (OSError, subprocess.CalledProcessError, subprocess.TimeoutExpired):
         return "not a checkout"
-    return head + (" + changes" if changed else "")
+    if changed:
+        head += " + changes"
+    return head
 
 
 def threads() -> str:
     """How many threads the numerical libraries may use."""
     text = f"OMP_NUM_THREADS {os.environ.get('OMP_NUM_THREADS', 'unset')}"
-
     if "numba" in sys.modules:
         text += f", numba {sys.modules['numba'].get_num_threads()}"
     return text
@@ -111,18 +114,11 @@ def _git(folder, *words):
     ).stdout.strip()
 
 
-def _distribution():
-    try:
-        return platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
-    except OSError:
-        return f"{platform.system()} {platform.release()}"
-
-
-def _processor():
-    try:
+def processor() -> str:
+    """The processor's name."""
+    # only Linux needs the file: there `platform.processor` knows the architecture at best
+    with suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):
                 return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return platform.processor() or "unknown processor"
+    return platform.processor() or platform.machine()

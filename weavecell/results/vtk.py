@@ -44,9 +44,8 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
         np.concatenate([shape.nodes for shape in plies]),
         np.concatenate([numbers + start for numbers, start in zip(quads, first)]),
     )
-    tension, failed = (
-        np.concatenate([getattr(shape, name) for shape in plies]) for name in ("tension", "failed")
-    )
+    tension = np.concatenate([shape.tension for shape in plies])
+    failed = np.concatenate([shape.failed for shape in plies])
     together.cell_data.update(
         {
             "tension_warp_N": tension[:, 0].astype(float),

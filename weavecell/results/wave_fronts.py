@@ -22,12 +22,14 @@ from scipy.stats import t as student
 from fabrics.base.checks import FloatArray
 from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
 
-TOE = 0.01  # of the yarn's strength: the threshold that is called the arrival of the longitudinal front
+# share of the yarn's strength: the tension that counts as the arrival of the longitudinal front
+TOE = 0.01
 WINDOW = (
     0.15,
     0.85,
 )  # part of the yarn, from the impact point to its end, within which speeds are fitted
-_HIGH, _LOW = 0.75, 0.25  # of the height of the profile
+# shares of the height of the profile
+_HIGH, _LOW = 0.75, 0.25
 
 
 @dataclass(frozen=True)

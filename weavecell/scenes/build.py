@@ -27,8 +27,10 @@ from weavecell.scenes.words import shot_in_words
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup, Ply
 
-LOG = logging.getLogger("weavecell")  # the command line prints its lines
-Laws = tuple[CompressionLaw, CompressionLaw]  # of warp and weft
+# the command line prints the lines of this log
+LOG = logging.getLogger("weavecell")
+# laws of warp and weft
+Laws = tuple[CompressionLaw, CompressionLaw]
 CHANGED = "was fitted to other data of {} than it has now"
 
 
@@ -200,7 +202,8 @@ def _with_ply_contact(fabric, choice, law):
     """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file `law` holds."""
     if choice is not None:
         contact = ply_laws.choose(choice, fabric)
-        if choice != law:  # whose change has been told
+        # the same file has warned as the fabric's law already
+        if choice != law:
             _warn_of_change(ply_laws.fitted_data(choice), fabric, str(choice))
         return replace(fabric, ply_contact=contact)
     if isinstance(law, (str, Path)) and law != "published" and ply_laws.stands_in(law):
@@ -321,7 +324,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     """
     from shellfabric.impact.strengths import YarnStrength
     from shellfabric.output.histories import HistoryRequest
-    from shellfabric.panel.model import Numerics
+    from shellfabric.panel.numerics import Numerics
+    from shellfabric.yarns.model import aim
     from weavecell.scenes.short_setup import ShortSetup
 
     scene = case.scene
@@ -347,6 +351,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             and HistoryRequest(**_given(scene.history, "report_positions")),
             "numerics": Numerics(**_given(scene.numerics)),
         }
+        given["crossovers"] = _resolved(panel)
+        if given["crossovers"] is not None and panel.impact_point is None:
+            given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
         made = ShortSetup(**given)
     except InputError as problem:
         raise in_file(problem, file) from None
@@ -358,6 +365,16 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
 def _given(table, *but):
     """{key: value} of the keys that a table sets, without some."""
     return {key: value for key, value in table if value is not None and key not in but}
+
+
+def _resolved(table):
+    """The zone of resolved yarns; None of pinned crossovers."""
+    if table.crossovers == "pinned":
+        return None
+    from shellfabric.yarns.model import YarnZone
+
+    given = {"half_width": table.zone, "friction": table.crossover_friction}
+    return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 
 def _projectile(table):
@@ -389,10 +406,13 @@ def _boundary(boundary):
     """The panel's boundary as the solver has it, from a text or a table of sides."""
     if isinstance(boundary, str):
         return boundary
-    return tuple(
-        tuple(_side(end) for end in side) if isinstance(side, tuple) else _side(side)
-        for side in boundary.sides.values()
-    )
+    sides: list[Any] = []
+    for side in boundary.sides.values():
+        if isinstance(side, tuple):
+            sides.append(tuple(_side(end) for end in side))
+        else:
+            sides.append(_side(side))
+    return tuple(sides)
 
 
 def _side(side):

@@ -19,11 +19,10 @@ from fabrics.base.schema import (
     read_toml,
     some_of,
     string,
-    validated,
     whole,
 )
 from weavecell.scenes import honoured
-from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
+from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 _OF_STEPS = (
@@ -32,7 +31,8 @@ _OF_STEPS = (
     "tolerance",
     "max_iterations",
 )  # keys of [run] without use in a pull-out
-TOLERANCE = 1e-3  # [-] of the out-of-balance force over the reaction, by default (docs/coupons.md)
+# [-] default limit of the out-of-balance force over the reaction (docs/coupons.md)
+TOLERANCE = 1e-3
 
 
 class BiasTable(Table):
@@ -232,9 +232,4 @@ def check(
     context: Any = None,
 ) -> CouponScene:
     """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
-    scene = validated(CouponScene, table, file, context)
-    if refused is not None:
-        honoured.check(scene, table, file, refused)
-    if file is None:
-        return scene
-    return anchored(scene, file)
+    return checked(CouponScene, table, file, refused, context)

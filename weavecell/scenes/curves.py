@@ -35,8 +35,10 @@ from fabrics.base.files import read_columns
 if TYPE_CHECKING:
     from unitcell3d.identify.shear_fit import ShearFit
 
-LINEAR = (0.2, 0.9)  # of the greatest force
-FEWEST = 5  # points on the straight line
+# shares of the greatest force between which a curve counts as straight
+LINEAR = (0.2, 0.9)
+# a straight line needs so many points
+FEWEST = 5
 
 
 @dataclass(frozen=True)

@@ -80,18 +80,15 @@ class Draft:
             f"name = {_quoted(self.name)}",
         ]
         lines += [] if self.family is None else [f"family = {_quoted(self.family)}"]
-        lines += [
-            f"{key} = {_entry(value.warp, value.source, value.status)}"
-            for key, value in self.values.items()
-            if key in OF_FABRIC
-        ]
+        for key, value in self.values.items():
+            if key in OF_FABRIC:
+                lines.append(f"{key} = {_entry(value.warp, value.source, value.status)}")
         for family in ("warp", "weft"):
             lines += ["", f"[{family}]"]
-            lines += [
-                f"{key} = {_entry(getattr(value, family), value.source, value.status)}"
-                for key, value in self.values.items()
-                if key not in OF_FABRIC
-            ]
+            for key, value in self.values.items():
+                if key not in OF_FABRIC:
+                    entry = _entry(getattr(value, family), value.source, value.status)
+                    lines.append(f"{key} = {entry}")
         if self.shear:
             lines += [
                 "",
@@ -138,7 +135,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
         raise InputError(
             file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS)
         )
-    found: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     problems: list[InputError] = []
     tried: set[str] = set()
     lines: dict[str, int] = {}
@@ -160,7 +157,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
                 InputError(message, file=path, key=f"line {number}", value=", ".join(cells))
             )
         elif (value := _row(dict(zip(heading, cells)), number, path, problems)) is not None:
-            found[key] = value
+            values[key] = value
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
         if not tried & {key, *others}:
@@ -171,7 +168,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
     if problems:
         raise together(problems)
-    return found
+    return values
 
 
 def _row(entry, number, path, problems):
@@ -241,11 +238,11 @@ def with_curves(
     if yarn is not None:
         fit = curves.yarn_tension(yarn)
         values = dict(draft.values)
-        of_fibres = [
-            si(getattr(values["fibre_density"], family), "kg/m^3")
-            / si(getattr(values["linear_density"], family), "kg/m")
-            for family in ("warp", "weft")
-        ]
+        of_fibres = []
+        for family in ("warp", "weft"):
+            fibre_density = si(getattr(values["fibre_density"], family), "kg/m^3")
+            linear_density = si(getattr(values["linear_density"], family), "kg/m")
+            of_fibres.append(fibre_density / linear_density)
         source = f"tensile curve of the yarn, {curves.name_of(yarn)}"
         moduli = [f"{1e-9 * fit.EA * per_area:.5g} GPa" for per_area in of_fibres]
         strain = f"{100 * fit.failure_strain:.5g} %"
@@ -260,29 +257,29 @@ def with_curves(
     if frame is not None and bias is not None:
         raise InputError("give one curve of shear: --picture-frame or --bias-extension")
     if frame is not None:
-        found = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
-        return _with_shear(draft, found, f"picture-frame curve, {curves.name_of(frame)}", fitted)
+        shear = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
+        return _with_shear(draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted)
     if bias is not None:
-        found = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
-        return _with_shear(draft, found, f"bias strip, {curves.name_of(bias)}", fitted)
+        shear = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
+        return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
 
 
-def _with_shear(draft, found, source, fitted):
+def _with_shear(draft, fit, source, fitted):
     """(The draft with a fitted trellis law, the lines about the fits)."""
-    law = found.law
+    law = fit.law
     remarks = []
-    if not found.stiffens:
+    if not fit.stiffens:
         remarks.append("does not stiffen: G2 is G1, gamma1 and gamma2 are not determined")
-    elif not found.locked:
+    elif not fit.locked:
         remarks.append("ends before the yarns lock: G2 and gamma2 are not determined")
-    if found.offset > 0:
-        remarks.append(f"the law leaves out {1e-6 * found.offset:.3g} MPa at the angle zero")
+    if fit.offset > 0:
+        remarks.append(f"the law leaves out {1e-6 * fit.offset:.3g} MPa at the angle zero")
     source = "; ".join([source, *remarks])
     texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
     texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
     shear = {key: (value, source, "fitted") for key, value in texts.items()}
-    line = "; ".join([f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa", *remarks])
+    line = "; ".join([f"fitted: trellis law, rms {1e-6 * fit.rms:.3g} MPa", *remarks])
     return replace(draft, shear=shear), [*fitted, line]
 
 

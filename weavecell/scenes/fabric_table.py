@@ -13,6 +13,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
+    Kind,
     Table,
     described,
     in_python,
@@ -20,8 +21,10 @@ from fabrics.base.schema import (
     one_of,
     quantity,
     string,
+    validated,
 )
 from fabrics.yarn import STATUSES
+from weavecell.scenes import honoured
 
 
 class InlineLaw(Table):
@@ -210,11 +213,10 @@ def anchored(scene: Any, file: FilePath) -> Any:
     def of(name, table, keys):
         """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
         given = {key: getattr(table, key) for key in keys}
-        texts = {
-            key: text
-            for key, text in given.items()
-            if isinstance(text, str) and text not in _NAMED_LAWS
-        }
+        texts = {}
+        for key, text in given.items():
+            if isinstance(text, str) and text not in _NAMED_LAWS:
+                texts[key] = text
         paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
         for key, path in paths.items():
             if not os.path.isfile(path):
@@ -237,6 +239,35 @@ def anchored(scene: Any, file: FilePath) -> Any:
         plies = tuple(of("panel.ply", ply, ("file", "law")) for ply in panel.ply)
         updates["panel"] = of("panel", panel, ("ply_contact",)).model_copy(update={"ply": plies})
     return scene.model_copy(update=updates)
+
+
+def checked(
+    kind: type[Kind],
+    table: dict[str, Any],
+    file: FilePath | None,
+    refused: honoured.Keys | None = None,
+    context: Any = None,
+) -> Kind:
+    """Turn the table of a scene into a checked scene.
+
+    Parameters
+    ----------
+    kind : class of the scene
+    table : as it is written
+    file : named in errors, its folder anchors relative paths; None of a scene without a file
+    refused : keys that are not honoured, see `honoured`; None where any key may be set
+    context : see `fabrics.base.schema.validated`
+
+    Raises
+    ------
+    InputError : a line for each thing that is wrong with it
+    """
+    scene = validated(kind, table, file, context)
+    if refused is not None:
+        honoured.check(scene, table, file, refused)
+    if file is None:
+        return scene
+    return anchored(scene, file)
 
 
 def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:

@@ -25,7 +25,7 @@ from fabrics.base.schema import (
     whole,
 )
 from weavecell.scenes import honoured, stl_file
-from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
+from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
 from weavecell.scenes.panel import PanelTable
 
 SHAPES = {  # of `shellfabric.projectile.projectile`, in words
@@ -383,6 +383,9 @@ class Scene(Table):
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
         if shot.shape != "stl":
             stl_file.check_mass(shot)
+        if self.accuracy is not None and panel.crossovers != "pinned":
+            words = '"pinned" where the mesh is chosen by [accuracy]'
+            raise InputError(key="panel.crossovers", allowed=words)
         if fabric.surface is None:
             return self
         if panel.ply:
@@ -436,12 +439,7 @@ def check(
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)
-    scene = validated(Scene, table, file, context)
-    if refused is not None:
-        honoured.check(scene, table, file, refused)
-    if file is None:
-        return scene
-    return anchored(scene, file)
+    return checked(Scene, table, file, refused, context)
 
 
 def _with_named(table, file, name, key, data):
@@ -449,8 +447,9 @@ def _with_named(table, file, name, key, data):
     given = table.get(name)
     if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
-    found = data.table(given[key], given, file=file, key=f"{name}.{key}")
-    if given[key].endswith(".toml"):  # what is wrong in it names this file
+    named = data.table(given[key], given, file=file, key=f"{name}.{key}")
+    # the fabric file has errors of its own, which name that file
+    if given[key].endswith(".toml"):
         own = data.table(given[key], file=file) | {"strike_velocity": "1 m/s"}
         validated(ProjectileTable, own, Path(file or "").parent / given[key])
-    return table | {name: found}
+    return table | {name: named}

@@ -27,20 +27,29 @@ from shellfabric.projectile import solid as solid_body
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
-UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
-WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
-DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
-LENGTHS = (0.25, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+# [m]
+UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}
+# [m] a narrower or wider projectile is a slip of the unit
+WIDTHS = (0.5e-3, 100e-3)
+# [kg/m3] mean density of a body, from light and hollow ones to osmium
+DENSITIES = (500.0, 23000.0)
+# [diameters] length of a body, from a disc to a long rod, if it is not given
+LENGTHS = (0.25, 30.0)
 LEAST = {
     "cone": 1 / 3,
     "chisel": 1 / 2,
     "hemisphere": 2 / 3,
 }  # [cylinders] volume of a body of a shape, else 1
-SHARP = 30.0  # [deg] between the normals of neighbouring triangles
-SAMPLES = 3  # of the distance, in an edge radius (docs/reports/numerics.md)
-COARSE = 4  # times further apart, where the body is deep
-MOST_SAMPLES = 8_000_000  # about 0.7 GiB while they are computed, 64 MiB then
-_SAME = 6  # digits of the largest extent, in which corners that are one are the same
+# [deg] an edge is sharp if the normals of its triangles differ by more
+SHARP = 30.0
+# samples of the distance within an edge radius (docs/reports/numerics.md)
+SAMPLES = 3
+# deep inside a body samples may be so many times further apart
+COARSE = 4
+# about 0.7 GiB while they are computed, 64 MiB afterwards
+MOST_SAMPLES = 8_000_000
+# corners whose places agree to so many digits of the largest extent are one
+_SAME = 6
 _HEAD, _FACET = (
     84,
     50,
@@ -124,23 +133,24 @@ def _surface(path, unit, digest):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
     mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
     corners = np.sort(mesh.faces, axis=1)
-    mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))  # not what shrank to a line
+    # some triangles have shrunk to a line
+    mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))
     _check_closed(mesh, path)
     mesh.apply_scale(UNITS[unit])
     mesh.apply_translation((0, 0, -mesh.bounds[1, 2]))
     _check_one_body(mesh, path)
-    found = Surface(mesh, digest)
+    body = Surface(mesh, digest)
     low, high = mesh.bounds[:, :2]
     if np.any(low >= 0) or np.any(high <= 0):
-        raise InputError(found.off_axis(unit), file=path)
-    if not WIDTHS[0] <= max(found.width, found.length) or not found.width <= WIDTHS[1]:
+        raise InputError(body.off_axis(unit), file=path)
+    if not WIDTHS[0] <= max(body.width, body.length) or not body.width <= WIDTHS[1]:
         low, high = (1e3 * width for width in WIDTHS)
-        wide = f"{1e3 * found.width:.4g} mm wide and {1e3 * found.length:.4g} mm long in {unit}"
+        wide = f"{1e3 * body.width:.4g} mm wide and {1e3 * body.length:.4g} mm long in {unit}"
         raise InputError(
             f"is {wide}; must be a body of {low:g} to {high:g} mm: see projectile.stl_unit",
             file=path,
         )
-    return found
+    return body
 
 
 def _triangles(content):
@@ -163,7 +173,8 @@ def _triangles(content):
         content = text.encode()
     try:
         return trimesh.load_mesh(io.BytesIO(content), file_type=kind, process=False)
-    except Exception:  # as many kinds as there are broken files
+    except Exception:
+        # there are as many kinds of errors as kinds of broken files
         return trimesh.Trimesh()
 
 
@@ -211,20 +222,21 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     ------
     InputError : as `surface`; a mass that the body cannot have in this unit, or no edge radius
     """
-    found = surface(path, given["stl_unit"])
+    body = surface(path, given["stl_unit"])
     known = {
         "mass": given.get("mass", "1 g"),
-        "diameter": f"{found.width!r} m",
-        "length": f"{found.length!r} m",
+        "diameter": f"{body.width!r} m",
+        "length": f"{body.length!r} m",
     }
     try:
         if "mass" in given:
             mass = si(given["mass"], "kg")
         else:
-            mass = si(given["density"], "kg/m^3") * found.volume
+            mass = si(given["density"], "kg/m^3") * body.volume
     except InputError:
-        return known  # the schema tells of it
-    mean = mass / found.volume
+        # the schema reports it
+        return known
+    mean = mass / body.volume
     (low, high) = DENSITIES
     if not low <= mean <= high:
         allowed = f"a unit in which the body has a mean density of {1e-3 * low:g} to {1e-3 * high:g} g/cm^3, not "
@@ -280,12 +292,12 @@ def described(
             file=file,
             key="projectile",
         )
-    found = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
+    measured = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
     panel = table.get("panel")
     whole = {}
     if isinstance(panel, dict):
         whole = {"panel": {"symmetry": "whole"} | panel}
-    return table | whole | {"projectile": given | found}
+    return table | whole | {"projectile": given | measured}
 
 
 def check_mass(shot: Any) -> None:
@@ -329,25 +341,25 @@ def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
 
 @lru_cache(maxsize=4)
 def _solid(path, digest, unit, edge_radius):
-    found = _surface(path, unit, digest)
+    body = _surface(path, unit, digest)
     h = edge_radius / SAMPLES
-    size = np.prod(np.array([found.width, found.width, found.length]) / h)
+    size = np.prod(np.array([body.width, body.width, body.length]) / h)
     if size > MOST_SAMPLES:
         least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
         raise InputError(
             key="edge_radius", value=edge_radius, allowed=f"at least {least:.2g} mm for this body"
         )
-    axes = solid_body.Solid.axes(found.points, h)
-    distances = _distances(found, axes, h, edge_radius, path)
+    axes = solid_body.Solid.axes(body.points, h)
+    distances = _distances(body, axes, h, edge_radius, path)
     middle = distances[axes[0].size // 2, axes[1].size // 2]
     if not middle.min() < 0:
-        raise InputError(found.off_axis(unit), file=path)
+        raise InputError(body.off_axis(unit), file=path)
     return solid_body.Solid(
-        f"{digest} {unit} {edge_radius!r}", h, found.points, found.faces, distances
+        f"{digest} {unit} {edge_radius!r}", h, body.points, body.faces, distances
     )
 
 
-def _distances(found, axes, h, rho, path):
+def _distances(body, axes, h, rho, path):
     """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is below 1.2 rho.
 
     Further away, where a search for the nearest triangle takes long, it is interpolated between samples COARSE h apart.
@@ -363,11 +375,11 @@ def _distances(found, axes, h, rho, path):
     def places(axes):
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
-    skin: Any = pyvista.wrap(found.mesh)
+    skin: Any = pyvista.wrap(body.mesh)
     wide = [np.linspace(axis[0], axis[-1], axis.size // COARSE + 2) for axis in axes]
     at = places(wide)
     d = distance(at.reshape(-1, 3), skin).reshape(at.shape[:3])
-    d = ndimage.zoom(d, [axis.size / one.size for axis, one in zip(axes, wide)], order=1)
+    d = ndimage.zoom(d, [axis.size / coarse.size for axis, coarse in zip(axes, wide)], order=1)
     at = places(axes)
     near = np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)
@@ -379,7 +391,7 @@ def _distances(found, axes, h, rho, path):
             "its distance jumps; must be a surface that does not cut itself, without slivers",
             file=path,
         )
-    if found.sharp:
+    if body.sharp:
         grid: Any = pyvista.ImageData(
             dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes]
         )

@@ -77,10 +77,10 @@ class Target:
             plies = self.setup.lay_up or (self.setup,)
             model = self.setup.cell_model
             named = [(p.fabric.name, p.laws[0].provenance if p.laws else model) for p in plies]
-        found = dict.fromkeys(named)
-        if len(found) == 1:
+        names = dict.fromkeys(named)
+        if len(names) == 1:
             return named[0][1]
-        return "; ".join(map(": ".join, found))
+        return "; ".join(map(": ".join, names))
 
     @property
     def projectile(self) -> str | None:
@@ -184,7 +184,8 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
 
 def _target(scene, name, stem, text, from_file=False):
-    case = build.build(scene, name, stem)  # which logs the projectile where it has a name or a file
+    # this logs a projectile that has a name or a file
+    case = build.build(scene, name, stem)
     if scene.projectile.name is None and scene.projectile.stl is None:
         build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

@@ -29,7 +29,8 @@ from shellfabric.panel.boundary import Grip
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
-NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
+# the search begins at the nominal limit, so its first step is small
+NEXT_STEP = 1.05
 
 
 @dataclass(frozen=True)
@@ -59,12 +60,12 @@ class AssumedRange:
     def widths(self) -> dict[str, tuple[float, float]]:
         """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest first."""
         nominal = self.rows[0].velocity
-        found = dict[str, tuple[float, float]]()
+        ranges = dict[str, tuple[float, float]]()
         for row in self.rows:
             if row.varied and row.velocity is not None and nominal is not None:
-                low, high = found.get(row.varied, (nominal, nominal))
-                found[row.varied] = min(low, row.velocity), max(high, row.velocity)
-        return dict(sorted(found.items(), key=lambda item: item[1][0] - item[1][1]))
+                low, high = ranges.get(row.varied, (nominal, nominal))
+                ranges[row.varied] = min(low, row.velocity), max(high, row.velocity)
+        return dict(sorted(ranges.items(), key=lambda item: item[1][0] - item[1][1]))
 
     @property
     def shares(self) -> dict[str, float]:
@@ -100,15 +101,13 @@ class AssumedRange:
 
     def summary(self) -> dict:
         """As plain types."""
+        names = ("laws", "outcome", "velocity_m_s", "varied")
         return {
             "quantity": self.quantity,
             "shares": self.shares,
             "low_m_s": self.low,
             "high_m_s": self.high,
-            "runs": [
-                dict(zip(("laws", "outcome", "velocity_m_s", "varied"), astuple(row)))
-                for row in self.rows
-            ],
+            "runs": [dict(zip(names, astuple(row))) for row in self.rows],
         }
 
 
@@ -118,12 +117,20 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
     if choice:
-        found = set(changes(setup))
+        assumed_names = set(changes(setup))
     else:
-        found = set()
-    if found - {"failure length", *inputs.ranges()} if choice == "laws" else found:
+        assumed_names = set()
+    if assumed_names - {"failure length", *inputs.ranges()} if choice == "laws" else assumed_names:
         return setup
     return None
+
+
+def searches(setup: ImpactSetup) -> int:
+    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the velocity."""
+    alone = sum(map(len, changes(setup).values()))
+    if not alone:
+        return 0
+    return alone + 2
 
 
 def changes(setup: ImpactSetup) -> Ends:
@@ -133,27 +140,26 @@ def changes(setup: ImpactSetup) -> Ends:
     ----------
     setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an assumed solid law
     """
-    found: dict[str, dict[str, Any]] = {}
+    ends_of: dict[str, dict[str, Any]] = {}
     for fabric in setup.fabrics:
         for name, ends in assumed.ends(fabric).items():
             change = partial(_of_each_ply, partial(_with_end, name))
-            found.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
+            ends_of.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
     stiffness = {
         f"yarns {end}": partial(_of_each_ply, _with_laws, end) for end in ("soft", "stiff")
     }
     if any(change(setup) != setup for change in stiffness.values()):
-        found["solid law"] = stiffness
-    for name, one in inputs.ranges().items():
-        values = [
-            end
-            for end in (one.low, one.high)
-            if end != one.value and _of_setup(setup, name, end) != setup
-        ]
+        ends_of["solid law"] = stiffness
+    for name, entry in inputs.ranges().items():
+        values = []
+        for end in (entry.low, entry.high):
+            if end != entry.value and _of_setup(setup, name, end) != setup:
+                values.append(end)
         if values:
-            found[name] = {
+            ends_of[name] = {
                 f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values
             }
-    return found
+    return ends_of
 
 
 def _of_each_ply(change, end, setup):
@@ -186,6 +192,10 @@ def _of_setup(setup, name, value):
             return replace(setup, ply_friction=value)
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
+        case "friction of crossovers" if setup.crossovers is not None:
+            return replace(setup, crossovers=replace(setup.crossovers, friction=value))
+        case "lateral stiffness of yarns" if setup.crossovers is not None:
+            return replace(setup, crossovers=replace(setup.crossovers, lateral=value))
         case "clamp force":
             return replace(setup, boundary=_gripped(setup.boundary, value))
     return setup
@@ -251,8 +261,9 @@ def critical_velocity(
     tolerance, beside : see `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
+    # it loads the kernels of packs, which a shot on one ply does not use
     from weavecell.studies import (
-        ballistic_limit,  # with the kernels of packs, which a shot on one ply does not use
+        ballistic_limit,
     )
 
     def search(changed):
@@ -296,11 +307,11 @@ def over_ends(
             add(words, change(setup), name)
     alone = {row.laws: row.velocity - velocity for row in rows if row.velocity is not None}
     for words, sign in (("all that lower it", -1.0), ("all that raise it", 1.0)):
-        found = [
+        worst = [
             max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()
         ]
         chosen = [
-            ends[name][end] for name, end in zip(ends, found) if sign * alone.get(end, 0.0) > 0
+            ends[name][end] for name, end in zip(ends, worst) if sign * alone.get(end, 0.0) > 0
         ]
         if len(chosen) > 1:
             add(words, reduce(lambda changed, change: change(changed), chosen, setup))

@@ -32,11 +32,14 @@ from shellfabric.solver.pack_solver import PackSolver
 from weavecell.studies.bracket import STEP, Bracket
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
-_AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
-_GUESS = 0.17  # of the velocity that fails a lone yarn at once, for one ply, which rises with their number to the power
-_RISES = (
-    1 / 3
-)  # (177 and 237 m/s of two and four plies of S-728, 140 of one); only the number of shots depends on them
+# [s] a shot that has neither stopped nor perforated by then is given up
+_AUDIT = 10e-6
+# [s] between audits, which nothing but the guards of the solver uses
+# one ply is first tried at this share of the velocity that fails a lone yarn at once; the share rises
+# with this power of the number of plies (177 and 237 m/s of two and four plies of S-728, 140 of one).
+# Only the number of shots depends on both
+_GUESS = 0.17
+_RISES = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -133,11 +136,10 @@ def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
-    alone = min(
-        striking_velocity(y.wave_speed, y.failure_strain)
-        for fabric in own
-        for y in fabric.weave.yarns
-    )
+    alone = inf
+    for fabric in own:
+        for yarn in fabric.weave.yarns:
+            alone = min(alone, striking_velocity(yarn.wave_speed, yarn.failure_strain))
     return _GUESS * alone * len(plies) ** _RISES
 
 
@@ -184,11 +186,11 @@ def critical_velocity(
     with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
-                found = "lets the projectile through"
+                always = "lets the projectile through"
                 if bracket.low > 0:
-                    found = "stops the projectile"
+                    always = "stops the projectile"
                 raise InputError(
-                    f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s"
+                    f"the panel {always} at any velocity from {tolerance:g} to {highest:g} m/s"
                 )
             wanted = bracket.ahead(jobs, tolerance)
             shooting.only(wanted)
@@ -286,7 +288,8 @@ class _Range:
             self.opened = ThreadPoolExecutor(jobs)
         else:
             self.opened = open_executor(executor, jobs)
-        self.pending = {}  # velocity -> (future, event that gives it up or None)
+        # {velocity: (future, event that gives it up, or None)}
+        self.pending = {}
 
     def __enter__(self):
         self.pool = self.opened.__enter__()
@@ -334,11 +337,11 @@ def _on_one_thread(panel):
 
 def _round_trip(panel):
     """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
-    return max(
-        2 * sqrt(2) * abs(x).max() / yarn.wave_speed
-        for ply in Pack.of(panel).plies
-        for x, yarn in zip(ply.lines(), ply.weave.yarns)
-    )
+    longest = 0.0
+    for ply in Pack.of(panel).plies:
+        for x, yarn in zip(ply.lines(), ply.weave.yarns):
+            longest = max(longest, 2 * sqrt(2) * abs(x).max() / yarn.wave_speed)
+    return longest
 
 
 def _fire(panel, velocity, give_up, stops_below=0.0):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from scipy.optimize import brentq
@@ -63,15 +64,15 @@ def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellP
 
     def short_of_strength(s):
         # tensions rise along the path, so that the first failure can be bracketed
-        found = state(s)
-        return float(np.min(1 - np.array([found["T1"], found["T2"]]) / strengths))
+        crossing = state(s)
+        return float(np.min(1 - np.array([crossing["T1"], crossing["T2"]]) / strengths))
 
     # a yarn that is straight and past its strength
-    far = min(
-        ((1 + yarn.crimp) * (1 + 1.01 * yarn.failure_strain) - 1) / part
-        for yarn, part in zip(yarns, parts)
-        if part > 0
-    )
+    far = inf
+    for yarn, part in zip(yarns, parts):
+        if part > 0:
+            beyond_failure = (1 + yarn.crimp) * (1 + 1.01 * yarn.failure_strain)
+            far = min(far, (beyond_failure - 1) / part)
     s = np.linspace(0, brentq(short_of_strength, 0.0, far, xtol=1e-12), n)
     response = state(s)
     last = np.array([response["T1"][-1], response["T2"][-1]]) / strengths

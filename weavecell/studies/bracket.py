@@ -6,7 +6,8 @@ from collections import deque
 from dataclasses import dataclass, replace
 from math import inf
 
-STEP = 1.2  # first factor from the guess towards the other outcome; squared with every step
+# first factor from the guess towards the other outcome; it is squared with every step
+STEP = 1.2
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ RESIDUAL = "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
 CONFIDENCE = 0.95
-FASTEST = 1000.0  # [m/s] of a shot
+# [m/s] a faster shot in a table of tests is a slip of the unit
+FASTEST = 1000.0
 
 
 def read(path: FilePath) -> DataFrame:

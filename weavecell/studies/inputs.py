@@ -5,21 +5,22 @@ Areal density changes mass alone, the stiffness of the yarns is kept, as in the 
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib import resources
 from math import inf
+from pathlib import Path
 from typing import Any
 
 from fabrics import data_sheet, families, variants
 from fabrics.base.errors import InputError
+from fabrics.base.files import read_data
 from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from shellfabric.impact.simulation import ImpactSetup
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")
-FILE = "inputs.toml"
+_PATH = Path(__file__).with_suffix(".toml")
+FILE = _PATH.name
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,8 @@ class Scatter:
 @cache
 def table(section: str) -> dict[str, Entry]:
     """Entries of a section, by name; InputError where one lacks source or status."""
-    text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
     entries = {}
-    for name, row in tomllib.loads(text)[section].items():
+    for name, row in read_data(_PATH)[section].items():
         if row.get("status") not in STATUSES or not row.get("source"):
             raise InputError(
                 file=FILE, key=f"{section}.{name}", allowed="a value with its source and status"
@@ -80,22 +80,21 @@ def table(section: str) -> dict[str, Entry]:
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed] and of the area of packed fabric, by name."""
-    text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
-    rows = tomllib.loads(text)["assumed"]
-    found = {name: families.entry(row, "") for name, row in rows.items()}
-    return found | {"area of packed fabric": data_sheet.entries()["packed_area"]}
+    """Entries of [assumed], of resolved yarns and of the area of packed fabric, by name."""
+    from shellfabric.yarns.model import DATA
+
+    rows = read_data(_PATH)["assumed"] | {
+        "friction of crossovers": DATA["crossover_friction"],
+        "lateral stiffness of yarns": DATA["lateral_stiffness"],
+    }
+    assumed = {name: families.entry(row, "") for name, row in rows.items()}
+    return assumed | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 
 
 def published() -> Scatter:
     """The scatter of inputs.toml."""
-    return Scatter(
-        **{
-            name: entry.value
-            for part in ("weibull", "spread")
-            for name, entry in table(part).items()
-        }
-    )
+    entries = table("weibull") | table("spread")
+    return Scatter(**{name: entry.value for name, entry in entries.items()})
 
 
 def changed(fabric: Fabric, **factors: float) -> Fabric:

@@ -137,7 +137,7 @@ def fit(
 
     # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep the deepest
     starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
-    found = min(
+    best = min(
         (
             least_squares(
                 lambda x: curve(vs, *full(x)) - vr,
@@ -152,10 +152,10 @@ def fit(
         ),
         key=lambda solution: solution.cost,
     )
-    found.x = np.where(found.x > high - 1e-9 * (high - low), high, found.x)
-    a, p, at = (float(value) for value in full(found.x))
-    intervals = _intervals(found, dict(zip(free, zip(low, high))), len(vs), confidence)
-    rms = float(np.sqrt(np.mean(found.fun**2)))
+    best.x = np.where(best.x > high - 1e-9 * (high - low), high, best.x)
+    a, p, at = (float(value) for value in full(best.x))
+    intervals = _intervals(best, dict(zip(free, zip(low, high))), len(vs), confidence)
+    rms = float(np.sqrt(np.mean(best.fun**2)))
     return LambertJonas(a, p, at, intervals, confidence, rms, len(vs), slowest)
 
 
@@ -168,25 +168,25 @@ def _check(vs, vr, confidence):
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
 
 
-def _intervals(found, bounds, points, confidence):
+def _intervals(solution, bounds, points, confidence):
     """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
     inner = [
         k
         for k, (low, high) in enumerate(bounds.values())
-        if low < found.x[k] < high and not found.active_mask[k]
+        if low < solution.x[k] < high and not solution.active_mask[k]
     ]
     intervals = dict.fromkeys(bounds)
-    J = found.jac[:, inner]
+    J = solution.jac[:, inner]
     freedom = points - len(inner)
     if not inner:
         return intervals
     spread = np.full(len(inner), np.inf)
     if np.linalg.matrix_rank(J) == len(inner):
-        spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom)
+        spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * solution.cost / freedom)
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread
     for k, name in enumerate(bounds):
         if k in inner:
-            middle = float(found.x[k])
+            middle = float(solution.x[k])
             reach = float(half[inner.index(k)])
             intervals[name] = (middle - reach, middle + reach)
     return intervals

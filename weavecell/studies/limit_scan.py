@@ -20,8 +20,10 @@ from shellfabric.panel.quality import Indicator
 from shellfabric.plies.model import Pack
 from weavecell.studies.ballistic_limit import Limit, Shot, shoot
 
-HIGHEST = 1000.0  # [m/s] beyond which no shot is fired
-MOST_STEPS = 1000  # of a range: more is taken for an error of input
+# [m/s] no shot is fired beyond
+HIGHEST = 1000.0
+# a range with more steps is a slip of the input
+MOST_STEPS = 1000
 
 
 @dataclass(frozen=True)
@@ -64,9 +66,8 @@ class ScanRange:
         rungs_up = int((top - limit.high) / step)
         rungs_down = int((limit.low - bottom) / step)
         down = [limit.low - k * step for k in range(rungs_down, 0, -1)]
-        return [
-            v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0
-        ]
+        up = [limit.high + k * step for k in range(1, rungs_up + 1)]
+        return [velocity for velocity in down if velocity > 0] + up
 
 
 def scan(

@@ -39,13 +39,15 @@ from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 if TYPE_CHECKING:
     from weavecell.studies.window import Window
 
-RATIO = 2  # of the element sides of two meshes
+# ratio of the element sides of two meshes
+RATIO = 2
 ORDER = 2.0
 SAFETY = 3.0
 # [crossovers] from the impact point up to which elements are halved: at least, at most
 REACH = 10.0
 LATEST = 60.0
-MOST_ELEMENTS = 8  # a crossover, of the finest mesh
+# elements along a crossover of the finest mesh
+MOST_ELEMENTS = 8
 
 
 @dataclass(frozen=True)
@@ -220,26 +222,27 @@ def refine(
         shot = shoot(setup, table, f"mesh {len(meshes) + 1}")
         meshes.append(in_words(setup))
         outcomes.append(shot.result.outcome)
-        found = Discretisation(setup, other="coarser", windows=(shot.window,))
+        comparison = Discretisation(setup, other="coarser", windows=(shot.window,))
         if before is not None and shot.failure is None:
-            found = compare(before, shot, of_finer=True)
-        found = replace(
-            found,
+            comparison = compare(before, shot, of_finer=True)
+        comparison = replace(
+            comparison,
             meshes=tuple(meshes),
             outcomes=tuple(outcomes),
             quantity=quantity,
             target=target,
         )
-        if found.confirmed:
-            return shot, found
+        if comparison.confirmed:
+            return shot, comparison
         # a run that broke off says nothing about the next mesh
         before = None
         if shot.failure is None:
             before = shot
         try:
             setup = finer(setup, table)
-        except InputError:  # there is no finer mesh
-            return shot, found
+        except InputError:
+            # the mesh cannot be refined further
+            return shot, comparison
 
 
 def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
@@ -259,7 +262,7 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
             difference = index(abs(other_mean - mean), of_finer=of_finer)
             errors[quantity] = (difference + hypot(error, other_error)) / scale
     shots = [coarse, fine]
-    found = Discretisation(
+    comparison = Discretisation(
         counted.setup,
         meshes=tuple(in_words(shot.result.setup) for shot in shots),
         outcomes=tuple(shot.result.outcome for shot in shots),
@@ -267,18 +270,18 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
     )
     if of_finer:
         shots.reverse()
-        found = replace(found, setup=fine.result.setup, other="coarser")
-    found = replace(found, windows=tuple(shot.window for shot in shots))
-    if not found.same_outcome:
-        return found
+        comparison = replace(comparison, setup=fine.result.setup, other="coarser")
+    comparison = replace(comparison, windows=tuple(shot.window for shot in shots))
+    if not comparison.same_outcome:
+        return comparison
     intervals = []
-    for (quantity, scale, one), (_, _, other) in zip(*map(_results, shots)):
+    for (quantity, scale, interval), (_, _, other) in zip(*map(_results, shots)):
         uncertainty = errors[quantity] * scale
-        spread = one.standard_errors + other.standard_errors
+        spread = interval.standard_errors + other.standard_errors
         intervals.append(
-            replace(one, other=other.value, uncertainty=uncertainty, standard_errors=spread)
+            replace(interval, other=other.value, uncertainty=uncertainty, standard_errors=spread)
         )
-    return replace(found, intervals=tuple(intervals))
+    return replace(comparison, intervals=tuple(intervals))
 
 
 def _results(shot):

@@ -33,7 +33,8 @@ LOW = 0.01
 HIGH = 0.99
 LINKS = {"probit": norm, "logit": logistic}
 NOT_RISING = "the shots do not perforate the more the faster they are"
-_FLATTEST, _STEEPEST = 1e-3, 1e5  # beta times the range of the velocities
+# bounds of beta times the range of the velocities
+_FLATTEST, _STEEPEST = 1e-3, 1e5
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ class _Likelihood:
         self.law = LINKS[link]
         self.range = float(np.ptp(velocity))
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
-        self.least = self.range / _STEEPEST  # [m/s] of s
+        # [m/s] least s
+        self.least = self.range / _STEEPEST
 
     def __call__(self, at: float, beta: float, z: float = 0.0) -> float:
         """Of P(at) = F(z) and slope beta."""

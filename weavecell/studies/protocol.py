@@ -26,8 +26,10 @@ from weavecell.studies.probit import Curve
 
 PAIRS, SPAN, STEPS, MOST = 3, 40.0, (30.0, 15.0), 12  # [-], [m/s], [m/s], [-]
 SERIES = 2000
-SPREADS = 60, 90, 100, 125  # [ft/s]
-FOOT = 0.3048  # [m]
+# [ft/s]
+SPREADS = 60, 90, 100, 125
+# [m]
+FOOT = 0.3048
 
 
 @dataclass(frozen=True)

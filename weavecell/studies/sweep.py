@@ -101,7 +101,7 @@ def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
 def _with_reasons(indicators):
     """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and its limit."""
     status = quality.status(indicators)
-    reasons = "; ".join(str(one) for one in indicators if one.status == status)
+    reasons = "; ".join(str(indicator) for indicator in indicators if indicator.status == status)
     if status == quality.OK:
         return status
     return f"{status}: {reasons}"

@@ -42,12 +42,18 @@ from weavecell.studies.inputs import Scatter, changed_setup, published
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
-FIRST = 0.25  # of the deterministic limit, either way
-SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
-STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
-BEYOND = 0.5, 1.5  # of the lowest and the highest velocity so far: between them lies the next round
-LARGEST = 2  # contributors to the range of the limit whose ends V50 is computed with
-WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
+# the first shots lie this share of the deterministic limit to either side
+FIRST = 0.25
+# later shots are placed between these probabilities
+SPREAD = 0.05, 0.95
+# share of the strike velocity, see `ballistic_limit.shoot`
+STOPS_BELOW = 0.1
+# shares of the lowest and the highest velocity so far, between which the next round lies
+BEYOND = 0.5, 1.5
+# V50 is repeated at the ends of so many of the largest contributors
+LARGEST = 2
+# share of the gap between stops and perforations, added beyond either end if yarns scatter
+WIDER = 0.5
 
 
 @dataclass(frozen=True)
@@ -156,8 +162,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except (UndecidedError, UnstableError) as problem:
-        told = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
-        return Shot(number, velocity, nan, False, **panel, balance=nan, failure=told)
+        failure = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
+        return Shot(number, velocity, nan, False, **panel, balance=nan, failure=failure)
     panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
     left = shot.residual_velocity
     through = shot.perforated
@@ -181,6 +187,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
     named = setup.grading is not None or setup.elements_per_crossover is not None
+    named = named or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
@@ -267,12 +274,12 @@ def study(
                 velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
+            drawn = []
+            for number, velocity in enumerate(velocities, begun):
+                drawn.append((setup, scatter, seed, number, round(float(velocity), 6)))
             fired += run_cache.results(
                 fire,
-                [
-                    (setup, scatter, seed, begun + k, round(float(V), 6))
-                    for k, V in enumerate(velocities)
-                ],
+                drawn,
                 report=partial(lambda begun, done, _: report(begun + done, shots), begun),
                 **runs,
             )
@@ -289,7 +296,7 @@ def _curve(shots, link="probit"):
 
 def over_assumed(
     setup: ImpactSetup,
-    found: Study,
+    result: Study,
     *,
     again: bool,
     seed: int,
@@ -305,23 +312,24 @@ def over_assumed(
     Parameters
     ----------
     setup, seed, tolerance, runs : as of `study`
-    found : what `study` returned
+    result : what `study` returned
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
     ends = assumed_range.changes(setup)
-    middle = 0.5 * sum(found.deterministic)
+    middle = 0.5 * sum(result.deterministic)
 
     def limit_of(changed):
         (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)
         return of_one
 
     each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
-    run_cache.results(_searched, each, report=report, **runs)  # beside each other
+    # they run beside each other
+    run_cache.results(_searched, each, report=report, **runs)
     nominal = assumed_range.Row("nominal", "", middle)
     limits = assumed_range.over_ends("limit without scatter", setup, ends, nominal, limit_of)
-    curve = found.curves["probit"]
+    curve = result.curves["probit"]
     if not again or limits is None or curve.reason:
         return limits
 
@@ -329,8 +337,8 @@ def over_assumed(
         problem, limit = limit_of(changed)
         if limit is None:
             return problem, None
-        places = [(s.number, round(limit / middle * s.velocity, 6)) for s in found.shots]
-        arguments = [(changed, found.scatter, seed, *place) for place in places]
+        places = [(s.number, round(limit / middle * s.velocity, 6)) for s in result.shots]
+        arguments = [(changed, result.scatter, seed, *place) for place in places]
         shots = run_cache.results(fire, arguments, report=report, **runs)
         other = _curve([shot for shot in shots if not shot.failure])
         return other.reason, None if other.reason else other.V50

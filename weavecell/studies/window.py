@@ -61,9 +61,10 @@ class Window:
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain values."""
-        mean, error = (
-            {key: self.mean(name)[k] for name, (key, *_) in QUANTITIES.items()} for k in (0, 1)
-        )
+        mean = {}
+        error = {}
+        for name, (key, *_) in QUANTITIES.items():
+            mean[key], error[key] = self.mean(name)
         return {
             "mean": mean,
             "standard_error": error,

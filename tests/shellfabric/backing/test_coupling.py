@@ -13,7 +13,7 @@ from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver

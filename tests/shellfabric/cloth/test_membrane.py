@@ -14,7 +14,8 @@ from fabrics.base.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 

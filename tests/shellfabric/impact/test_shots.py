@@ -11,7 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from shellfabric.impact.simulation import run
 from shellfabric.panel import motion_kernels
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
 from shellfabric.projectile.projectile import SHAPES, Projectile

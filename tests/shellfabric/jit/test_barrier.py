@@ -11,7 +11,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 
 
 @njit(nogil=True)

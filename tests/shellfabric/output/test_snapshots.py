@@ -10,7 +10,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable.smith import smith
 from weavecell.results import wave_fronts

@@ -6,7 +6,7 @@ from conftest_tools import grid
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
 
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 
 SYMMETRIES = ("quarter", "half", "whole")

@@ -10,7 +10,7 @@ from panels import make_panel, rest, set_nodal
 
 from shellfabric.cloth import boundary_kernels
 from shellfabric.output import histories
-from shellfabric.panel import boundary
+from shellfabric.panel import edges
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
@@ -91,11 +91,11 @@ def test_firm_grip_is_a_clamp():
 def test_each_side_on_its_own():
     """Which nodes are held, led or gripped, corners among them."""
     panel = make_panel(boundary=(("clamped", "free"), (Grip(5.0), "free")), symmetry="whole")
-    loose = boundary.loose(panel)
+    loose = panel.loose()
     assert not loose[0].any()
     assert not loose[:, 0].any()
     assert loose[1:, 1:].all()
-    nodes, axes, values = boundary.rim(panel)
+    nodes, axes, values = edges.rim(panel)
     assert set(axes) == {1}
     assert_array_equal(
         nodes, np.arange(1, 25) * 25
@@ -149,9 +149,9 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
     inside[-1] = inside[:, -1] = False  # the last lines are held, as of any clamped panel
     for rows, mirrored in ((inside, panel.mirrors[0]), (inside.T, panel.mirrors[1])):
         rows[0] &= mirrored
-    loose = boundary.loose(panel)
+    loose = panel.loose()
     assert_array_equal(loose, inside)
-    (i, j), (k, l) = boundary.ends(panel)
+    (i, j), (k, l) = edges.ends(panel)
     assert [loose[i - 1, j], loose[i, j], loose[k, l - 1], loose[k, l]] == [
         True,
         False,
@@ -164,8 +164,8 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
 def test_what_is_shown_ends_at_the_opening(changes):
     """Nodes within it are shown where they are, and those that lie in the clamp on the edge."""
     panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
-    held = ~boundary.loose(panel)
-    shown = np.array(boundary.shown(panel))
+    held = ~panel.loose()
+    shown = np.array(edges.shown(panel))
     assert np.array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
     place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(
         *panel.impact_point

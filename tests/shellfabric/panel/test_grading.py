@@ -15,7 +15,7 @@ from fabrics.base.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading, motion_kernels
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver

@@ -10,7 +10,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.simulation import ELEMENT_SIDE, ImpactSetup, run
 from shellfabric.panel import quality
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.quality_kernels import alternation
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver

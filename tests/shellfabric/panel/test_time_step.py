@@ -5,7 +5,7 @@ from panels import make_panel, table
 
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from validation.models import variants as comparison
 
 

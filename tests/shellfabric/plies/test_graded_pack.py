@@ -7,7 +7,7 @@ import pytest
 from conftest_tools import Pressed, grid
 from test_ply_contact import LAW, assert_as_plain
 
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
 

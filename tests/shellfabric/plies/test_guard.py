@@ -10,8 +10,9 @@ from fabrics.base.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
 from shellfabric.plies.model import Pack, at_angle
 from shellfabric.solver.pack_solver import PackSolver

@@ -8,7 +8,7 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.gap import gap_between
 
 SETUP = ImpactSetup(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from shellfabric.cloth import spline_kernels
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.solver.pack_solver import PackSolver

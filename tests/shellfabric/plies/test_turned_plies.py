@@ -9,7 +9,7 @@ import pytest
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile

@@ -8,7 +8,7 @@ from panels import make_panel
 
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import element_kernels
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile

@@ -16,7 +16,8 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.panel import element_kernels
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest_tools import grid
 
-from shellfabric.panel import boundary
+from shellfabric.panel import edges
 from shellfabric.solver import ply_audit
 
 ZONES = ((6, 1), (inf, 2))
@@ -51,7 +51,7 @@ def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):
         panel = small(symmetry=symmetry)
         const = panel.constants()
         state = panel.state(100.0)
-        (i, j), _ = ends = boundary.ends(panel)
+        (i, j), _ = ends = edges.ends(panel)
         share = 0.5 if const.mirror_y else 1.0  # of the yarn that is modelled
         state.f_int[0][i * const.row_stride + j] = -30.0 * share
         assert ply_audit.edge_reactions(panel, const, state, ends) == pytest.approx((30.0, 0.0))

@@ -7,7 +7,7 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.backing.block import Backing
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from validation.cases import block, impact
 
 S728 = catalogue.load("S-728")

@@ -23,7 +23,7 @@ def test_elements_and_steps_are_those_of_the_run(panel):
     assert size.elements == setup.target().elements
     assert size.steps == round(result.t[-1] / size.time_step)
     assert size.cpu_time[0] < size.cpu_time[1]
-    assert "; 0.98 to 1200 s of CPU time" in str(replace(size, cpu_time=(0.98, 1234.5)))
+    assert "; 0.98 to 1,200 s of CPU time" in str(replace(size, cpu_time=(0.98, 1234.5)))
 
 
 def test_the_command_writes_nothing(command, tmp_path):

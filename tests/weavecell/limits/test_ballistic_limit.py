@@ -11,7 +11,7 @@ import pytest
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
-from shellfabric.panel.model import Numerics
+from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
 from tests.shellfabric.panels import make_panel

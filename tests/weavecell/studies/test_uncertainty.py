@@ -13,7 +13,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,

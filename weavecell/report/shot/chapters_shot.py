@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
-CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
-CUT_INSTANTS = (0.2, 0.5, 1.0)  # shares of the run at which the fabric is shown cut open
+# [m] half the width of the close-up: five radii of the RCC projectile
+CLOSE_UP = 0.014
+# shares of the run at which the fabric is shown cut open
+CUT_INSTANTS = (0.2, 0.5, 1.0)
 
 
 def outcome(record: ImpactRecord) -> str:
@@ -38,14 +40,14 @@ def outcome(record: ImpactRecord) -> str:
         "perforated": f"Perforated at {strike}",
         "in flight": f"Not decided at {strike}, in flight at the end, {end}",
     }[record.outcome]
-    found = []
+    facts = []
     if record.outcome != "stopped":
-        found.append(residual(record))
-    found += _dent(record)
+        facts.append(residual(record))
+    facts += _dent(record)
     if record.outcome != "perforated":
-        found.append(_deflection(record))
-    found.append(_load(record))
-    sentence = f"{words}: {', '.join(found)}."
+        facts.append(_deflection(record))
+    facts.append(_load(record))
+    sentence = f"{words}: {', '.join(facts)}."
     doubtful = [check.name for check in record.checks if not check.ok]
     if doubtful:
         sentence += f" DOUBTFUL: {', '.join(doubtful)}."
@@ -249,7 +251,13 @@ def assumptions(
 
 
 def _crossovers_in_words(setup):
-    """That yarns are pinned at their crossovers, and what that means for the result."""
+    """Whether yarns are pinned at their crossovers or resolved, and what that means for the result."""
+    if setup.crossovers is not None:
+        half_width = 1e3 * setup.crossovers.half_width
+        return (
+            f"Yarns are resolved within {half_width:g} mm of the impact point, with a coefficient of friction of "
+            f"{setup.crossovers.friction:g} between them, and pinned to each other beyond."
+        )
     sentences = [
         "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
         "In the one pair of tests at hand (S-726) the computed limit is too high.",

@@ -24,8 +24,10 @@ from weavecell.results.display import text
 if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
 
-_MOST_BYTES = 16_000_000  # of all snapshots, before they are compressed to about a third
-_PER_UNIT = 200  # 8-bit tension of a yarn at its strength
+# [bytes] limit of all snapshots before compression, which leaves about a third
+_MOST_BYTES = 16_000_000
+# 8-bit value of a yarn at its strength; larger tensions still fit
+_PER_UNIT = 200
 _CAPTION = (
     "The whole panel and the projectile. Drag to turn; + and − or Ctrl and the wheel come nearer. Front is the side "
     "that is struck. Tension in % of the strength; orange: one yarn failed; elements that have lost both are left out."
@@ -72,7 +74,8 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     high = places.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535
     whole = np.round((places - low) / step).astype(np.int64)
-    differences = np.diff(whole, axis=0, prepend=0).astype("<u2")  # modulo 2^16
+    # differences compress better; they are taken modulo 2^16
+    differences = np.diff(whole, axis=0, prepend=0).astype("<u2")
     ply = np.asarray(first["ply"]) - 1
     tension = []
     for grid, _ in chosen:
@@ -81,7 +84,8 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     body = record.projectile - np.append(np.zeros(2), record.projectile[..., 2].max())
     corner = body[:-1, :-1]
     across = body[1:, 1:]
-    rings = [corner, body[1:, :-1], across, corner, across, body[:-1, 1:]]  # two triangles each
+    # two triangles for each quadrilateral
+    rings = [corner, body[1:, :-1], across, corner, across, body[:-1, 1:]]
     triangles = np.stack(rings, axis=2).reshape(-1, 3)
     parts = (
         triangles.astype("<f4"),
@@ -100,7 +104,8 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     of_tension = {"value": top, "text": f"{100 * top:.0f} % of the strength"}
     ends = dict.fromkeys(("tension", "warp", "weft"), of_tension)
     ends["deflection"] = {"value": deepest, "text": text(deepest, "m", form=".1f")}
-    elevation = -0.6  # from the side where the projectile is
+    # the viewer stands where the projectile comes from
+    elevation = -0.6
     if record.outcome == "perforated":
         elevation = 0.6
     palette = np.round(255 * tension_map()(np.linspace(0, 1, 256))[:, :3]).astype(int)

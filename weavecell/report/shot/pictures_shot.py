@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
 
-_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # plies from the front to the rear
+# plies from the front to the rear
+_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
@@ -126,28 +127,28 @@ def outline(projectile: np.ndarray) -> np.ndarray:
     from scipy.spatial import ConvexHull
 
     points = projectile[..., [0, 2]].reshape(-1, 2)
-    found = points[ConvexHull(points).vertices]
-    found[:, 1] -= found[:, 1].max()
-    return found
+    hull = points[ConvexHull(points).vertices]
+    hull[:, 1] -= hull[:, 1].max()
+    return hull
 
 
 def pieces(line: np.ndarray) -> list[np.ndarray]:
     """The pieces of a line that is cut where it is not a number; a lone point is none."""
     ends = np.flatnonzero(np.isnan(line[:, 0]))
-    found = np.split(line, ends)
-    found = [part[~np.isnan(part[:, 0])] for part in found]
-    return [part for part in found if len(part) > 1]
+    cut = np.split(line, ends)
+    cut = [part[~np.isnan(part[:, 0])] for part in cut]
+    return [part for part in cut if len(part) > 1]
 
 
 def _images(line, mirrored):
     """The pieces of a line, and of its mirror image where there is one; a piece that begins at the mirror is joined."""
-    found: list[np.ndarray] = []
+    drawn: list[np.ndarray] = []
     for part in pieces(line):
         if mirrored and part[0, 0] == 0:
-            found.append(np.concatenate([[-1, 1] * part[:0:-1], part]))
+            drawn.append(np.concatenate([[-1, 1] * part[:0:-1], part]))
         else:
-            found += [part, [-1, 1] * part] if mirrored else [part]
-    return found
+            drawn += [part, [-1, 1] * part] if mirrored else [part]
+    return drawn
 
 
 def foremost(cut: Cut) -> float:

@@ -32,12 +32,18 @@ from weavecell.results.impact import ImpactRecord
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")
-FRAME_TIME = 0.1  # [s] of a movie for each snapshot
-LAST_FRAME_TIME = 1.5  # [s]
-COLOURS = 96  # of a GIF
-_INSTANTS = 16  # of that of a report
-_TITLE = 70  # letters of a title that fit in one line, with the outcome
-_WINDOW = (1400, 900)  # [pixels]
+# [s] a movie shows each snapshot for so long
+FRAME_TIME = 0.1
+# [s] the last frame stays longer, for the reader
+LAST_FRAME_TIME = 1.5
+# colours of a GIF
+COLOURS = 96
+# instants in the movie of a report
+_INSTANTS = 16
+# letters of a title that fit into one line beside the outcome
+_TITLE = 70
+# [pixels]
+_WINDOW = (1400, 900)
 
 
 @dataclass(frozen=True)
@@ -266,7 +272,8 @@ def _figures(pyplot, panel, cut, step):
             yield snapshot(pyplot, panel, file)
         return
     count = len(panel.record.cuts)
-    for number in range((count - 1) % step, count, step):  # the last is among them
+    # counted from the end, so that the last snapshot is shown
+    for number in range((count - 1) % step, count, step):
         yield cut_figure(pyplot, panel, number)
 
 
@@ -339,17 +346,18 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     from matplotlib.colors import to_rgb
     from PIL import Image
 
-    found = [Image.fromarray(image) for image in images]
+    stills = [Image.fromarray(image) for image in images]
     # one palette for all, that of the middle picture: colours do not flicker
-    middle = found[len(found) // 2].quantize(COLOURS)
+    middle = stills[len(stills) // 2].quantize(COLOURS)
     palette = np.array(middle.getpalette()).reshape(-1, 3)
-    palette[palette.min(axis=1) > 245] = 255  # white stays white
+    # white paper must not become grey
+    palette[palette.min(axis=1) > 245] = 255
     # failed yarns, in light and shade, are too few pixels for a palette by frequency
     torn = np.outer((255, 215, 175), to_rgb(RED)).astype(palette.dtype)
     palette = np.concatenate([palette[: 256 - len(torn)], torn])
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
-    reduced = [image.quantize(palette=common, dither=Image.Dither.NONE) for image in found]
+    reduced = [image.quantize(palette=common, dither=Image.Dither.NONE) for image in stills]
     times = [round(1e3 * FRAME_TIME)] * len(reduced)
     times[-1] = round(1e3 * LAST_FRAME_TIME)
     content = BytesIO()
