@@ -77,7 +77,8 @@ def test_the_work_of_a_nose_goes_into_springs_too(grading):
 
 def test_stiff_springs_shorten_the_time_step():
     """To what the highest frequency of both together leaves."""
-    soft, stiff = panel(None, 0.0), panel(None, 1e6)
+    soft = panel(None, 0.0)
+    stiff = panel(None, 1e6)
     added = 0.25 * 1e6 / (soft.weave.areal_density * min(soft.spacing) ** 2)
     assert stiff.critical_step == pytest.approx((soft.critical_step**-2 + added) ** -0.5, rel=1e-12)
     assert stiff.time_step < soft.time_step

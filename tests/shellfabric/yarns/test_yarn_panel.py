@@ -49,7 +49,8 @@ def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
 
 def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
     panel = SETUP.panel(table)
-    state, zone = panel.state(60.0), panel.zone()
+    state = panel.state(60.0)
+    zone = panel.zone()
     own = zone.mass[zone.inverse_mass > 0].sum()
     plain = Panel.state(panel, 60.0)
     (i0, i1), (j0, j1) = panel.rim_rows

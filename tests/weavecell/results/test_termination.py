@@ -9,10 +9,9 @@ from unittest import mock
 
 import pytest
 
-import weavecell as wc
 from shellfabric.output import checkpoint
 from tests.scene_text import datasets, impact_scene
-from weavecell.results import progress, run_folder, termination
+from weavecell.results import progress, termination
 
 SHARE = 0.45  # of the run at which the signal comes
 SCENE = impact_scene(
@@ -51,13 +50,6 @@ def test_sigterm_is_an_interrupt_with_a_checkpoint(command, scene, tmp_path):
     assert (tmp_path / "r" / "checkpoint.h5").exists()
 
 
-def test_sigterm_of_a_python_program_too(scene, tmp_path):
-    with signalled(signal.SIGTERM), pytest.raises(run_folder.Interrupted, match=LINE):
-        wc.impact(scene, out=tmp_path / "r")
-    assert (tmp_path / "r" / "checkpoint.h5").exists()
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-
-
 def test_a_handler_of_the_program_stays():
     def own(*_):
         raise RuntimeError
@@ -79,7 +71,10 @@ with signalled(signal.SIGKILL):
 """
 
 
-def test_a_killed_run_goes_on_from_its_checkpoint(command, scene, tmp_path):
+@pytest.mark.parametrize("plies", [1, 3])
+def test_a_killed_run_goes_on_from_its_checkpoint(command, scene, plies, tmp_path):
+    """To the bit, of one ply and of a pack."""
+    scene.write_text(SCENE.replace("[panel]", f"[panel]\nplies = {plies}"))
     paths = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     killed = subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, env=paths, check=False)
     assert killed.returncode == -signal.SIGKILL
