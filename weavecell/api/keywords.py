@@ -350,7 +350,7 @@ def _unknown(key, value, known):
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(
-                f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
+                f'is not a keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
             )
     message, allowed = PanelTable.unknown(key, None)
     if message is None:
@@ -360,7 +360,9 @@ def _unknown(key, value, known):
     if near:
         hint = f", did you mean {near}?"
     return InputError(
-        f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
+        f"is not a keyword{hint} keywords: {', '.join(Keywords.__annotations__)}",
+        key=key,
+        value=value,
     )
 
 

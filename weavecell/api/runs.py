@@ -27,8 +27,8 @@ def fabric(
     Parameters
     ----------
     name : name of the catalogue, or path of a .toml file
-    linear_density : "effective", of the runs of the thesis if the file gives it (erratum E-07), as
-        scenes have it; or "nominal", of the data sheet
+    linear_density : "effective", of the published runs if the file gives it, as in input files; or
+        "nominal", of the data sheet
 
     Raises
     ------

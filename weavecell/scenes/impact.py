@@ -340,8 +340,8 @@ class NumericsTable(Table):
     threads: Annotated[
         int | None,
         described(
-            "threads of the time integration; if not given, chosen by the size of the model. Results do not depend "
-            "on it",
+            "threads that share the plies of a pack, at most one for each ply; a single ply has one. If not given, "
+            "chosen by the size of the model. Results do not depend on it",
             "a number of threads",
             example=1,
             ge=1,
@@ -377,7 +377,7 @@ class Scene(Table):
             and fabric.name is fabric.file is None
         ):
             if "fabric" not in self.model_fields_set or not fabric.model_fields_set:
-                allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
+                allowed = "a table [fabric], which may be left out if every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
         if isinstance(panel.opening, tuple):
@@ -400,7 +400,7 @@ class Scene(Table):
             raise InputError(key="fabric.surface", allowed="left out with [[panel.ply]]")
         for key, words in (
             ("rate_dependence", "left out with fabric.surface, whose yarns have one modulus"),
-            ("stacking", "aligned where the cell is a response surface"),
+            ("stacking", "aligned if the cell is a response surface"),
         ):
             if panel.sets(key):
                 raise InputError(key=f"panel.{key}", allowed=words)

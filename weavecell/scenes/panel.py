@@ -30,9 +30,8 @@ from weavecell.scenes.fabric_table import LAW, Law
 
 
 class SlipTable(Table):
-    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction
-    clamp, or `pull_in` with `start` and `end`, a prescribed slip. A list of two tables holds for
-    their two ends.
+    """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
+    `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
     [panel.boundary]
     warp = [{ clamp_force = "20 N" }, { clamp_force = "40 N" }]
@@ -205,7 +204,7 @@ class StrengthTable(Table):
 
 
 MOST_PLIES = 100
-BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
+BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
@@ -398,7 +397,7 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_one_or_more_plies(self):
         if not self.yarn_failure:
-            self.refuse("rate_dependence strength", "left out where yarns do not fail")
+            self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
         if self.crossovers == "yarns":
@@ -409,7 +408,7 @@ class PanelTable(Table):
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
-            self.refuse("stacking", "aligned where the weave is oblique")
+            self.refuse("stacking", "aligned if the weave is oblique")
         return self
 
     def _check_resolved(self):
@@ -429,7 +428,7 @@ class PanelTable(Table):
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
         drawn = self.strength is not None
         if drawn and given and self.symmetry != "whole":
-            allowed = "whole, or left out, where yarns differ in strength"
+            allowed = "whole, or left out, if yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
         resolved = self.crossovers == "yarns"
         if resolved and given and self.symmetry != "whole":

@@ -126,7 +126,7 @@ def read(
     if name in catalogue.list_names():
         fabric = {"name": name}
     elif name.endswith(".toml"):
-        text, table = scenes.read_toml(name, what="scene or fabric")
+        text, table = scenes.read_toml(name, what="input file or fabric")
         if _OF_A_SCENE & set(table):
             return _target(
                 scenes.check(changed(table, changes), name, refused),
@@ -159,7 +159,7 @@ def is_input_file(name: str) -> bool:
     InputError : no such file, or not TOML
     """
     return name.endswith(".toml") and bool(
-        _OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1])
+        _OF_A_SCENE & set(scenes.read_toml(name, what="input file or fabric")[1])
     )
 
 
