@@ -6,7 +6,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
-from shellfabric.panel.boundary import Grip, sides, slips
+from shellfabric.panel.boundary import Grip, slips
 from shellfabric.panel.grading import tributary
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.projectile.frames import axes
@@ -58,7 +58,7 @@ def rim(panel: PanelGrid) -> tuple[IntArray, IntArray, FloatArray]:
     """
     if not slips(panel.boundary):
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
-    given = sides(panel.boundary)
+    given = panel.supports
     ni, nj = panel.counts
     mass = panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
@@ -95,7 +95,7 @@ def yarn_ends(panel: PanelGrid) -> IntArray:
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels`
     has it."""
     ends = np.full((2, 2), CLAMPED_END)
-    for family, pair in enumerate(sides(panel.boundary)):
+    for family, pair in enumerate(panel.supports):
         for end, side in enumerate(pair):
             if side == "free":
                 ends[family, end] = FREE_END

@@ -25,6 +25,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, sqrt
 from operator import ge
+from typing import Any
 
 import numpy as np
 
@@ -157,8 +158,7 @@ class PanelGrid:
 
     def _check_edges(self):
         """InputError of edges that do not go with the symmetry or with an oblique weave."""
-        given = boundary.sides(self.boundary)
-        for (low, high), mirrored in zip(given, self.mirrors):
+        for (low, high), mirrored in zip(self.supports, self.mirrors):
             if mirrored and low != high:
                 allowed = "alike at both ends of mirrored yarns"
                 raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -168,7 +168,7 @@ class PanelGrid:
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
             raise InputError(key="opening", value=self.opening, allowed=allowed)
-        if self.stepped and any(side != "clamped" for pair in given for side in pair):
+        if self.stepped and not self._clamped:
             what = "in a round opening"
             if self.weave_angle:
                 what = "oblique"
@@ -207,11 +207,7 @@ class PanelGrid:
         if given != 1:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
-        gripped = any(
-            isinstance(side, boundary.Grip)
-            for pair in boundary.sides(self.boundary)
-            for side in pair
-        )
+        gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -230,7 +226,7 @@ class PanelGrid:
     def fabric(self) -> Fabric:
         return self.table.model.fabric
 
-    @property
+    @cached_property
     def weave(self) -> Weave:
         return self.fabric.weave
 
@@ -252,12 +248,12 @@ class PanelGrid:
             return vectors
         return frames.turned_back(vectors, self.axes)
 
-    @property
+    @cached_property
     def mirrors(self) -> tuple[bool, bool]:
         """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
         return SYMMETRIES[self.symmetry]
 
-    @property
+    @cached_property
     def _smallest(self):
         """(crossovers, elements) of a side at the impact point that is both long; one of them is
         1."""
@@ -276,7 +272,7 @@ class PanelGrid:
         """Elements along a side of a crossover at the impact point, if there is at least one."""
         return self._smallest[1]
 
-    @property
+    @cached_property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self._fills:
@@ -290,13 +286,13 @@ class PanelGrid:
         of the grid."""
         return self.sides is None and not self.stepped
 
-    @property
+    @cached_property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
         lengths = self.extent
         return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
 
-    @property
+    @cached_property
     def _half_counts(self):
         """(along warp, along weft) elements that are all alike, from the middle of the grid to an
         edge."""
@@ -377,7 +373,7 @@ class PanelGrid:
                 bounds += [count // 2 - fine + rim, count // 2 + fine - rim]
         return tuple(bounds)
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
@@ -511,13 +507,12 @@ class PanelGrid:
         """((ni,), (nj,)) [m] sides of the elements along warp and weft."""
         return self.sides or tuple(map(np.full, self.counts, self.spacing))
 
-    @property
+    @cached_property
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both
         sides: that of the impact point, or where a side is not clamped 0, so that edges are lines
         of the grid wherever it is struck."""
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        if clamped or self.weave_angle or self.round:
+        if self._clamped or self.weave_angle or self.round:
             return self.impact_point
         return (0.0, 0.0)
 
@@ -543,13 +538,23 @@ class PanelGrid:
         """(row, column) of the grid lines nearest the impact point."""
         return tuple(int(np.abs(x).argmin()) for x in self.lines())
 
+    @cached_property
+    def supports(self) -> tuple[tuple[Any, Any], ...]:
+        """((lowest, highest) of the warp, (lowest, highest) of the weft) sides of its boundary."""
+        return boundary.sides(self.boundary)
+
     @property
+    def _clamped(self):
+        """Whether all four sides are clamped."""
+        return self.supports == (("clamped", "clamped"),) * 2
+
+    @cached_property
     def stepped(self) -> bool:
         """Whether the edge of the opening is a staircase of grid lines, in place of four of
         them."""
         return self.weave_angle != 0 or self.round or any(self.grid_middle)
 
-    @property
+    @cached_property
     def extent(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] that the grid has to cover, its middle at `grid_middle`."""
         a, b = self.opening
@@ -574,7 +579,7 @@ class PanelGrid:
     def loose(self) -> BoolArray:
         """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
         free = np.ones(tuple(n + 1 for n in self.counts), bool)
-        for axis, (low, high) in enumerate(boundary.sides(self.boundary)):
+        for axis, (low, high) in enumerate(self.supports):
             rows = np.moveaxis(free, axis, 0)
             if high != "free":
                 rows[-1] = False
@@ -651,7 +656,7 @@ class PanelGrid:
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])
             drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
-            ends = boundary.sides(self.boundary)[n]
+            ends = self.supports[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)
