@@ -174,7 +174,7 @@ class PanelGrid:
                 what = "oblique"
             if self.ply_angle:
                 what = "turned in its pack"
-            allowed = f"clamped where the weave is {what}"
+            allowed = f"clamped if the weave is {what}"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         room = [0.5 * side - 2 * self.projectile.radius for side in self.opening]
         if self.round:
@@ -191,7 +191,7 @@ class PanelGrid:
             what = "the weave is oblique"
             if self.ply_angle:
                 what = "a ply is turned by another angle than 90 deg"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole where {what}")
+            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole if {what}")
 
     def _check_strength(self):
         if self.rate_dependence and self.fabric.strain_rate is None:
@@ -199,7 +199,7 @@ class PanelGrid:
             raise InputError(key="rate_dependence", value=True, allowed=allowed)
         if self.rate_dependence and not self.yarn_failure:
             raise InputError(
-                key="rate_dependence", value=True, allowed="false where yarns do not fail"
+                key="rate_dependence", value=True, allowed="false if yarns do not fail"
             )
 
     def _check_grading(self):
@@ -209,7 +209,7 @@ class PanelGrid:
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
         gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
-            allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
+            allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             # and what the smooth surface of the last element has beside it
@@ -514,7 +514,7 @@ class PanelGrid:
         of the grid wherever it is struck."""
         if self._clamped or self.weave_angle or self.round:
             return self.impact_point
-        return (0.0, 0.0)
+        return 0.0, 0.0
 
     @property
     def origin(self) -> tuple[float, ...]:

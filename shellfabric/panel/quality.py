@@ -127,7 +127,7 @@ LIMITS = {
     "yarn snap": (
         0.005,
         "",
-        "energy that steps lose where yarns stiffen in them, over the strike energy",
+        "energy that steps lose while yarns stiffen, over the strike energy",
     ),
     "energy gained in contact": (
         0.008,
@@ -163,7 +163,7 @@ LIMITS = {
     "element over failure length": (
         2.0,
         "",
-        "where yarns fail, element side over the failure length",
+        "if yarns fail: element side over the failure length",
     ),
     "path over fine mesh": (
         1.0,
