@@ -82,7 +82,7 @@ class Bricks:
         found = np.empty((len(self.volume), 4, 3))
         for mode, (directions, square) in enumerate(SLOPES):
             for i in range(3):
-                stiff = 0.0
+                stiff = np.zeros(len(self.volume))
                 for c in directions:
                     modulus = shear
                     if c == i:
