@@ -20,10 +20,11 @@ from fabrics.base.kernel_cache import digest, kernel_sources
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 WITH_KERNELS = ("shellfabric", "unitcell3d", "validation/models")
+# files that may use numba's own decorators
 DECORATORS = (
     "shellfabric/jit/compile.py",
     "fabrics/base/kernel_cache.py",
-)  # files that may use numba's own decorators
+)
 OWN_DECORATORS = re.compile(r"\b(njit|vectorize|guvectorize|cfunc)\b")
 NAMED_TUPLE = re.compile(r"^[^#\n]*(\bnamedtuple\(|\bNamedTuple\b\)?:)", re.MULTILINE)
 MOST_TOKENS = 8000  # of a file
@@ -113,7 +114,7 @@ def write(root, name, text):
 
 
 @pytest.mark.parametrize(
-    ("rule", "file", "text"),
+    "rule, file, text",
     [
         (
             kernels_that_are_not_plain,

@@ -199,7 +199,7 @@ STATED = {  # words of a page before a limit in %, and the limit of the code
 }
 
 
-@pytest.mark.parametrize(("words", "limit"), STATED.items())
+@pytest.mark.parametrize("words, limit", STATED.items())
 def test_a_limit_is_the_same_on_every_page_and_in_the_code(words, limit):
     found = [float(value) for text in TEXTS.values() for value in re.findall(words, text)]
     assert found

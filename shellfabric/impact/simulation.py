@@ -40,6 +40,7 @@ from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
+from shellfabric.yarns.model import YarnPanel, YarnZone
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -109,6 +110,7 @@ class ImpactSetup:
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for
         nothing
     numerics : Numerics
+    crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
@@ -153,6 +155,7 @@ class ImpactSetup:
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
+    crossovers: YarnZone | None = None
     plies: int = 1
     stacking: str = "aligned"
     ply_gap: float | None = None
@@ -235,7 +238,7 @@ class ImpactSetup:
     def _mesh_notes(self):
         """A line where the default mesh is as coarse as the weave, since the projectile may leave a
         finer zone."""
-        given = self.grading or self.elements_per_crossover or self.plies > 1
+        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
         if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
             return ()
         why = "an oblique or yawed shot, or edges that are not clamped"
@@ -295,6 +298,8 @@ class ImpactSetup:
         """Elements per crossover that are given, or those of the default."""
         if self.elements_per_crossover is not None:
             return self.elements_per_crossover
+        if self.crossovers is not None:
+            return 1
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
         if self.grading is not None:
             return 1
@@ -317,7 +322,7 @@ class ImpactSetup:
         InputError : as `panel`
         """
         given = self.grading is not None or self.elements_per_crossover is not None
-        if given:
+        if given or self.crossovers is not None:
             return self
         clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
         if not clamped or self.projectile.roaming:
@@ -459,6 +464,8 @@ class ImpactSetup:
             "table": table or self.table(),
             "elements_per_crossover": self.resolved_elements_per_crossover,
         }
+        if self.crossovers is not None:
+            return YarnPanel(**own, resolved=self.crossovers)
         return Panel(**own)
 
     def target(self, table: CellTable | None = None) -> Pack:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import edges
 
 if TYPE_CHECKING:
@@ -112,16 +113,23 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
 def failures(c: Any, state: Any) -> BoolArray:
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
     constants."""
-    flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
-    return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+
+    def nodes(slots):
+        return slots[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+
+    warp, weft = (nodes(segments) != 0 for segments in state.failed)
+    eroded = nodes(state.element_flag)[:-1, :-1] & ERODED != 0
+    return np.stack(
+        [warp[:-1, :-1] | warp[:-1, 1:], weft[:-1, :-1] | weft[1:, :-1], eroded], axis=2
+    )
 
 
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
     """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
-    their intact parts."""
+    whole yarn."""
     warp, weft = (
-        (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for part, T in zip(state.intact_fraction, state.T)
+        ((failed == 0) * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+        for failed, T in zip(state.failed, state.T)
     )
     return np.stack(
         [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2

@@ -203,7 +203,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["counter"][0] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
-    found["modules"] = forces.make_table(forces.make_modules(panel), panel.sides is not None)
+    found["modules"] = forces.make_table(panel.force_modules(), panel.sides is not None)
     return State(**found)
 
 

@@ -13,7 +13,7 @@ returns the energy [J] stored at the node rows first .. last, and adds its force
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,17 +32,21 @@ class Module:
 
     Parameters
     ----------
-    energy : name of what it stores, among the energies of a run
+    energy : name of what its unit returns, among the energies of a run
     act : its unit; None where it does not act
     own : its row, or None
     stiffness : [1/s2] bound of its stiffness over the mass of a node, a quarter of the square of the
         highest frequency, which bounds the time step
+    nose : a unit that is called in place of the membrane's contact with the nose, or None
+    books : a function that returns further energies {name: [J]} of its row, or None; those of a ply are added to
     """
 
     energy: str
     act: Unit | None
     own: Row | None = None
     stiffness: float = 0.0
+    nose: Unit | None = None
+    books: Callable[[Any], dict[str, float]] | None = None
 
 
 def bending(panel: Any) -> Module:
@@ -74,10 +78,16 @@ def make_table(modules: Iterable[Module], graded: bool) -> ModuleTable:
     the addresses of that process."""
     listed = tuple(modules)
     cells = [module.act.cell(int(graded)).place if module.act else 0 for module in listed]
+    nose = np.zeros(2, np.int64)
+    for module in listed:
+        if module.nose is not None:
+            nose[0] = module.nose.cell(int(graded)).place
+            nose[1] = module.own._address if module.own else 0
     found = ModuleTable(
         cell=np.array(cells, np.int64),
         own=np.array([module.own._address if module.own else 0 for module in listed], np.int64),
         behind=np.zeros(1, np.int64),
+        nose=nose,
     )
     found.__dict__["_remake"] = make_table, (listed, graded)
     return found

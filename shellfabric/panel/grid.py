@@ -264,11 +264,15 @@ class PanelGrid:
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        if self.sides is None and not self.stepped:
-            # all elements are alike, and made longer so that the edge of the opening is a line of the grid
+        if self._fills:
             lengths = self.extent
             return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
+
+    @property
+    def _fills(self):
+        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
+        return self.sides is None and not self.stepped
 
     @property
     def _half(self):
@@ -367,6 +371,10 @@ class PanelGrid:
         stiffness, shear = self.table.stiffness(), self.fabric.shear
         locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
         return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
+
+    def force_modules(self) -> tuple[forces.Module, ...]:
+        """What acts on it besides membrane and nose, each with a row of its own."""
+        return forces.make_modules(self)
 
     @property
     def critical_step(self) -> float:

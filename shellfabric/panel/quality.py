@@ -188,6 +188,11 @@ LIMITS = {
         "",
         "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
     ),
+    "slip at the rim": (
+        0.15,
+        "",
+        "slip of a resolved yarn beside the rim of its zone, in crossovers",
+    ),
 }
 NOTES = {
     "viscous energy": 0.1,
@@ -197,7 +202,8 @@ NOTES = {
 
 
 REMEDIES = {
-    "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to'
+    "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
+    "slip at the rim": "more yarn would be drawn in: widen panel.zone",
 }  # name: what to do beyond the limit
 
 
@@ -236,6 +242,8 @@ class Monitor:
         from shellfabric.panel.quality_kernels import sample
 
         parts = solver.parts
+        if solver.zone is not None:
+            return  # about the nose there are yarns in the place of the panel's edges
         if len(solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
             return
         for (_, const, state), row, (i, j), light in zip(
@@ -286,6 +294,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         solver.sample("cut_yarns"),
     )
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
+    broken = float(cut_yarns[-1] > 0 and solver.zone is None)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
@@ -309,11 +318,13 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         indicator("element side", max(panel.spacing) / shot.radius),
         indicator(
             "element over failure length",
-            float(cut_yarns[-1] > 0) * max(panel.spacing) / panel.fabric.failure_length,
+            broken * max(panel.spacing) / panel.fabric.failure_length,
         ),
         indicator("yarns an element", float(panel.finest)),
         *_extrapolation(solver),
     ]
+    if solver.zone is not None:
+        found.append(solver.rim_indicator)
     if len(solver.parts) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         collided = float(energies["ply_collisions"][-1])

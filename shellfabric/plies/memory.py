@@ -14,8 +14,10 @@ from typing import Any
 
 from shellfabric.driver import memory
 from shellfabric.panel.model import Panel
+from shellfabric.yarns.model import crossings_of
 
 ELEMENT = 310.0  # [bytes] of an element of one ply: 303 to 318
+CROSSING = 1300.0  # [bytes] of a crossing of resolved yarns with its four nodes
 PACK = 640.0  # [bytes] of an element of a pack: 390 to 539, and 96 of the closures of its points where plies touch
 SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
 WRITTEN = 1100.0  # [bytes] of an element of the largest ply while pictures and files are made, after the run: 1090
@@ -39,6 +41,7 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     run = sum(counts) * element
     if backing:
         run += BRICK * prod(backing.count)
+    run += CROSSING * crossings_of(plies[0])
     if written:
         run = max(run, WRITTEN * max(counts))
     return run + SNAPSHOT * snapshots * sum(counts)

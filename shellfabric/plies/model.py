@@ -44,6 +44,7 @@ from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import frames
 from shellfabric.projectile.contact import PREDICTED
 from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
+from shellfabric.yarns.model import YarnPanel
 
 STACKINGS = ("aligned", "alternating")
 
@@ -105,6 +106,8 @@ class Pack:
             or len({ply.trellis for ply in self.plies}) > 1
         ):
             raise InputError("the plies of a pack must have cells of one form")
+        if len(self.plies) > 1 and any(isinstance(ply, YarnPanel) for ply in self.plies):
+            raise InputError(key="crossovers", value="yarns", allowed="pinned in a pack")
         friction.check(self.friction, first.numerics.cfl)
 
     def at_shorter_step(self, factor: float) -> Pack:

@@ -9,6 +9,7 @@ number of threads: each has the nodes and elements of some blocks, in each step 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -31,6 +32,7 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.solver import compile_ahead, loop, ply_audit
 from shellfabric.state import Constants, PackContact
+from shellfabric.yarns import model as yarns
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (
@@ -82,6 +84,7 @@ class PackSolver(ExplicitSolver):
     states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of
         a single ply
     bar : state.BarRow of a projectile that is a bar, or None
+    zone : state.Zone of resolved yarns about the nose, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
         `push` is the force of the nose on it, `deflection` the largest of its fabric
@@ -133,6 +136,7 @@ class PackSolver(ExplicitSolver):
         self._graded = self.const._numba_type_ != Constants.types[UNIFORM]
         self.bar = self._make_bar()
         self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
+        self.zone = yarns.zone_of(self.modules[0])
         several = len(pack.plies) > 1
         self.contact = None
         if several:
@@ -151,7 +155,7 @@ class PackSolver(ExplicitSolver):
         return bar
 
     def _name_energies(self, several):
-        further = [module.energy for module in self.modules[0][len(forces.USUAL) :]]
+        further = ply_audit.further_names(self.modules[0])
         between = ()
         if several:
             between = BETWEEN_PLIES
@@ -232,6 +236,13 @@ class PackSolver(ExplicitSolver):
         strike energy."""
         both = self.sample("error") - self.sample("yarn_snap")
         return float(np.abs(both).max() / self.strike_energy)
+
+    @property
+    def rim_indicator(self) -> quality.Indicator:
+        """Slip of the resolved yarns beside the rim of their zone, where there is one."""
+        assert self.zone is not None
+        found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
+        return replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}")
 
     @property
     def held_apart(self) -> int:
@@ -333,6 +344,8 @@ class PackSolver(ExplicitSolver):
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
         *projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
+        if self.zone is not None:
+            yarns.show(self.zone, self.state)
         total = plies.sum(axis=0)
         if self.backing:
             block = self.backing.energies()
@@ -407,13 +420,18 @@ class PackSolver(ExplicitSolver):
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
         limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
-        return [
+        found = [
             (np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel))
             for panel, _, state in self.parts
         ]
+        if self.zone is not None:
+            found.append((np.sqrt((self.zone.v**2).sum(axis=1)), limit(self.panel)))
+        return found
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
+        if part == len(self.parts):
+            return f"node {int(node)} of the resolved yarns"
         row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
         if len(self.parts) == 1:
@@ -435,7 +453,8 @@ class PackSolver(ExplicitSolver):
         ):
             self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or self.backing is not None:
+        ends = self.reason != RUNNING or self.zone is not None
+        if ends or not failed or self.backing is not None:
             return
         through = all(
             passed(state, const, held_elements)
@@ -449,8 +468,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone;
-        the guard of a pack holds."""
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone,
+        one that strikes resolved yarns to theirs; the guard of a pack holds."""
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue
@@ -460,6 +479,13 @@ class PackSolver(ExplicitSolver):
                 x, y = 1e3 * nose[:2]
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
                 self.stop("the projectile leaves the first zone of the grading", where)
+        nose = self.state.projectile_position
+        if self.zone is not None and not yarns.holds_nose(self.panel, nose):
+            x, y = 1e3 * nose[:2]
+            self.stop(
+                "the projectile leaves the zone of resolved yarns",
+                f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
+            )
         if self.contact and self.contact.guard[near_kernels.FAILED]:
             self.stop(
                 f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}",
@@ -482,6 +508,7 @@ class PackSolver(ExplicitSolver):
         for modules, (_, const, state) in zip(self.modules, self.parts):
             known += const.nested(), state.mass, state.inverse_mass
             known += tuple((module.energy, module.stiffness) for module in modules)
+        known += yarns.identity(self.panel)
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:

@@ -9,13 +9,14 @@ both.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
-from shellfabric.panel import grading, perforation
+from shellfabric.panel import forces, grading, perforation
 from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import STEP
 from shellfabric.projectile import contact_kernels
@@ -43,8 +44,8 @@ ENERGIES = (
 
 
 def energies(const: Constants, state: State, rest: float) -> FloatArray:
-    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of n modules
-    besides the usual ones.
+    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of
+    `further_names`.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
     unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
     contact = state.contact_energy
     slip = state.slip_energy
-    return np.array(
+    found = np.array(
         [
             out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
             out[kernels.STORED],
@@ -75,6 +76,28 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
             *out[kernels.PACKING + 1 :],
         ]
     )
+    for name, energy in _books(forces.modules_of(state.modules)):
+        if name in ENERGIES:
+            found[ENERGIES.index(name)] += energy
+        else:
+            found = np.append(found, energy)
+    return found
+
+
+def further_names(modules: Iterable[forces.Module]) -> list[str]:
+    """Names of the energies that a ply with these modules has besides ENERGIES."""
+    names = [module.energy for module in modules]
+    names += [name for name, _ in _books(modules)]
+    return [name for name in names if name not in ENERGIES]
+
+
+def _books(modules):
+    """(name, [J]) of what modules have in their rows besides the energy that their unit returns."""
+    found = []
+    for module in modules:
+        if module.books is not None:
+            found += module.books(module.own).items()
+    return found
 
 
 def stored_energy(const: Constants, state: State) -> float:

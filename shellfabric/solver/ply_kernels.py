@@ -187,9 +187,13 @@ def break_yarns(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def touch(state, const, work):
-    """The nose's forces, but where they are to be computed after those of the other plies, which
-    implicit springs depend on (see `projectile.contact_kernels`): as long as the nose pushes.
-    Returns whether they are."""
+    """The nose's forces, on the membrane or on what is in its place, but where they are to be
+    computed after those of the other plies, which implicit springs depend on (see
+    `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
+    nose = state.modules.nose
+    if nose[0] != 0:
+        call_module(nose[0], nose[1], state, const, 0, const.ni, 1)
+        return False
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
@@ -207,7 +211,7 @@ def move_edges(state, const):
 @kernel(_nrt=False)
 def internal_work(state):
     """[J] work done so far on yarns, their viscosity and the contact with the nose."""
-    total = state.contact_energy[contact_kernels.CONTACT]
+    total = state.contact_energy[contact_kernels.CONTACT] + state.yarn_work[0]
     for block in range(state.energy_sums.shape[0]):
         total += state.energy_sums[block, WORK] + state.energy_sums[block, VISCOUS]
     return total

@@ -209,12 +209,14 @@ def note(states, consts, stack, row):
     if speed <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for
-    # a while
+    # a while; resolved yarns need not fail, the nose may have pushed them aside
     failed = False
     pushed = False
     for p in range(len(states)):
-        failed |= stack.ply_counters[p, FAILURES] > 0
-        pushed |= stack.f_contact_nose[p, 2] != 0.0 or row_of(states, p).f_block_nose[2] != 0.0
+        state = row_of(states, p)
+        failed |= stack.ply_counters[p, FAILURES] > 0 or state.modules.nose[0] != 0
+        pushed |= stack.f_contact_nose[p, 2] != 0.0 or state.f_block_nose[2] != 0.0
+        pushed |= state.yarns_ahead[0] > 0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):

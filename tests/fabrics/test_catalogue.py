@@ -49,4 +49,5 @@ def test_response_surface_file_keeps_every_bit(tmp_path):
     ResponseSurface(**columns, fabric="S-720", provenance="a test").write(tmp_path / "surface.h5")
     back = ResponseSurface.read(tmp_path / "surface.h5")
     assert all(np.array_equal(getattr(back, name), column) for name, column in columns.items())
-    assert (back.fabric, back.provenance) == ("S-720", "a test")
+    assert back.fabric == "S-720"
+    assert back.provenance == "a test"

@@ -14,19 +14,7 @@ import pytest
 from fabrics.base.executors import THREADS, as_done, one_thread_each, open_executor
 
 ROOT = Path(__file__).parents[2]
-WORDS = (
-    "v50",
-    "S-720",
-    "--shots",
-    "4",
-    "--batch",
-    "4",
-    "--opening",
-    "30.6 mm",
-    "--seed",
-    "2",
-    "--out",
-)
+LINE = "v50 S-720 --shots 4 --batch 4 --opening 30.6mm --seed 2 --out"
 
 
 class Uncancelled(ThreadPoolExecutor):
@@ -105,29 +93,21 @@ def table(folder):
 
 def test_a_v50_is_the_same_to_the_bit_with_every_executor(command, tmp_path, monkeypatch):
     """In the test program without dolfinx: beside its processes mpiexec has ended with code 1 and no message."""
-    distributed, mpiexec = pytest.importorskip("distributed"), shutil.which("mpiexec")
+    distributed = pytest.importorskip("distributed")
+    mpiexec = shutil.which("mpiexec")
     if mpiexec is None:
         pytest.skip("no mpiexec")
-    assert command(*WORDS, "here", "--jobs", "1")[0] == 0
-    assert command(*WORDS, "local", "--jobs", "2")[0] == 0
+    assert command(f"{LINE} here --jobs 1")[0] == 0
+    assert command(f"{LINE} local --jobs 2")[0] == 0
     with one_thread_each():
         cluster = distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=None
         )
     with cluster:
         monkeypatch.setenv("DASK_SCHEDULER_ADDRESS", cluster.scheduler_address)
-        assert command(*WORDS, "dask", "--executor", "dask")[0] == 0
-    start = [
-        mpiexec,
-        "-n",
-        "3",
-        "--allow-run-as-root",
-        "--oversubscribe",
-        sys.executable,
-        "-m",
-        "mpi4py.futures",
-    ]
-    words = [*start, "-m", "weavecell", *WORDS, "mpi", "--executor", "mpi"]
+        assert command(f"{LINE} dask --executor dask")[0] == 0
+    start = f"{mpiexec} -n 3 --allow-run-as-root --oversubscribe {sys.executable} -m mpi4py.futures"
+    words = f"{start} -m weavecell {LINE} mpi --executor mpi".split()
     done = subprocess.run(
         words, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
     )

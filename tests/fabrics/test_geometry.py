@@ -60,7 +60,8 @@ def test_height_inverts_the_arc_length(crimp):
 def test_the_weaves_have_the_numbers_of_the_source(name):
     """Tables 4-1 and 5-1; the areal density is nearer with the effective linear density."""
     fabric = catalogue.load(name)
-    weave, used = fabric.weave, fabric.with_effective_density().weave
+    weave = fabric.weave
+    used = fabric.with_effective_density().weave
     h1, h2, thickness, printed = TABLE_5_1[name]
     assert np.multiply(weave.h0, 1e3) == pytest.approx([h1, h2], abs=0.005)
     assert weave.thickness * 1e3 == pytest.approx(thickness, abs=0.006)

@@ -1,5 +1,7 @@
 """Compression, slip, trellis and solid laws: limits, inverses, derivatives, energies, fits, files and errata."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -66,18 +68,22 @@ def test_intervals_of_the_fit_cover_the_truth():
             law.a_interval[0] < S720.a < law.a_interval[1]
             and law.b_interval[0] < S720.b < law.b_interval[1]
         )
-    assert (
-        174 <= hits <= 200
-    )  # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
+    # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
+    assert 174 <= hits <= 200
 
 
 def test_law_file_keeps_every_bit(tmp_path):
+    """The range of an assumed solid too, of which both ends are laws."""
     F = np.geomspace(0.5, 150, 40)
-    law = CompressionLaw.fit(
-        F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720"
-    )
-    law.to_json(tmp_path / "law.json")
-    assert CompressionLaw.from_json(tmp_path / "law.json") == law
+    d = S720.d(F) + 1e-7 * np.sin(9 * F)
+    law = CompressionLaw.fit(F, d, provenance="a test", fabric="S-720")
+    ranged = replace(law, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
+    for written in (law, ranged):
+        written.to_json(tmp_path / "law.json")
+        assert CompressionLaw.from_json(tmp_path / "law.json") == written
+    assert law.ends() == {}
+    ends = {end: (each.a, each.b) for end, each in ranged.ends().items()}
+    assert ends == {"soft": (5e-5, 4e-5), "stiff": (3e-5, 5e-5)}
 
 
 def test_limits_of_the_law_of_the_tension_ratio():
@@ -90,7 +96,8 @@ def test_limits_of_the_law_of_the_tension_ratio():
 @pytest.mark.parametrize("F0", [2.0, np.inf])
 def test_fit_finds_the_law_of_the_tension_ratio_behind_its_samples(F0):
     law = RatioLaw(RATIO.p, F0)
-    F, m = np.tile(np.geomspace(0.05, 100, 12), 3), np.repeat([-0.8, 0.1, 0.9], 12)
+    F = np.tile(np.geomspace(0.05, 100, 12), 3)
+    m = np.repeat([-0.8, 0.1, 0.9], 12)
     found = RatioLaw.fit(F, m, law.d(F, m))
     assert (*found.p, found.F0) == pytest.approx((*law.p, F0), abs=1e-5)
     assert found.residual_rms < 1e-10
@@ -98,7 +105,8 @@ def test_fit_finds_the_law_of_the_tension_ratio_behind_its_samples(F0):
 
 
 def test_imbalance_of_tensions():
-    T1, T2 = np.array([1.0, 0.0, 3.0, 0.0, -0.1]), np.array([0.0, 2.0, 1.0, 0.0, 1.0])
+    T1 = np.array([1.0, 0.0, 3.0, 0.0, -0.1])
+    T2 = np.array([0.0, 2.0, 1.0, 0.0, 1.0])
     assert imbalance(T1, T2) == pytest.approx([1, -1, 0.5, 0, -1])
 
 
@@ -106,7 +114,8 @@ def test_the_slip_threshold_is_fitted():
     """T_f = c0 + mu_eff F_c, never negative."""
     F_c = np.array([2.0, 5.0, 11.0, 17.0])
     law = PullOutLaw.fit(F_c, 0.05 + 0.21 * F_c)
-    assert (law.c0, law.mu_eff) == (pytest.approx(0.05), pytest.approx(0.21))
+    assert law.c0 == pytest.approx(0.05)
+    assert law.mu_eff == pytest.approx(0.21)
     assert law.residual_rms < 1e-12
     assert law.threshold([0.0, 10.0, -1.0]) == pytest.approx([0.05, 2.15, 0.05])
     assert PullOutLaw(-0.1, 0.2).threshold([0.1, 1.0]) == pytest.approx([0.0, 0.1])

@@ -83,7 +83,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("make", "line"), REFUSED, ids=range(len(REFUSED)))
+@pytest.mark.parametrize("make, line", REFUSED, ids=range(len(REFUSED)))
 def test_one_line_says_what_is_wrong(make, line):
     with pytest.raises(InputError, match=f"^{line}") as caught:
         make()

@@ -51,9 +51,8 @@ def test_equal_inputs_have_one_digest_and_others_another():
     assert len(set(digests)) == len(values)
     assert run_cache.inputs_digest({"b": 1, "a": 2}) == run_cache.inputs_digest({"a": 2, "b": 1})
     assert run_cache.inputs_digest(np.float64(2.5)) == run_cache.inputs_digest(2.5)
-    assert run_cache.inputs_digest((1, 2)) == run_cache.inputs_digest(
-        [1, 2]
-    )  # JSON gives back lists
+    # JSON gives back lists
+    assert run_cache.inputs_digest((1, 2)) == run_cache.inputs_digest([1, 2])
     fabric = catalogue.load("S-720")
     assert run_cache.inputs_digest(fabric) == run_cache.inputs_digest(replace(fabric))
     assert run_cache.inputs_digest(fabric) != run_cache.inputs_digest(
@@ -68,7 +67,7 @@ def test_what_has_no_value_of_its_own_is_no_part_of_a_key(value):
 
 
 @pytest.mark.parametrize(
-    ("module", "file", "counts"),
+    "module, file, counts",
     [
         ("shellfabric.impact.simulation", "shellfabric/new.py", True),
         ("shellfabric.impact.simulation", "fabrics/catalogue/new.toml", True),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import assumed, catalogue
 from fabrics.families.strain_rate import RateLaw
@@ -12,7 +13,7 @@ TABLE = '[strain_rate]\nrates = ["10 / s", "1000 / s"]\nstrength = [1.0, 1.4]\ns
 
 def test_linear_in_the_logarithm_and_constant_outside():
     rates = [1e-9, 10.0, 100.0, 1000.0, 1e9]
-    np.testing.assert_allclose([LAW.strength_at(rate) for rate in rates], [1.0, 1.0, 1.2, 1.4, 1.4])
+    assert_allclose([LAW.strength_at(rate) for rate in rates], [1.0, 1.0, 1.2, 1.4, 1.4])
     assert LAW.dynamic_modulus == 1.2
     assert RateLaw((10.0,), (1.0,)).dynamic_modulus == 1.0
 
@@ -29,7 +30,7 @@ def test_damage_at_a_steady_rate_is_one_at_the_strength(rate):
     )
     assert total == pytest.approx(1, rel=1e-3)
     same_at_all_rates = RateLaw((1.0, 10.0), (0.9, 0.9))
-    np.testing.assert_array_equal(same_at_all_rates.table(0.03), [[0.9], [0.0], [0.0]])
+    assert_array_equal(same_at_all_rates.table(0.03), [[0.9], [0.0], [0.0]])
 
 
 def test_a_family_gives_it_with_its_source_and_the_strength_stays():

@@ -81,7 +81,7 @@ def test_separators_and_decimal_commas_of_any_country(tmp_path, text):
 
 
 @pytest.mark.parametrize(
-    ("text", "line"),
+    "text, line",
     [
         ("strain [%]; force [N]\n0.5; 10\n1,5; 20\n", "line 3 = '1,5': must be written without"),
         ("strain [%]; force [N]\n1; 1,025\n2; 2,050\n", "line 2 = '1,025': must be written with"),

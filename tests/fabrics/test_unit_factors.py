@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from fabrics.base import units
 from fabrics.base.errors import InputError
 
-SAME = settings(
-    deadline=None, derandomize=True, database=None, print_blob=True
-)  # the same examples in every run
+# the same examples in every run
+SAME = settings(deadline=None, derandomize=True, database=None, print_blob=True)
 PAIRS = [(unit, to) for to, table in units.FACTORS.items() for unit in table]
 # unit = its SI unit and exact value
 EXACT = tomllib.loads("""
@@ -69,7 +68,7 @@ PIECE = st.one_of(
 TEXT = st.one_of(st.text(max_size=12), st.lists(PIECE, max_size=6).map("".join))
 
 
-@pytest.mark.parametrize(("unit", "to"), PAIRS)
+@pytest.mark.parametrize("unit, to", PAIRS)
 def test_the_factors_are_those_of_pint(unit, to):
     assert units._factor_by_pint(unit, to) == units.FACTORS[to][unit]
 
@@ -123,7 +122,7 @@ s = ["3 mm"]
 
 
 @pytest.mark.parametrize(
-    ("to", "text"), [(to, text) for to, texts in REFUSED.items() for text in [*texts, None]]
+    "to, text", [(to, text) for to, texts in REFUSED.items() for text in [*texts, None]]
 )
 def test_everything_else_is_refused(text, to):
     with pytest.raises(InputError) as caught:

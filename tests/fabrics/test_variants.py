@@ -30,7 +30,8 @@ def test_weaving_damage_scales_stiffness_and_strength(fabric):
         assert after.EA == pytest.approx(0.9 * before.EA)
         assert after.strength == pytest.approx(0.8 * before.strength)
         assert after.wave_speed == pytest.approx(0.9**0.5 * before.wave_speed)
-        assert (after.linear_density, after.crimp) == (before.linear_density, before.crimp)
+        assert after.linear_density == before.linear_density
+        assert after.crimp == before.crimp
     assert woven.laws == fabric.laws
     assert woven.sources["weaving_damage.strength"] == {
         "value": 0.8,
@@ -73,9 +74,8 @@ def test_straight_yarns_keep_the_shear_force_per_width(fabric):
 
 def test_trellis_and_laws(fabric):
     soft = variants.scale_shear(fabric, moduli=0.5, angles=2.0)
-    assert soft.shear.stress(0.2) == pytest.approx(
-        fabric.shear.stress(0.1), rel=1e-12
-    )  # half the slope, twice as far
+    # half the slope, twice as far
+    assert soft.shear.stress(0.2) == pytest.approx(fabric.shear.stress(0.1), rel=1e-12)
     assert variants.with_shear(fabric, G2=fabric.shear.G1).shear.G2 == fabric.shear.G1
     half = variants.scale_laws(fabric, 0.5, 0.5)
     for before, after in zip(fabric.laws, half.laws):
@@ -98,7 +98,8 @@ def test_solids(fabric):
 
 def test_failure_length(fabric):
     changed = variants.with_failure_length(fabric, 1e-3)
-    assert (changed.failure_length, changed.assumed) == (1e-3, ())
+    assert changed.failure_length == 1e-3
+    assert changed.assumed == ()
     assert replace(changed, failure_length=fabric.failure_length, assumed=fabric.assumed) == fabric
 
 

@@ -31,16 +31,18 @@ class TimeLimit(Exception):
     """A run that took too long."""
 
 
+ERRORS = {
+    InputError: "rejected",
+    UnstableError: "guard",
+    TimeLimit: "time",
+    Exception: "traceback",
+}
+
+
 def outcome(scene):
     """Run a RandomScene: {"name", "outcome", "end", "message", "energy_error" [-], "doubtful", "cpu_time" [s], ...}."""
-    row = {
-        "name": scene.name,
-        "outcome": "ok",
-        "end": "",
-        "message": "",
-        "energy_error": None,
-        "doubtful": "",
-    }
+    row = dict.fromkeys(("end", "message", "doubtful"), "")
+    row |= {"name": scene.name, "outcome": "ok", "energy_error": None}
     begun = []
 
     def watch(march):
@@ -52,17 +54,15 @@ def outcome(scene):
     with tempfile.TemporaryDirectory() as folder:
         try:
             row |= _of_result(run(scene.write(folder), hooks=(watch,)))
-        except InputError as problem:
-            row |= {"outcome": "rejected", "message": str(problem).replace(f"{folder}/", "")}
-        except UnstableError as problem:
-            row |= (
-                _of_result(problem.result) if getattr(problem, "result", None) is not None else {}
+        except Exception as problem:
+            row["outcome"] = next(
+                name for kind, name in ERRORS.items() if isinstance(problem, kind)
             )
-            row |= {"outcome": "guard", "message": str(problem)}
-        except TimeLimit as problem:
-            row |= {"outcome": "time", "message": str(problem)}
-        except Exception:
-            row |= {"outcome": "traceback", "message": traceback.format_exc(limit=-3)}
+            row["message"] = str(problem).replace(f"{folder}/", "")
+            if row["outcome"] == "traceback":
+                row["message"] = traceback.format_exc(limit=-3)
+            if getattr(problem, "result", None) is not None:
+                row |= _of_result(problem.result)
         finally:
             faulthandler.cancel_dump_traceback_later()
     return row | {"cpu_time": time.process_time() - begun[0] if begun else 0.0}

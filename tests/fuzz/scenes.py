@@ -132,12 +132,12 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False):
         if draw.chance(0.3):
             shot, body = sample_body(draw, shot, f"{name}.stl")
             panel["symmetry"] = "whole"
-    if (
-        alone and "elements_per_crossover" not in run and draw.chance(0.7)
-    ):  # the default costs several times as much
+    # the default costs several times as much
+    if alone and "elements_per_crossover" not in run and draw.chance(0.7):
         run["elements_per_crossover"] = 1
     if panel["symmetry"] == "whole" and draw.chance(0.2):
-        shape, seed = round(draw.log_uniform(8, 50), 2), int(draw.uniform(0, 1000))
+        shape = round(draw.log_uniform(8, 50), 2)
+        seed = int(draw.uniform(0, 1000))
         panel["strength"] = {"weibull_shape": shape, "seed": seed}
     return RandomScene(
         name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body
@@ -191,9 +191,8 @@ def sample_fabric(draw, name):
         found.setdefault("compression", {})[family] = _law(draw, thickness_of(tex, rho))
     for family, law in found["compression"].items():
         found["compression"][family] = _thinner(law, _heights(found))
-    locking = (
-        0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))
-    )  # [MPa], E-07
+    # [MPa], E-07
+    locking = 0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))
     angle = draw.uniform(0.05, 0.4)
     found["shear"] = {
         "G1": _text(locking * draw.log_uniform(1e-4, 1e-2), "MPa"),
@@ -201,9 +200,8 @@ def sample_fabric(draw, name):
         "gamma1": round(angle, 3),
         "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
     }
-    found["solid"] = {
-        family: dict(_SOLID) for family in ("warp", "weft")
-    }  # yarns of no known fibre have none assumed
+    # yarns of no known fibre have none assumed
+    found["solid"] = {family: dict(_SOLID) for family in ("warp", "weft")}
     return found
 
 
@@ -449,9 +447,8 @@ def sample_run(draw, fabric, cells, half, shot, panel):
     end = max(60, min(end, UPDATES * step / (per_step * half**2)))
     panel["opening"] = _text(2 * half, "mm")
     found = {"end_time": _text(end, "us"), "snapshot_interval": "20 us", "outputs": []}
-    fine = (
-        end * per_step * half**2 * 8
-    )  # updates x step with two elements per crossover, which packs have by default
+    # updates x step with two elements per crossover, which packs have by default
+    fine = end * per_step * half**2 * 8
     if fine < UPDATES * step and draw.chance(0.3):
         found["elements_per_crossover"] = 2
     elif plies > 1 and fine > _FINE_PACK * UPDATES * step:

@@ -51,16 +51,9 @@ def installed(built, shared):
         subprocess.run(
             [sys.executable, "-m", "venv", "--system-site-packages", str(folder)], check=True
         )
-        pip = [
-            str(folder / "bin" / "python"),
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--no-deps",
-            "--no-index",
-        ]
-        done = run_in(folder, *pip, *map(str, built.glob("*.whl")))
+        pip = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
+        python = str(folder / "bin" / "python")
+        done = run_in(folder, python, *pip, *map(str, built.glob("*.whl")))
         assert done.returncode == 0, done.stderr
         [packages] = folder.glob("lib/python*/site-packages")
         (packages / "test-environment.pth").write_text("\n".join(site.getsitepackages()) + "\n")

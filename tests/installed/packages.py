@@ -13,17 +13,8 @@ PACKAGES = [
 
 def files():
     """Those that git tracks, or all but caches where this is no checkout."""
-    command = [
-        "git",
-        "-C",
-        str(ROOT),
-        "ls-files",
-        "--cached",
-        "--others",
-        "--exclude-standard",
-        "--",
-        *PACKAGES,
-    ]
+    options = ["ls-files", "--cached", "--others", "--exclude-standard", "--"]
+    command = ["git", "-C", str(ROOT), *options, *PACKAGES]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode == 0 and done.stdout:
         return sorted(Path(line) for line in done.stdout.splitlines() if (ROOT / line).is_file())

@@ -46,7 +46,8 @@ def test_what_a_page_prints_runs(page, tmp_path):
 
     script = ""
     printed = ""
-    of_python = False  # what stood last before an output
+    # what stood last before an output
+    of_python = False
     for kind, text, name in SHOWN[page]:
         if kind == "file" and not name.startswith("."):
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

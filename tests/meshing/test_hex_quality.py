@@ -9,7 +9,7 @@ from meshing.quality import scaled_jacobian
 ONE = np.arange(8)[None]
 
 
-@pytest.mark.parametrize(("a", "b"), [(0.0, 0.0), (0.0, 0.5), (0.3, 0.0), (0.6, 1.5)])
+@pytest.mark.parametrize("a, b", [(0.0, 0.0), (0.0, 0.5), (0.3, 0.0), (0.6, 1.5)])
 def test_a_sheared_brick_in_any_place(a, b):
     """Edges (1,0,a), (0,1,b), (0,0,1), each of any length: the shape of every element of a yarn, of slopes a and b."""
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
@@ -22,7 +22,8 @@ def test_a_sheared_brick_in_any_place(a, b):
 
 
 def test_degenerate_and_inverted():
-    flat, inside_out = CUBE.copy(), CUBE * (1, 1, -1)
+    flat = CUBE.copy()
+    inside_out = CUBE * (1, 1, -1)
     flat[6] = flat[2]
     assert scaled_jacobian(flat, ONE)[0] == 0
     assert scaled_jacobian(inside_out, ONE)[0] == -1

@@ -36,7 +36,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("make", "line"), REFUSED, ids=[line[:30] for _, line in REFUSED])
+@pytest.mark.parametrize("make, line", REFUSED, ids=[line[:30] for _, line in REFUSED])
 def test_one_line_says_what_is_wrong(make, line):
     with pytest.raises(InputError, match=f"^{line}.*$"):
         make()

@@ -17,7 +17,8 @@ LENSES = [(name, kind) for name in WOVEN for kind in ("sine", "ellipse")]
 CONFORMING = [(name, "conforming") for name in catalogue.list_names()]
 
 
-WIDTH, AREA = 1.27e-3, 1.6e-7
+WIDTH = 1.27e-3
+AREA = 1.6e-7
 
 
 @pytest.mark.parametrize("tip_thickness_ratio", [0.02, 0.1, 0.5])
@@ -65,13 +66,14 @@ def fitted(name, kind="sine", widths=None, **choices):
 def gap_field(sections, shift, weave, n=700):
     """Lower face of the warp minus upper face of the weft on a dense grid."""
     (w1, w2), (h1, h2), (warp, weft) = weave.w, weave.h0, sections
-    x, y = np.linspace(0, weft.half_width, n)[:, None], np.linspace(0, warp.half_width, n)[None]
+    x = np.linspace(0, weft.half_width, n)[:, None]
+    y = np.linspace(0, warp.half_width, n)[None]
     lower = h1 * np.cos(np.pi * x / (2 * w1)) + shift / 2 - warp.half_thickness(y)
     upper = -h2 * np.cos(np.pi * y / (2 * w2)) - shift / 2 + weft.half_thickness(x)
     return lower - upper
 
 
-@pytest.mark.parametrize(("name", "kind"), LENSES)
+@pytest.mark.parametrize("name, kind", LENSES)
 def test_lenses_touch_and_nowhere_overlap_and_the_overlap_reported_is_that_of_the_lenses_asked_for(
     name, kind
 ):
@@ -83,7 +85,7 @@ def test_lenses_touch_and_nowhere_overlap_and_the_overlap_reported_is_that_of_th
     assert section_fit.overlap == pytest.approx(-requested.min(), abs=5e-9)
 
 
-@pytest.mark.parametrize(("name", "kind"), CONFORMING)
+@pytest.mark.parametrize("name, kind", CONFORMING)
 def test_conforming_sections_touch_everywhere(name, kind):
     section_fit, fabric = fitted(name, kind)
     gap = gap_field(section_fit.sections, section_fit.shift, fabric.weave, n=60)
@@ -99,7 +101,7 @@ def test_conforming_sections_touch_everywhere(name, kind):
         assert section.half_width <= section.width / 2 * (1 + 1e-12)
 
 
-@pytest.mark.parametrize(("name", "kind"), LENSES + CONFORMING)
+@pytest.mark.parametrize("name, kind", LENSES + CONFORMING)
 def test_areas_follow_the_fibre_fractions(name, kind):
     """A_yarn = A_s (1 + crimp) / Vf0; lenses only get denser, conforming sections keep the ratio of the fractions."""
     section_fit, fabric = fitted(name, kind)
@@ -126,7 +128,7 @@ def test_a_small_overlap_or_gap_is_shifted_and_changes_no_section():
         assert section_fit.report == report
 
 
-@pytest.mark.parametrize(("name", "kind"), LENSES)
+@pytest.mark.parametrize("name, kind", LENSES)
 def test_yarns_that_cannot_be_shifted_do_not_overlap_either(name, kind):
     """As those of a patch: a gap stays open, and is said to be."""
     section_fit, fabric = fitted(name, kind, shift=False)
@@ -150,7 +152,8 @@ def test_sections_are_narrowed_no_more_than_needed():
 
 def test_a_strongly_unbalanced_weave_is_densified_or_conforms_and_says_so():
     """S-731: lenses have to be squeezed to the closest packing before they fit; conforming sections keep more room."""
-    lenses, conforming = fitted("S-731")[0], fitted("S-731", "conforming")[0]
+    lenses = fitted("S-731")[0]
+    conforming = fitted("S-731", "conforming")[0]
     assert lenses.changed
     assert lenses.Vf0[0] == pytest.approx(CLOSEST_PACKING)
     assert abs(lenses.shift) < 1e-11

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hexahedra import volumes
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from meshing import crossover as mesher
@@ -12,7 +13,8 @@ from meshing import patch
 from meshing.grid import tributary_areas
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
-WARP, WEFT = 0, 1
+WARP = 0
+WEFT = 1
 SMALL = (3, 2, 1)
 SIZES = ((6, 4, 2), (12, 8, 4), (24, 16, 8))
 
@@ -59,7 +61,8 @@ def test_worst_scaled_jacobian_of_a_sine_section_is_that_of_its_steepest_slopes(
     crossover = mesh(size=(32, 32, 2))
     expected = []
     for section, w, h in zip(crossover.sections, crossover.w, crossover.h0):
-        a, b = np.pi * h / (2 * w), np.pi * section.thickness / (2 * section.width)
+        a = np.pi * h / (2 * w)
+        b = np.pi * section.thickness / (2 * section.width)
         expected.append(1 / np.sqrt((1 + a * a) * (1 + b * b)))
     assert crossover.min_scaled_jacobian == pytest.approx(min(expected), rel=5e-3)
 
@@ -78,7 +81,7 @@ def test_yarn_volume_is_its_length_times_its_area(name, kind, error):
     errors = np.array(errors)
     assert np.all(errors > 0)
     assert np.all(errors[-1] < error)
-    assert np.allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.2)
+    assert_allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.2)
 
 
 def test_all_fibres_have_the_length_of_the_yarn():
@@ -91,7 +94,7 @@ def test_all_fibres_have_the_length_of_the_yarn():
             assert np.ptp(length) < 1e-12 * length.mean()
             errors.append(1 - length.mean() / (crossover.S0[yarn] / 2))
         assert 0 < errors[-1] < 1e-4
-        assert np.allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.05)
+        assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.05)
 
 
 def test_bars_are_edges_along_the_fibre():
@@ -105,7 +108,7 @@ def test_bars_are_edges_along_the_fibre():
     for yarn, axis in ((WARP, 0), (WEFT, 1)):
         along = np.diff(crossover.points[crossover.bars[yarn]], axis=1)[:, 0]
         assert np.all(along[:, axis] > 0)
-        assert np.allclose(along[:, 1 - axis], 0, atol=1e-18)
+        assert_allclose(along[:, 1 - axis], 0, atol=1e-18)
         assert np.all(crossover.fibre[crossover.yarn == yarn][:, axis] > 0.8)
     assert np.allclose(np.linalg.norm(crossover.fibre, axis=1), 1)
 
@@ -129,17 +132,17 @@ def test_the_whole_is_the_quarter_mirrored_twice(kind):
         full = whole.points[whole.grids[yarn]]
         assert full.shape[:2] == (2 * nx + 1, 2 * ny + 1)
         along, across = (1 - 2 * yarn) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
-        assert np.array_equal(full[nx:, ny:], part)
-        assert np.allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
-        assert np.allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
+        assert_array_equal(full[nx:, ny:], part)
+        assert_allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
+        assert_allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
         areas, all_areas = (
             made.bar_area[yarn][: np.prod(made.grids[yarn].shape[1:])].reshape(
                 made.grids[yarn].shape[1:]
             )
             for made in (quarter, whole)
         )
-        assert np.allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-12)
-        assert np.allclose(all_areas[ny], 2 * areas[0], rtol=1e-12)
+        assert_allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-12)
+        assert_allclose(all_areas[ny], 2 * areas[0], rtol=1e-12)
 
 
 @pytest.mark.parametrize("domain", ["quarter", "whole"])
@@ -151,7 +154,7 @@ def test_the_faces_of_a_yarn_close_its_volume_and_look_outwards(domain, yarn):
     quads = np.concatenate([quads for key, quads in made.faces.items() if key.startswith(name)])
     edges = np.stack([quads, np.roll(quads, 1, axis=1)], axis=-1).reshape(-1, 2)
     assert len(np.unique(edges, axis=0)) == len(edges)
-    assert np.array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
+    assert_array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
     corners = made.points[quads]
     areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
     volume = volumes(made.points, made.hexes[made.yarn == yarn]).sum()
@@ -187,7 +190,7 @@ def test_grids_hold_every_node_once_in_its_place():
         assert np.all(np.diff(grid[..., axis], axis=0) > 0)
         assert np.all(np.diff(grid[..., 1 - axis], axis=1) > 0)
         assert np.all(np.diff(grid[..., 2], axis=2) > 0)
-        assert np.array_equal(
+        assert_array_equal(
             np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn])
         )
         middle = grid[:, :, 0, 2] / 2 + grid[:, :, -1, 2] / 2
@@ -208,14 +211,14 @@ def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
     weave = woven("S-731", (3, 4))
     assert weave.names == ("warp_1", "warp_2", "warp_3", "weft_1", "weft_2", "weft_3", "weft_4")
     assert weave.extent == pytest.approx((8 * weave.w[0], 6 * weave.w[1]))
-    places = [
-        2 * w * (np.arange(n) - (n - 1) / 2) for w, n in zip(weave.w, (4, 3))
-    ]  # of the crossings along each
+    # of the crossings along each
+    places = [2 * w * (np.arange(n) - (n - 1) / 2) for w, n in zip(weave.w, (4, 3))]
     for number, family in enumerate(weave.families):
         place = number - 3 * family
         grid = weave.points[weave.grids[number]]
         line = grid[:, grid.shape[1] // 2].mean(axis=1)
-        along, across = line[:, family], line[:, 1 - family]
+        along = line[:, family]
+        across = line[:, 1 - family]
         assert across == pytest.approx(places[1 - family][place], abs=1e-18)
         assert along[[0, -1]] == pytest.approx(
             np.array([-0.5, 0.5]) * weave.extent[family], rel=1e-12
@@ -236,7 +239,7 @@ def test_a_yarn_is_one_body_from_end_to_end():
         cells = 4 if weave.families[number] == 0 else 3
         assert grid.shape == (2 * SMALL[0] * cells + 1, 2 * SMALL[1] + 1, SMALL[2] + 1)
         hexes = weave.hexes[weave.yarn == number]
-        assert np.array_equal(np.unique(hexes), np.sort(grid.ravel()))
+        assert_array_equal(np.unique(hexes), np.sort(grid.ravel()))
         assert set(np.bincount(hexes.ravel())[grid[1:-1].ravel()]) == {2, 4}
         assert len(np.unique(np.round(weave.points[grid.ravel()], 12), axis=0)) == grid.size
 
@@ -256,16 +259,14 @@ def test_yarns_of_a_family_stand_side_by_side():
 def test_one_crossing_is_the_whole_crossover():
     """Where neither has to shift the yarns (here both sections are densified) they are one mesh."""
     fabric = catalogue.load("S-731")
-    one, other = (
-        patch.build(fabric, (1, 1), size=(4, 3, 2)),
-        mesher.build(fabric, domain="whole", size=(4, 3, 2)),
-    )
+    one = patch.build(fabric, (1, 1), size=(4, 3, 2))
+    other = mesher.build(fabric, domain="whole", size=(4, 3, 2))
     assert abs(other.shift) < 1e-11
-    assert np.allclose(one.points, other.points, rtol=0, atol=1e-11)
-    assert np.array_equal(one.hexes, other.hexes)
+    assert_allclose(one.points, other.points, rtol=0, atol=1e-11)
+    assert_array_equal(one.hexes, other.hexes)
     for name, quads in other.faces.items():
         yarn, part = name.split("_")
-        assert np.array_equal(one.faces[f"{yarn}_1_{part}"], quads)
+        assert_array_equal(one.faces[f"{yarn}_1_{part}"], quads)
 
 
 def test_the_cell_of_four_crossovers_fits_itself():
@@ -275,7 +276,7 @@ def test_the_cell_of_four_crossovers_fits_itself():
         grid = weave.points[weave.grids[number]]
         step = np.zeros(3)
         step[family] = weave.extent[family]
-        assert np.allclose(grid[-1], grid[0] + step, rtol=0, atol=1e-18)
+        assert_allclose(grid[-1], grid[0] + step, rtol=0, atol=1e-18)
 
 
 def test_groups_are_named_by_yarn_and_by_family():
@@ -308,14 +309,15 @@ def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
                 np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)
             ]
             over = (cell[0] + cell[1]) % 2 == family
-            assert np.array_equal(normal < 0, over if sign == 1 else ~over)
+            assert_array_equal(normal < 0, over if sign == 1 else ~over)
 
 
 def thrown(face, points, places):
     """Heights of bilinear facets (q, 4) above places (n, 2), by search: NaN off them."""
     z = np.full(len(places), np.nan)
     for corners in points[face]:
-        low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+        low = corners[:, :2].min(axis=0)
+        high = corners[:, :2].max(axis=0)
         inside = np.all((places >= low) & (places < high), axis=1)
         s, t = ((places[inside] - low) / (high - low)).T
         for corner in corners:

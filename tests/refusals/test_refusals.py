@@ -71,9 +71,8 @@ def test_refused(row, command, tmp_path):
     write(row, tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     code, out, err = command(*shlex.split(row["run"]))
-    said = [
-        text for text in err.splitlines() if not text.startswith("compiling ")
-    ]  # in the first run alone
+    # in the first run alone
+    said = [text for text in err.splitlines() if not text.startswith("compiling ")]
     expected = [f"error: {line}" for line in listed(row["line"])]
     assert len(said) == len(expected), err
     for text, line in zip(said, expected):

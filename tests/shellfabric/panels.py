@@ -21,6 +21,9 @@ SERIAL = Numerics(threads=1)
 UNDAMPED = Numerics(stretch_viscosity=0.0, threads=1)
 COARSER = ((9, 1), (13, 2), (INF, 4))  # gradings about the impact point, of panels of 60 mm
 FINER = ((7, 1 / 3), (13, 1), (INF, 2))
+HALF = ((7, 0.5), (INF, 1))
+STEPPED = ((7, 0.25), (9, 0.5), (13, 1), (INF, 4))
+THIRD = ((8, 1 / 3), (INF, 2))
 
 
 @cache
@@ -101,9 +104,8 @@ def plain_energies(panel, x):
     lengths = []
     sums = []
     bending = 0.0
-    for axis, count in enumerate(
-        (panel.weave.warp_count, panel.weave.weft_count)
-    ):  # arrays of edges: along, across
+    # arrays of edges: along, across
+    for axis, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
         own = sides[axis][:, None]
         yarns = count * tributary(sides[1 - axis])
         edge = np.diff(np.moveaxis(x, axis, 0), axis=0) / own[..., None]
@@ -135,15 +137,18 @@ def plain_energies(panel, x):
 
 def plain_packing(panel, x):
     """[J] of packed elements, from the diagonals of each at x and at rest."""
-    now, full = areas(x), areas(rest(panel))
-    share, stiffness = panel.packed_area, packing_stiffness(panel.fabric)
+    now = areas(x)
+    full = areas(rest(panel))
+    share = panel.packed_area
+    stiffness = packing_stiffness(panel.fabric)
     missing = np.maximum(share - now / full, 0.0)
     return float(np.sum(full * stiffness * missing**2 / (2 * share)))
 
 
 def areas(x):
     """(ni, nj) [m2] half the cross product of the diagonals of each element."""
-    one, other = x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]
+    one = x[1:, 1:] - x[:-1, :-1]
+    other = x[:-1, 1:] - x[1:, :-1]
     return 0.5 * np.linalg.norm(np.cross(one, other), axis=-1)
 
 

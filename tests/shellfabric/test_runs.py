@@ -63,12 +63,13 @@ LOST = {
     "clamp_friction",
     "ply_friction",
 }
+# from the plies
 APART = {
     "kinetic_projectile",
     "elastic_projectile",
     "plastic_projectile",
     *BETWEEN_PLIES,
-}  # from the plies
+}
 
 
 # kind: (set-up, whether the mechanism has acted)

@@ -45,12 +45,11 @@ class Blocks:
         self.grids = first, second
         hexes = np.concatenate([grid.bricks(first, True), grid.bricks(second, False)])
         self.space = HexSpace.build(self.points, hexes)
-        lame, mu = E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+        lame = E * nu / (1 + nu) / (1 - 2 * nu)
+        mu = E / 2 / (1 + nu)
         u = self.space.displacement
-        v, du = (
-            ufl.TestFunction(self.space.displacements),
-            ufl.TrialFunction(self.space.displacements),
-        )
+        v = ufl.TestFunction(self.space.displacements)
+        du = ufl.TrialFunction(self.space.displacements)
 
         def stress(w):
             e = ufl.sym(ufl.grad(w))

@@ -34,7 +34,8 @@ def dense(values, n):
 
 def loaded(model, load, steps=10):
     """(solver, state) in equilibrium at a load, which is reached from none in equal steps."""
-    solver, q = Newton(model), np.zeros(model.size)
+    solver = Newton(model)
+    q = np.zeros(model.size)
     for share in np.linspace(0, 1, steps + 1)[1:]:
         state = solver.solve(q, Load().towards(load, share))
         q = state.q
@@ -45,7 +46,8 @@ def end_forces(mesh, fabric, route, friction=0.0, step=2e-6):
     """T1, T2, F_c [N] after the corners `route` : (c, 2) [m], in steps [m] after each of which friction sticks anew."""
     model = CrossoverModel(mesh, fabric, Numerics(friction=friction))
     solver = Newton(model)
-    q, at = rest_state(model, solver, Load()).q, Load()
+    q = rest_state(model, solver, Load()).q
+    at = Load()
     model.commit(q, at)
     for corner in route:
         goal = Load(tuple(corner))

@@ -55,7 +55,8 @@ class BarrierModel:
             points[grid, 2] += side * apart
         self.model = CrossoverModel(type(crossover)(**vars(crossover) | {"points": points}), fabric)
         self.model.surfaces = NoContact()
-        upper, lower = crossover.grids[0][:, :, 0], crossover.grids[1][:, :, -1]
+        upper = crossover.grids[0][:, :, 0]
+        lower = crossover.grids[1][:, :, -1]
         self.nodes = np.concatenate([upper.ravel(), lower.ravel()])
         number = np.full(len(points), -1)
         number[self.nodes] = np.arange(len(self.nodes))
@@ -65,7 +66,8 @@ class BarrierModel:
         self.mesh = ipctk.CollisionMesh(self._scaled(points), ipctk.edges(faces), faces)
         yarn = np.repeat([0, 1], [upper.size, lower.size]).astype(np.int32)
         self.mesh.can_collide = ipctk.make_vertex_patches_filter(yarn)
-        self.reach, self.scale = reach / UNIT, stiffness * UNIT
+        self.reach = reach / UNIT
+        self.scale = stiffness * UNIT
         self.barrier = ipctk.BarrierPotential(self.reach, 1.0)
         rows = (3 * self.nodes[:, None] + np.arange(3)).ravel()
         self.spread = sparse.csr_matrix(
@@ -144,7 +146,8 @@ class BarrierModel:
 
     def path(self, end, steps):
         """(T1, T2, F_c) [N] at the end displacements `end` : (2,) [m], in equal steps from rest."""
-        q, at = np.zeros(self.model.size), Load()
+        q = np.zeros(self.model.size)
+        at = Load()
         for share in np.linspace(0, 1, steps + 1)[1:]:
             goal = Load((share * end[0], share * end[1]))
             q, forces, contact = self.solve(q, at, goal)
@@ -156,7 +159,10 @@ class BarrierModel:
 
 def triangles(grid):
     """(m, 3) two triangles a quadrilateral, the diagonal turning from cell to cell."""
-    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+    a = grid[:-1, :-1]
+    b = grid[1:, :-1]
+    c = grid[1:, 1:]
+    d = grid[:-1, 1:]
     i, j = np.indices(a.shape)
     even = ((i + j) % 2 == 0)[..., None]
     first = np.where(even, np.stack([a, b, c], -1), np.stack([a, b, d], -1))

@@ -54,7 +54,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("make", "line"), REFUSED, ids=[line for _, line in REFUSED])
+@pytest.mark.parametrize("make, line", REFUSED, ids=[line for _, line in REFUSED])
 def test_one_line_says_what_is_wrong(make, line):
     with pytest.raises(InputError, match=f"^.*{line}.*$"):
         make()

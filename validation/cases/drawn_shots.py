@@ -12,13 +12,13 @@ from fabrics.variants import with_linear_density
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
+from validation.claims.readers import KEVLAR
 from weavecell.studies import inputs
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 END = 600e-6
-KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
 # how far a drawn scene goes from the thesis's: factors on a fabric's numbers, and ranges
 FACTORS = {

@@ -313,15 +313,19 @@ def straight_side(run: Any, velocity: float) -> float:
     return np.corrcoef(*run.nodes[inside].T)[0, 1] ** 2
 
 
+def _profile(run, t):
+    """Places along the warp through the impact point and their deflections at the instant nearest t."""
+    warp = yarn(run, "warp")
+    k = int(np.argmin(np.abs(run.histories[0].t - t)))
+    return warp.place[k], warp.deflection[k]
+
+
 def cone_sides(run: Any, times: Sequence[float]) -> Values:
     """Sides of the cone of a shell's yarn: straightness at times [s], and what the slope loses from first to last."""
-    warp = yarn(run, "warp")
     slopes = []
     R2 = []
     for t in times:
-        k = int(np.argmin(np.abs(run.histories[0].t - t)))
-        x = warp.place[k]
-        z = warp.deflection[k]
+        x, z = _profile(run, t)
         side = (x > NOSE) & (z > 0.1 * z.max())
         slopes.append(-np.polyfit(x[side], z[side], 1)[0])
         R2.append(np.corrcoef(x[side], z[side])[0, 1] ** 2)
@@ -330,9 +334,7 @@ def cone_sides(run: Any, times: Sequence[float]) -> Values:
 
 def cone_slope(run: Any, t: float) -> float:
     """Of the side of the cone along the warp at an instant, from 30 to 80 % of its height."""
-    k = int(np.argmin(np.abs(run.histories[0].t - t)))
-    x = yarn(run, "warp").place[k]
-    z = yarn(run, "warp").deflection[k]
+    x, z = _profile(run, t)
     part = (z > 0.3 * z.max()) & (z < 0.8 * z.max())
     return -np.polyfit(x[part], z[part], 1)[0]
 

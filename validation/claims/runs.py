@@ -332,8 +332,7 @@ def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None
     x = mesh.points + found.last["u"]
     lines = []
     for axis, (grid, sign) in enumerate(zip(mesh.grids, (1, -1))):
-        # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
-        middle = 0.5 * (x[grid[:, 0, 0]] + x[grid[:, 0, -1]])
+        middle = _middle(x, grid)
         lines.append(np.stack([middle[:, axis], sign * middle[:, 2]]))
     return PathColumns(
         **found.columns,
@@ -342,6 +341,11 @@ def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None
         thickness=_thickness(mesh, mesh.points),
         thickness_end=_thickness(mesh, x),
     )
+
+
+def _middle(points, grid):
+    """(n, 3) [m] axis of a yarn over the plane of symmetry across it, from each column through the thickness."""
+    return 0.5 * (points[grid[:, 0, 0]] + points[grid[:, 0, -1]])
 
 
 def _thickness(mesh, points):
@@ -412,7 +416,7 @@ def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
         errors = []
         spread = []
         for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
-            middle = 0.5 * (mesh.points[grid[:, 0, 0]] + mesh.points[grid[:, 0, -1]])
+            middle = _middle(mesh.points, grid)
             errors.append(
                 np.ptp(np.abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h
             )
@@ -439,10 +443,8 @@ def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
     from unitcell3d.material.solid_law import forms
 
     law = catalogue.load(fabric).solid_laws[0]
-    corners = np.array(
-        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
-        float,
-    )
+    # of the unit cube, in the order of VTK
+    corners = np.array([*itertools.product((0.0, 1.0), repeat=3)])[[0, 4, 6, 2, 1, 5, 7, 3]]
     space = HexSpace.build(corners, np.arange(8)[None])
     constants = space.cell_constants(
         np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]])

@@ -84,8 +84,9 @@ class Keywords(TypedDict, total=False):
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
     opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
     impact_point : where the projectile hits, from the middle of the opening along its two sides;
-        the middle if not given. Off the middle it needs the symmetry `half`, on the second axis,
-        else `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+        the middle if not given, of resolved yarns a quarter of a spacing off the crossover there,
+        in both directions. Off the middle it needs the symmetry `half`, on the second axis, else
+        `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
@@ -110,6 +111,15 @@ class Keywords(TypedDict, total=False):
     grading : coarser mesh with the distance from the impact point: zones of distance and element
         side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
         "1/2"], [20, 1], [inf, 2]]
+    crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
+        yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
+        one of "pinned", "yarns"
+    zone : resolved yarns: half width of the square zone about the nose; 20 mm where not given [m];
+        a length above 0, such as "20 mm"
+    aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
+        middle of the opening; a whole number from 0 to 2147483647
+    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where
+        not given; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
@@ -147,6 +157,10 @@ class Keywords(TypedDict, total=False):
     strength: Mapping[str, Quantity] | None
     rate_dependence: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
+    crossovers: Literal["pinned", "yarns"]
+    zone: Quantity | None
+    aim_seed: int | None
+    crossover_friction: Number | None
     end_time: Quantity
     elements_per_crossover: int | None
     snapshot_interval: Quantity | None

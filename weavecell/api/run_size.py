@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9
+OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
 SHOTS_OF_A_SEARCH = 9
@@ -88,6 +89,7 @@ class RunSize(_Size):
         InputError : values that do not go together
         """
         from shellfabric.plies import memory
+        from shellfabric.yarns.model import crossings_of
 
         pack = setup.target()
         backing = pack.plies[0].backing
@@ -98,9 +100,9 @@ class RunSize(_Size):
         kind = "one ply"
         if setup.plies > 1:
             kind = "pack"
-        low, high = (
-            steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)
-        )
+        numbers = np.array([pack.elements, bricks, crossings_of(pack.plies[0])])
+        costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
+        low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=True)
         step = pack.time_step
         return cls(title, pack.elements, bricks, steps, step, needed, (low, high), assumed)

@@ -70,6 +70,10 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
     "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
+    "panel.crossovers": (
+        '"pinned": no law here lets yarns slip',
+        lambda ply: ply.crossovers is not None,
+    ),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.strength": (
         "left out: cards have one strength",

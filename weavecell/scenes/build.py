@@ -325,6 +325,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     from shellfabric.impact.strengths import YarnStrength
     from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.numerics import Numerics
+    from shellfabric.yarns.model import aim
     from weavecell.scenes.short_setup import ShortSetup
 
     scene = case.scene
@@ -350,6 +351,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             and HistoryRequest(**_given(scene.history, "report_positions")),
             "numerics": Numerics(**_given(scene.numerics)),
         }
+        given["crossovers"] = _resolved(panel)
+        if given["crossovers"] is not None and panel.impact_point is None:
+            given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
         made = ShortSetup(**given)
     except InputError as problem:
         raise in_file(problem, file) from None
@@ -361,6 +365,16 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
 def _given(table, *but):
     """{key: value} of the keys that a table sets, without some."""
     return {key: value for key, value in table if value is not None and key not in but}
+
+
+def _resolved(table):
+    """The zone of resolved yarns; None of pinned crossovers."""
+    if table.crossovers == "pinned":
+        return None
+    from shellfabric.yarns.model import YarnZone
+
+    given = {"half_width": table.zone, "friction": table.crossover_friction}
+    return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 
 def _projectile(table):

@@ -383,6 +383,9 @@ class Scene(Table):
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
         if shot.shape != "stl":
             stl_file.check_mass(shot)
+        if self.accuracy is not None and panel.crossovers != "pinned":
+            words = '"pinned" where the mesh is chosen by [accuracy]'
+            raise InputError(key="panel.crossovers", allowed=words)
         if fabric.surface is None:
             return self
         if panel.ply:

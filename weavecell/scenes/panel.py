@@ -253,9 +253,6 @@ class PlyTable(Table):
         return self
 
 
-OF_SLIDING_YARNS = ("crossovers", "crossover_friction", "crossover_cohesion")
-
-
 class PanelTable(Table):
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
 
@@ -279,7 +276,8 @@ class PanelTable(Table):
     ) = "rectangular"
     impact_point: Annotated[
         quantities(
-            "where the projectile hits, from the middle of the opening along its two sides; the middle if not given. "
+            "where the projectile hits, from the middle of the opening along its two sides; the middle if not given, "
+            "of resolved yarns a quarter of a spacing off the crossover there, in both directions. "
             "Off the middle it needs the symmetry `half`, on the second axis, else `whole`",
             "m",
             "a list of two lengths",
@@ -339,6 +337,28 @@ class PanelTable(Table):
             'zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]',
         ),
     ] = None
+    crossovers: one_of(
+        "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
+        "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md))",
+        "pinned",
+        "yarns",
+    ) = "pinned"
+    zone: quantity(
+        "resolved yarns: half width of the square zone about the nose; 20 mm where not given",
+        "m",
+        "20 mm",
+    ) = None
+    aim_seed: whole(
+        "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening",
+        0,
+        2**31 - 1,
+    ) = None
+    crossover_friction: number(
+        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
+        0.2,
+        ge=0.0,
+        le=2.0,
+    ) = None
 
     @property
     def angled(self) -> bool:
@@ -347,9 +367,9 @@ class PanelTable(Table):
 
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
-        """As of Table; what is allowed of the keys of yarns that slide, which the panel had."""
-        if key in OF_SLIDING_YARNS:
-            return None, "left out: the membrane does not model yarns that slip at their crossovers"
+        """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
+        if key == "crossover_cohesion":
+            return None, 'left out: resolved yarns (crossovers = "yarns") have a friction alone'
         return super().unknown(key, near)
 
     @model_validator(mode="after")
@@ -372,15 +392,26 @@ class PanelTable(Table):
             self.refuse("rate_dependence strength", "left out where yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
+        if self.crossovers == "yarns":
+            self._check_resolved()
+        else:
+            self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned where the weave is oblique")
         return self
 
+    def _check_resolved(self):
+        """Refuse what resolved yarns do not have."""
+        if self.impact_point is not None:
+            self.refuse("aim_seed", "left out beside impact_point")
+        if self.plies > 1:
+            raise InputError(key="plies", value=self.plies, allowed="1 with resolved yarns")
+
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
-        """The whole panel if a ply is at an angle or yarns differ in strength."""
+        """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
@@ -388,7 +419,9 @@ class PanelTable(Table):
         if drawn and given and self.symmetry != "whole":
             allowed = "whole, or left out, where yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
-        whole = self.angled or drawn
-        if whole:
+        resolved = self.crossovers == "yarns"
+        if resolved and given and self.symmetry != "whole":
+            raise InputError(key="symmetry", allowed="whole, or left out, with resolved yarns")
+        if self.angled or drawn or resolved:
             return self.model_copy(update={"symmetry": "whole"})
         return self

@@ -192,6 +192,10 @@ def _of_setup(setup, name, value):
             return replace(setup, ply_friction=value)
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
+        case "friction of crossovers" if setup.crossovers is not None:
+            return replace(setup, crossovers=replace(setup.crossovers, friction=value))
+        case "lateral stiffness of yarns" if setup.crossovers is not None:
+            return replace(setup, crossovers=replace(setup.crossovers, lateral=value))
         case "clamp force":
             return replace(setup, boundary=_gripped(setup.boundary, value))
     return setup

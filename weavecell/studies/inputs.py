@@ -80,8 +80,13 @@ def table(section: str) -> dict[str, Entry]:
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed] and of the area of packed fabric, by name."""
-    rows = read_data(_PATH)["assumed"]
+    """Entries of [assumed], of resolved yarns and of the area of packed fabric, by name."""
+    from shellfabric.yarns.model import DATA
+
+    rows = read_data(_PATH)["assumed"] | {
+        "friction of crossovers": DATA["crossover_friction"],
+        "lateral stiffness of yarns": DATA["lateral_stiffness"],
+    }
     assumed = {name: families.entry(row, "") for name, row in rows.items()}
     return assumed | {"area of packed fabric": data_sheet.entries()["packed_area"]}
 

@@ -1,12 +1,12 @@
 """Panels and packs of a V50, drawn from a seed and a number alone.
 
 The yarns differ in strength (`shellfabric.impact.strengths`). Modulus, and the crimp of either family, are one
-log-normal value for all plies, which are cut from one roll.
+log-normal value for all plies, which are cut from one roll. Resolved yarns are struck anywhere in a cell of the weave.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, sqrt
 
 import numpy as np
@@ -15,6 +15,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack
+from shellfabric.yarns.model import aim
 from weavecell.studies.inputs import Scatter, alone, changed_setup
 
 
@@ -43,6 +44,8 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     """
     whole = alone(setup, symmetry="whole")
     check(whole, scatter)
+    if whole.crossovers is not None:
+        whole = replace(whole, impact_point=drawn_aim(whole, seed, number))
     factors = draw_factors(scatter, seed, number * whole.plies)
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))
@@ -52,6 +55,12 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
     return Drawn(pack, factors, (warp, weft))
+
+
+def drawn_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
+    """[m] impact point of a number, anywhere in a cell of the weave about that of the set-up."""
+    x, y = aim(setup.fabric.weave, [seed, number])
+    return setup.impact_point[0] + x, setup.impact_point[1] + y
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:

@@ -187,6 +187,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
     """
     named = setup.grading is not None or setup.elements_per_crossover is not None
+    named = named or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:

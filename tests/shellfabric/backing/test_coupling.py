@@ -183,9 +183,8 @@ def test_a_block_behind_a_turned_ply_lies_along_the_opening(fabric):
     behind.block.x[:, 2] += 0.02 * behind.block.x[:, 0]  # a face that leans along the opening
     behind.step(state)
     pushed = -np.array([force.sum() for force in state.f_block_cloth])
-    got = (
-        behind.block.mass @ behind.block.v / (0.5 * const.dt)
-    )  # from rest, the first kick is half a step's
+    # from rest, the first kick is half a step's
+    got = behind.block.mass @ behind.block.v / (0.5 * const.dt)
     assert abs(got[0]) > 0.01 * abs(got[2]) > 0.01
     assert np.append(panel.axes @ got[:2], got[2]) == pytest.approx(pushed, rel=1e-6)
     assert not np.any(behind._stiffness[~np.repeat(inner(panel).ravel(), behind.p**2)])

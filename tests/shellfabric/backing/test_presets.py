@@ -134,7 +134,7 @@ def test_volume_of_a_dent():
 
 
 @pytest.mark.parametrize(
-    ("mirrors", "deep"), [((True, True), [0, 1]), ((False, False), [1])], ids=["quarter", "whole"]
+    "mirrors, deep", [((True, True), [0, 1]), ((False, False), [1])], ids=["quarter", "whole"]
 )
 def test_the_face_goes_on_below_the_bricks_that_are_gone(mirrors, deep):
     """The first two bricks from the axis along x are gone, in the whole on both sides of that line: the nodes about

@@ -41,9 +41,8 @@ def test_rest_and_limits(fabric):
     assert stiff["h1"] + stiff["h2"] == pytest.approx(sum(fabric.weave.h0), rel=1e-12)
     loose = CellModel(fabric, cell_model="decoupled").solve(1.04, 1.01)
     weave = fabric.weave
-    assert loose["T1"] == pytest.approx(
-        weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01
-    )  # erratum E-14
+    # erratum E-14
+    assert loose["T1"] == pytest.approx(weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01)
     assert loose["T2"] == 0.0
     middle = CellModel(fabric).solve(1.02, 1.01)
     assert (

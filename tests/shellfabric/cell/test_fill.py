@@ -101,9 +101,8 @@ def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_neste
     assert near == pytest.approx((found["F"], found["h1"], found["h2"]), rel=1e-10)
     far = fill_kernels.close_cell(*cell, (1e10 * found["F"], 40 * found["h1"], found["h2"]))
     assert far[0] == -1
-    contact = (
-        model.table(41).values["F"] > 0
-    )  # begins in the row, where the cell before has no force to start from
+    # begins in the row, where the cell before has no force to start from
+    contact = model.table(41).values["F"] > 0
     assert np.any(contact[:, 1:] & ~contact[:, :-1])
 
 

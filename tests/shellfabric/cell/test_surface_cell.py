@@ -100,6 +100,5 @@ def test_surface_of_the_3d_crossover(fabric):
     assert result.outcome == "stopped"
     assert result.energy_error_max < 5e-4
     assert result.panel.table.residual < 2e-3
-    assert result.nose_position[-1] == pytest.approx(
-        18.56e-3, rel=0.02
-    )  # 18.56 mm with the published law
+    # 18.56 mm with the published law
+    assert result.nose_position[-1] == pytest.approx(18.56e-3, rel=0.02)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from fabrics import catalogue
 from shellfabric.cell import table_cache
@@ -28,9 +29,9 @@ def fills(tmp_path, monkeypatch):
 def assert_equal(one, two):
     assert one.values.keys() == two.values.keys()
     for name, array in one.values.items():
-        assert np.array_equal(array, two.values[name])
+        assert_array_equal(array, two.values[name])
     for name in ("stretch1", "stretch2", "tension1", "tension2", "spline"):
-        assert np.array_equal(getattr(one, name), getattr(two, name))
+        assert_array_equal(getattr(one, name), getattr(two, name))
 
 
 def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):

@@ -12,7 +12,8 @@ EI = 2e-6
 
 def turns(panel, x):
     """Energy [J] of the turns of yarns with the nodes at x, and the forces (3, nodes) [N] of that."""
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     set_nodal(state.u, x - rest(panel))
     return bending_kernels.bending_forces(state, const, state.modules, 0, const.ni, True), np.array(
         state.f_int
@@ -24,12 +25,10 @@ def test_clamped_yarn_under_a_point_load(axis):
     """F L^3 / 192 EI in the middle of a yarn clamped at both ends, and 8 / n^2 more with n segments."""
     bending = tuple(EI * (family == axis) for family in (0, 1))
     panel = make_panel(symmetry="whole", bending=bending, yarn_failure=False)
-    n, d, middle, stiffness = (
-        panel.counts[axis],
-        panel.spacing[axis],
-        panel.counts[1 - axis] // 2,
-        [],
-    )
+    n = panel.counts[axis]
+    d = panel.spacing[axis]
+    middle = panel.counts[1 - axis] // 2
+    stiffness = []
     for k in range(1, n):
         x = rest(panel)
         np.moveaxis(x, axis, 0)[k, middle, 2] = 1e-7
@@ -53,7 +52,8 @@ def test_pure_bending_is_a_circle(grading):
         grading=grading,
     )
     X, Y = panel.coordinates()
-    sides, radius = panel.sides or tuple(map(np.full, panel.counts, panel.spacing)), 0.05
+    sides = panel.sides or tuple(map(np.full, panel.counts, panel.spacing))
+    radius = 0.05
     x = np.stack([radius * np.sin(X / radius), Y, radius * (1 - np.cos(X / radius))], axis=-1)
     length = (
         (sides[0].sum() - 0.5 * sides[0][[0, -1]].sum()) * panel.weave.warp_count * sides[1].sum()

@@ -7,6 +7,7 @@ import pytest
 from conftest_tools import grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
 
 from shellfabric.cloth import failure_kernels
@@ -51,15 +52,15 @@ def test_weights_add_up_to_one_within_the_grid(mirrored):
     x = np.linspace(0.0, 10.0, 41)
     first, weights = failure.mean_weights(x, 1.3, mirrored)
     inner = (x <= 8.6) & (mirrored | (x >= 1.4))
-    np.testing.assert_allclose(weights.sum(axis=1)[inner], 1.0, rtol=1e-12)
+    assert_allclose(weights.sum(axis=1)[inner], 1.0, rtol=1e-12)
     assert np.all((first >= 0) & (first + weights.shape[1] <= x.size))
 
 
 def test_a_length_below_half_an_element_leaves_the_line_alone():
     first, weights = failure.mean_weights(np.arange(5.0), 0.5, True)
     assert weights.shape[1] == 1
-    np.testing.assert_allclose(weights[:, 0], [1.0, 1.0, 1.0, 1.0, 0.5])
-    np.testing.assert_array_equal(first, np.arange(5))
+    assert_allclose(weights[:, 0], [1.0, 1.0, 1.0, 1.0, 0.5])
+    assert_array_equal(first, np.arange(5))
 
 
 def step(state, const, family=0):
@@ -75,8 +76,11 @@ def step(state, const, family=0):
 def test_a_tension_that_is_held_breaks_yarns_after_its_time(elements, family):
     """dF/dt = (M - F) / t_f from half of the strength on: held at 1.2 of it, after t_f ln(0.7 / 0.2)."""
     panel = make_panel(elements_per_crossover=elements)
-    state, const, weave = panel.state(1.0), panel.constants(), panel.weave
-    yarn, count = weave.yarns[family], (weave.warp_count, weave.weft_count)[family]
+    state = panel.state(1.0)
+    const = panel.constants()
+    weave = panel.weave
+    yarn = weave.yarns[family]
+    count = (weave.warp_count, weave.weft_count)[family]
     speed = (yarn.EA * count / weave.areal_density) ** 0.5
     time = 2 * max(panel.fabric.failure_length, panel.spacing[family]) / speed
     state.T[family][:] = 1.2 * yarn.strength
@@ -91,12 +95,13 @@ def test_a_tension_that_is_held_breaks_yarns_after_its_time(elements, family):
 def test_what_is_below_half_of_the_strength_is_not_followed():
     """F stays where it is, and no row is looked at again; a tension that falls is followed back to it."""
     panel = make_panel()
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     strength = panel.weave.warp.strength
     before = state.filtered_tension[0].copy()
     state.T[0][:] = 0.49 * strength
     assert step(state, const) == 0
-    np.testing.assert_array_equal(state.filtered_tension[0], before)
+    assert_array_equal(state.filtered_tension[0], before)
     assert not state.warm_rows.any()
     assert state.peak_tension[0] == pytest.approx(0.49 * strength)
     state.T[0][:] = 0.9 * strength
@@ -106,15 +111,18 @@ def test_what_is_below_half_of_the_strength_is_not_followed():
     for _ in range(200):
         step(state, const)
     assert not state.warm_rows.any()
-    np.testing.assert_array_equal(state.filtered_tension[0], before)
+    assert_array_equal(state.filtered_tension[0], before)
 
 
 def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
     """One line past the strength breaks alone; the mean beside it leaves it out."""
     panel = make_panel(elements_per_crossover=4, symmetry="whole", boundary="free")
-    state, const, strength = panel.state(1.0), panel.constants(), panel.weave.warp.strength
+    state = panel.state(1.0)
+    const = panel.constants()
+    strength = panel.weave.warp.strength
     row, middle = (count // 2 for count in panel.counts)
-    T, intact = grid(const, state.T[0]), grid(const, state.intact_fraction[0])
+    T = grid(const, state.T[0])
+    intact = grid(const, state.intact_fraction[0])
     T[row, middle] = 3.0 * strength
     T[row, middle - 1 : middle + 2 : 2] = 0.9 * strength
     for _ in range(200):
@@ -138,7 +146,8 @@ def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
 def test_all_edges_are_judged_before_one_is_removed():
     """What breaks in a step does not depend on the order of lines: all of a block at once."""
     panel = make_panel(elements_per_crossover=2, boundary="free")
-    state, const = panel.state(1.0), panel.constants()
+    state = panel.state(1.0)
+    const = panel.constants()
     state.T[1][:] = 1e3 * panel.weave.weft.strength
     assert step(state, const, 1) == (const.ni + 1) * const.nj
     assert not state.intact_fraction[1].any()

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from conftest_tools import advance, bring, grid, node_forces, solver_at_rest
 from numba import njit
-from panels import COARSER, FINER, INF, UNDAMPED, make_panel, rest, set_nodal
+from numpy.testing import assert_allclose
+from panels import COARSER, FINER, HALF, STEPPED, THIRD, UNDAMPED, make_panel, rest, set_nodal
 from scipy.integrate import quad
 
 from fabrics.base.errors import UnstableError
@@ -26,11 +27,7 @@ def shear_slopes(n, sine, G1, G2, gamma1, gamma2, slope):
         store(slope, j, trellis_kernels.shear_slope(load(sine, j), G1, G2, gamma1, gamma2))
 
 
-GRADINGS = [None, COARSER, FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4))]
-GRADINGS += [((8, 1 / 3), (INF, 2))]
-
-
-@pytest.mark.parametrize("grading", GRADINGS)
+@pytest.mark.parametrize("grading", [None, COARSER, FINER, HALF, STEPPED, THIRD])
 @pytest.mark.parametrize(
     "strain", [[[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]], [[0.6, 0.1], [0.05, 0.7], [0.1, -0.1]]]
 )
@@ -43,7 +40,7 @@ def test_patch(grading, strain):
         panel, panel.state(1.0), np.stack(panel.coordinates(), axis=-1) @ np.transpose(strain)
     )
     for L, y, column in zip(state.stretch, state.yarn_length, np.transpose(strain)):
-        np.testing.assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
+        assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
     f = node_forces(panel, state)
     assert np.abs(f[1:-1, 1:-1]).max() < 1e-10 * np.abs(f).max()
     assert np.abs(f).max() > 1.0
@@ -55,7 +52,8 @@ def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
     for c in range(3):
         for i in range(rows):
             for j in range(s):
-                k, up = i * s + j, (i + 1) * s + j
+                k = i * s + j
+                up = (i + 1) * s + j
                 pull = on1[k] * A[c][k]
                 g[c, i, j] += pull
                 g[c, i + 1, j] -= pull
@@ -64,10 +62,8 @@ def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
                 pull = on2[k] * B[c][k]
                 g[c, i, j] += pull
                 g[c, i, j + 1] -= pull
-                turned, over = (
-                    rx * cross[k] * (B[c][k] + B[c][up]),
-                    ry * cross[k] * (A[c][k] + A[c][k + 1]),
-                )
+                turned = rx * cross[k] * (B[c][k] + B[c][up])
+                over = ry * cross[k] * (A[c][k] + A[c][k + 1])
                 for m, n in ((0, 0), (0, 1), (1, 0), (1, 1)):
                     g[c, i + m, j + n] += (turned if m == 0 else -turned) + (
                         over if n == 0 else -over
@@ -78,27 +74,39 @@ def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
 @pytest.mark.parametrize("s", [5, 8, 21])
 def test_gather_against_its_plain_twin(s):
     """Rows shorter than eight slots, of eight, and of more; neighbours come from the eight slots before."""
-    rng, rows, m0, rx, ry = np.random.default_rng(4), 4, 2 * s, 3.0, 5.0
+    rng = np.random.default_rng(4)
+    rows = 4
+    m0 = 2 * s
+    rx = 3.0
+    ry = 5.0
     A, B, up = (tuple(rng.normal(size=(3, (rows + 4) * s + 16))) for _ in range(3))
     on1, on2, cross = rng.normal(size=(3, (rows + 4) * s + 16))
     for idle in (on2, cross):
         idle[s - 1 :: s] = 0.0
-    g, n = tuple(np.zeros((3, rows * s))), rows * s
+    g = tuple(np.zeros((3, rows * s)))
+    n = rows * s
     membrane_kernels.scatter_forces(0, m0, n, s, (rx, ry), A, B, on1, on2, cross, up, g)
     own = [[x[m0:] for x in part] for part in (A, B)]
     plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
     found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
-    np.testing.assert_allclose(found, plain, rtol=0, atol=1e-13)
+    assert_allclose(found, plain, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("again", [False, True])
 def test_edges_of_a_step_against_their_plain_twin(again):
     """Pulls, what is kept for the next step, and the works of N and of cv dL."""
-    rng, n, room, cv = np.random.default_rng(5), 11, 24, 40.0
+    rng = np.random.default_rng(5)
+    n = 11
+    room = 24
+    cv = 40.0
     stretch, inverse, turned, N, y, L, P = 1.0 + 0.02 * rng.normal(size=(7, room))
-    D, N, P, on = rng.normal(size=room).astype(np.float32), 50.0 * N, 50.0 * P, np.zeros(room)
+    D = rng.normal(size=room).astype(np.float32)
+    N = 50.0 * N
+    P = 50.0 * P
+    on = np.zeros(room)
     was = [x.astype(float) for x in (L, P, D)]
-    edges, kept = (stretch, inverse, turned, N), (L, P, D)
+    edges = (stretch, inverse, turned, N)
+    kept = (L, P, D)
     found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, edges, y, kept, on)
     works = np.zeros(2)
     for k in range(n):
@@ -107,9 +115,11 @@ def test_edges_of_a_step_against_their_plain_twin(again):
         assert on[m] == pytest.approx(
             3.0 * inverse[m] * (y[k] * (N[m] + cv * d) - turned[m] - turned[m - 1])
         )
-        assert (L[k], P[k], D[k]) == (stretch[m], N[m], np.float32(d))
+        assert L[k] == stretch[m]
+        assert P[k] == N[m]
+        assert D[k] == np.float32(d)
         works += y[k] * d * np.array([0.5 * (force + N[m]), 0.5 * cv * (last + d)])
-    np.testing.assert_allclose(found, works, rtol=1e-12)
+    assert_allclose(found, works, rtol=1e-12)
     assert (L[n], P[n], D[n]) == tuple(x[n] for x in was)
 
 
@@ -120,7 +130,8 @@ def test_uniform_tension_cancels_exactly():
     for c in range(3):
         state.f_int[c][:] = state.f_int_above[c][:] = 0.0
     # displacements whose differences are exact in binary
-    s, k = panel.constants().row_stride, np.arange(state.u[0].size)
+    s = panel.constants().row_stride
+    k = np.arange(state.u[0].size)
     state.u[0][:] = (k // s) * 2.0**-16
     state.u[1][:] = (k % s) * 2.0**-16
     ply_kernels.initial_forces(state, panel.constants(), panel.work())
@@ -132,15 +143,13 @@ def test_uniform_tension_cancels_exactly():
 def test_trellis_against_the_law(fabric):
     """The kernels' shear, with and without branches, against fabrics.trellis and its integral; odd in the angle."""
     law = fabric.shear
-    gamma, constants = (
-        np.linspace(-1.4, 1.4, 281),
-        np.array([law.G1, law.G2, law.gamma1, law.gamma2]),
-    )
+    gamma = np.linspace(-1.4, 1.4, 281)
+    constants = np.array([law.G1, law.G2, law.gamma1, law.gamma2])
     slope = np.empty(gamma.size + 8)
     shear_slopes(gamma.size, np.append(np.sin(gamma), np.zeros(8)), *constants, slope)
-    np.testing.assert_allclose(slope[:-8] * np.cos(gamma), law.stress(gamma), rtol=1e-11, atol=1e-6)
+    assert_allclose(slope[:-8] * np.cos(gamma), law.stress(gamma), rtol=1e-11, atol=1e-6)
     stress, energy = np.transpose([trellis_kernels.trellis_law(g, *constants) for g in gamma])
-    np.testing.assert_allclose(stress, law.stress(gamma), rtol=1e-12, atol=1e-9)
+    assert_allclose(stress, law.stress(gamma), rtol=1e-12, atol=1e-9)
     for g, stored in zip(gamma[::9], energy[::9]):
         assert stored == pytest.approx(
             quad(law.stress, 0, g, points=np.sign(g) * constants[2:])[0], rel=1e-9
@@ -149,24 +158,27 @@ def test_trellis_against_the_law(fabric):
 
 def test_kinetic_energy_of_free_nodes():
     """m v(n-1/2) v(n+1/2) / 2 of all nodes that no clamp holds, eight at a time."""
-    panel, rng, out = make_panel(), np.random.default_rng(5), np.empty(5)
-    const, state, free = panel.constants(), panel.state(50.0), panel.loose()
+    panel = make_panel()
+    rng = np.random.default_rng(5)
+    out = np.empty(5)
+    const = panel.constants()
+    state = panel.state(50.0)
+    free = panel.loose()
     for components in (state.v, state.f_int, state.f_int_above, state.f_contact):
         for part in components:
             part[: free.size] = rng.standard_normal(free.size)
     ply_kernels.energies(state, const, out)
-    mass, expected = grid(const, state.mass), 0.0
+    mass = grid(const, state.mass)
+    expected = 0.0
     for c in range(3):
-        v, force = (
-            grid(const, state.v[c]),
-            grid(const, state.f_int[c] + state.f_int_above[c] + state.f_contact[c]),
-        )
+        v = grid(const, state.v[c])
+        force = grid(const, state.f_int[c] + state.f_int_above[c] + state.f_contact[c])
         expected += 0.5 * np.sum((mass * v * (v + const.dt * force / mass))[free])
     assert out[ply_kernels.KINETIC] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("weft_mass", "share"), [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"]
+    "weft_mass, share", [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"]
 )
 def test_longitudinal_wave_speed(straight, weft_mass, share):
     """A straight yarn carries sqrt(E / rho); with a crossing yarn of its own mass to move, that over sqrt 2 (E-38)."""
@@ -174,14 +186,17 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     model = CellModel(fabric, cell_model="decoupled")
     panel = Panel(model.table(201), (0.6, 0.0203), boundary="free", yarn_failure=False)
     solver = solver_at_rest(panel, 1.0)
-    state, const = solver.state, solver.const
+    state = solver.state
+    const = solver.const
     state.projectile_position[2] = -1.0  # the projectile is far away
     state.active_rows[:] = 0, const.ni
-    ni, s = const.ni, const.row_stride
+    ni = const.ni
+    s = const.row_stride
     # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
     state.v[0][: (ni + 1) * s] = 10.0
     state.v[0][:s] = 0.0
-    stations, arrivals = (ni // 5, 4 * ni // 5), {}
+    stations = (ni // 5, 4 * ni // 5)
+    arrivals = {}
     full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
     while len(arrivals) < 2:
         advance(solver, 1)
@@ -195,16 +210,17 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     )
 
 
+# a thousand times as stiff as solid
 BENT = {
     "form": "variational",
     "bending": (0.1, 0.1),
     "strain": 0.0,
     "cfl": 0.99,
-}  # a thousand times as stiff as solid
+}
 
 
 @pytest.mark.parametrize(
-    ("changes", "factor", "holds"),
+    "changes, factor, holds",
     [({}, 0.99, True), ({}, 1.02, False), (BENT, 1.0, True), (BENT, 1.6, False)],
 )
 def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
@@ -229,7 +245,8 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
         Panel, "time_step", factor * (panel.time_step if changes else panel.critical_step)
     )
     solver = solver_at_rest(panel, 1.0)
-    state, const = solver.state, solver.const
+    state = solver.state
+    const = solver.const
     state.projectile_position[2] = -1.0
     inside = np.zeros(rest(panel).shape[:2])
     inside[1:-1, 1:-1] = 1.0
@@ -253,13 +270,15 @@ def highest_frequency(panel, x):
 
     Cloth that is pressed together buckles: some modes are pushed on instead of back. These have no frequency.
     """
-    state, mass = panel.state(1.0), panel.masses()[..., None]
+    state = panel.state(1.0)
+    mass = panel.masses()[..., None]
 
     def forces(x):
         """At rest: brought there twice, so that no stretch changes and nothing is damped."""
         return node_forces(panel, bring(panel, bring(panel, state, x), x))
 
-    at_rest, size = forces(x), 1e-4 * min(panel.spacing)
+    at_rest = forces(x)
+    size = 1e-4 * min(panel.spacing)
 
     def furthest(origin):
         """The square of a frequency that is furthest from `origin`; below 0 of a mode that grows."""
@@ -292,7 +311,7 @@ def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
     assert highest_frequency(panel, x) * panel.time_step < 2.0
 
 
-@pytest.mark.parametrize(("edge", "whole"), [("clamped", 0), (("free", "clamped"), 1), ("free", 2)])
+@pytest.mark.parametrize("edge, whole", [("clamped", 0), (("free", "clamped"), 1), ("free", 2)])
 def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(edge, whole):
     panel = make_panel(boundary=edge)
     assert sum(reach > x[-1] - x[0] for reach, x in zip(panel.reach(), panel.lines())) == whole

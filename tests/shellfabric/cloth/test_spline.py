@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from panels import make_panel, rest, set_nodal
 from scipy.interpolate import BSpline
 
@@ -182,8 +183,8 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
     expected, work, spring = plain_contact(panel, state, const)
     force, taken, held = pressed(panel, state, const)
     assert np.abs(expected).max() > 0
-    np.testing.assert_allclose(force, expected, atol=1e-12 * np.abs(expected).max())
-    np.testing.assert_allclose(
+    assert_allclose(force, expected, atol=1e-12 * np.abs(expected).max())
+    assert_allclose(
         state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * np.abs(force).sum()
     )
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
@@ -223,7 +224,7 @@ def test_shares_are_the_weights_of_the_points(p):
                 z - int(z > 0.5), bent == 1
             )
     expected = np.concatenate([np.repeat(along, p, axis=2), np.tile(along, p)], axis=1)
-    np.testing.assert_allclose(found[:, :, : p * p], expected, atol=1e-15)
+    assert_allclose(found[:, :, : p * p], expected, atol=1e-15)
     assert not found[:, :, p * p :].any()
 
 
@@ -245,9 +246,9 @@ def test_the_surface_of_torn_fabric_is_symmetric(family):
         shares = np.full((8, -(-(p * p) // 8) * 8), np.nan)
         spline_kernels.torn_shape_functions(state, const, 12, 12, shares)
         found.append(shares[:, : p * p].reshape(2, 4, p, p))
-        np.testing.assert_allclose(found[-1].sum(axis=1), 1.0, rtol=1e-14)
+        assert_allclose(found[-1].sum(axis=1), 1.0, rtol=1e-14)
     one, other = found
     image = np.flip(other, axis=3 - family)
     image[1 - family] = image[1 - family, ::-1]
     assert np.abs(one - other).max() > 0.01
-    np.testing.assert_allclose(one, image, atol=1e-15)
+    assert_allclose(one, image, atol=1e-15)

@@ -124,16 +124,6 @@ def test_forces_are_the_gradient(coupon):
             )
 
 
-def test_forces_turn_with_the_cloth(coupon):
-    x = crumpled(coupon)
-    c = np.cos(2.0)
-    s = np.sin(2.0)
-    turn = np.array([[c, -s], [s, c]])
-    f = coupon.forces(x)[0]
-    assert np.allclose(coupon.forces(x @ turn.T + 3.0)[0], f @ turn.T, atol=1e-7 * np.abs(f).max())
-    assert np.abs(f.sum(axis=0)).max() < 1e-12 * np.abs(f).sum()
-
-
 def test_the_bound_covers_the_stiffness(coupon):
     """No eigenvalue of the stiffness over the bound exceeds one, and it is not wasteful."""
     x = crumpled(coupon)

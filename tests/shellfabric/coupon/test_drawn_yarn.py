@@ -22,7 +22,7 @@ def crimped(tables):
     return tables["variational"]
 
 
-@pytest.mark.parametrize(("n", "threshold"), [(1, 2.0), (10, 0.5), (20, 2.0)])
+@pytest.mark.parametrize("n, threshold", [(1, 2.0), (10, 0.5), (20, 2.0)])
 def test_all_crossovers_slide_at_their_threshold(table, n, threshold):
     found = follow(PullOut(table, n, mu=0.0, cohesion=threshold), 0.4e-3)
     assert found.sliding[-1] == n

@@ -36,12 +36,21 @@ class Chain:
         return u
 
 
-def test_a_chain_finds_its_equilibrium():
-    x = np.arange(20.0)[:, None]
+X = np.arange(20.0)[:, None]
+
+
+def relax(path, loads, chain=None, **options):
+    """(states, how it ended) of a chain whose ends are led along a path."""
     held = np.arange(20) % 19 == 0
-    states, ended = dynamic_relaxation.relax_path(
-        Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], tolerance=1e-9
-    )
+    return dynamic_relaxation.relax_path(chain or Chain(), X, held, path, loads, **options)
+
+
+def stretch(load):
+    return X * (1 + load)
+
+
+def test_a_chain_finds_its_equilibrium():
+    states, ended = relax(stretch, [0.5, 1.0], tolerance=1e-9)
     assert not ended
     assert states[-1].x.ravel() == pytest.approx(2 * np.arange(20), abs=1e-7)
     assert states[-1].reaction[[0, -1], 0] == pytest.approx([-100, 100], rel=1e-7)
@@ -50,35 +59,27 @@ def test_a_chain_finds_its_equilibrium():
 
 
 def test_what_does_not_settle_is_reported_and_kept():
-    x = np.arange(20.0)[:, None]
-    held = np.arange(20) % 19 == 0
-    with pytest.raises(
-        UnstableError,
-        match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load",
-    ) as e:
-        dynamic_relaxation.relax_path(
-            Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10
-        )
-    assert e.value.exit_code == 3
-    assert len(e.value.states) == 1
-    assert not e.value.states[0].settled
+    said = r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"
+    with pytest.raises(UnstableError, match=said) as problem:
+        relax(stretch, [0.5, 1.0], max_iterations=10)
+    assert problem.value.exit_code == 3
+    assert len(problem.value.states) == 1
+    assert not problem.value.states[0].settled
     with pytest.raises(UnstableError, match="no longer finite"):
-        dynamic_relaxation.relax_path(Chain(np.nan), x, held, lambda load: x, [1.0])
+        relax(lambda load: X, [1.0], Chain(np.nan))
 
 
 def test_a_pull_goes_on_from_its_states_bit_for_bit():
-    x = np.arange(20.0)[:, None]
-    held = np.arange(20) % 19 == 0
     loads = [0.25, 0.5, 0.75, 1.0]
     seen = []
-    whole, _ = dynamic_relaxation.relax_path(
-        Chain(), x, held, lambda load: x * (1 + load**2), loads, progress=seen.append
-    )
+
+    def path(load):
+        return X * (1 + load**2)
+
+    whole, _ = relax(path, loads, progress=seen.append)
     assert [state.load for state in seen] == loads
     for k in (1, 2, 3):
-        rest, _ = dynamic_relaxation.relax_path(
-            Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k]
-        )
+        rest, _ = relax(path, loads, done=whole[:k])
         assert len(rest) == 4
         for one, other in zip(whole[k:], rest[k:]):
             assert one.x.tobytes() == other.x.tobytes()
@@ -223,9 +224,21 @@ def test_yarns_that_pass_one_another_are_named():
         hook(replace(state, x=turned))
 
 
-GLASS = TrellisShear(
-    36.8e3, 121e3, 0.683, 0.888
-)  # of a published strip of dry glass weave, 115 x 230 mm
+# of a published strip of dry glass weave, 115 x 230 mm
+GLASS = TrellisShear(36.8e3, 121e3, 0.683, 0.888)
+
+
+def load_of_zones(law, thickness, length, width, moved):
+    """[N] of a bias strip whose yarns do not stretch: the work of both zones, by a numerical derivative."""
+    gamma = np.array([quasistatic.inextensible_shear(length, width, d) for d in moved])
+
+    def energy(angles):
+        middle = law.stress(0.5 * (angles[1:] + angles[:-1]))
+        return np.concatenate([[0.0], np.cumsum(middle * np.diff(angles))])
+
+    inner = width * (length - 1.5 * width)
+    work = thickness * (inner * energy(gamma) + width**2 * energy(0.5 * gamma))
+    return np.gradient(work, moved)
 
 
 def glass_strip(law, length, width, elongation, **choices):
@@ -238,17 +251,8 @@ def glass_strip(law, length, width, elongation, **choices):
     length, width = quasistatic.bias_size(run)
     width -= np.linalg.norm(run.coupon.spacing) / 2  # its sides are a staircase
     moved = np.linspace(0, elongation, 2001)
-    gamma = np.array([quasistatic.inextensible_shear(length, width, d) for d in moved])
-
-    def energy(angles):
-        middle = law.stress(0.5 * (angles[1:] + angles[:-1]))
-        return np.concatenate([[0.0], np.cumsum(middle * np.diff(angles))])
-
-    inner = width * (length - 1.5 * width)
-    outer = width**2
-    work = fabric.weave.thickness * (inner * energy(gamma) + outer * energy(0.5 * gamma))
-    zones = np.interp(run.prescribed, moved, np.gradient(work, moved))
-    return run, np.abs(run.force(1, 1)) / zones
+    zones = load_of_zones(law, fabric.weave.thickness, length, width, moved)
+    return run, np.abs(run.force(1, 1)) / np.interp(run.prescribed, moved, zones)
 
 
 @pytest.mark.parametrize("softer", [1, 4])

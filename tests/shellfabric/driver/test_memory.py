@@ -33,11 +33,12 @@ print((peak() - before) / memory.needed(done.target.plies, len(done.snapshots)))
     [
         ({"elements_per_crossover": 2, "end_time": "2 us"}, 0.9, 1.1),
         ({"elements_per_crossover": 2, "end_time": "8 us", "snapshot_interval": "2 us"}, 0.8, 1.1),
+        # 640 bytes are the most of packs, 96 of them where plies touch
         (
             {"plies": 2, "elements_per_crossover": 1, "end_time": "2 us"},
             0.55,
             1.1,
-        ),  # 640 bytes are the most of packs, 96 of them where plies touch
+        ),
     ],
 )
 def test_the_estimate_is_what_a_run_takes(given, low, high):

@@ -43,9 +43,8 @@ def fire(panel, speed=150.0, steps=250):
 )
 def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
-    knobs = Numerics(
-        cfl=0.5
-    )  # the error of the time integration, four times less, is not what is asked after
+    # the error of the time integration, four times less, is not what is asked after
+    knobs = Numerics(cfl=0.5)
     panel = small(
         symmetry="whole", projectile=shot(shape, **attitude), yarn_failure=False, numerics=knobs
     )
@@ -53,9 +52,8 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
     assert np.abs(march.sample("error")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)
-    assert march.sample("z")[0] == pytest.approx(
-        0.0, abs=1e-9
-    )  # the foremost point touches the panel
+    # the foremost point touches the panel
+    assert march.sample("z")[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_hemisphere_is_a_sphere_until_its_sides_touch(small):

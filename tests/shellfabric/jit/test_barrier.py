@@ -1,16 +1,14 @@
 """Threads that march together: the same bits with any number of them, and how many there are."""
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numba import njit
+from numpy.testing import assert_array_equal
 
 from fabrics.base.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit import barrier
-from shellfabric.output import checkpoint
 from shellfabric.panel.numerics import Numerics
 
 
@@ -22,19 +20,6 @@ def _meetings(shared, written, me, count):
         barrier.barrier_wait(shared, count)
         sums[m] = written[m].sum()
     return sums
-
-
-def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
-    """In many blocks, through which the projectile goes."""
-    ply = ImpactSetup(fabric, 260.0, opening=0.0508, table_size=61, symmetry="half", end_time=20e-6)
-    one, two, three = (
-        replace(ply, numerics=Numerics(block=100, threads=threads)) for threads in (1, 2, 3)
-    )
-    whole = run(one)
-    run(replace(two, end_time=12e-6), hooks=(checkpoint.Checkpoints(tmp_path / "run.h5", 5e-6),))
-    resumed = run(three, resume=tmp_path / "run.h5")
-    np.testing.assert_array_equal(resumed.step_history, whole.step_history)
-    assert resumed.cut_yarns[-1] == whole.cut_yarns[-1] > 0
 
 
 def test_how_many(monkeypatch):
@@ -54,10 +39,12 @@ def test_how_many(monkeypatch):
 
 def test_nobody_passes_the_barrier_alone():
     """Sums of what each thread has written before it came are complete behind the barrier, a thousand times over."""
-    count, shared, written = 3, np.zeros(barrier.SLOTS, np.int64), np.zeros((1000, 3))
+    count = 3
+    shared = np.zeros(barrier.SLOTS, np.int64)
+    written = np.zeros((1000, 3))
     _meetings(shared, written, 0, 1)  # compiled
     written[:] = 0.0
     with ThreadPoolExecutor(count) as pool:
         seen = [pool.submit(_meetings, shared, written, me, count) for me in range(count)]
         for sums in seen:
-            np.testing.assert_array_equal(sums.result(), np.full(1000, 6.0))
+            assert_array_equal(sums.result(), np.full(1000, 6.0))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numba import njit
+from numpy.testing import assert_allclose, assert_array_equal
 
 from shellfabric.jit import simd
 from shellfabric.jit.simd import load, store
@@ -10,16 +11,15 @@ from shellfabric.jit.simd import load, store
 N = 8
 RNG = np.random.default_rng(5)
 A, B, C = RNG.uniform(-3, 3, (3, 2 * N))
-TABLE, ROW, FLAGS = (
-    RNG.normal(size=(50, 8)),
-    RNG.integers(0, 50, N),
-    np.array([9, 0, 2, 1, 2, 2, 0, 255, 2], np.uint8),
-)
+TABLE = RNG.normal(size=(50, 8))
+ROW = RNG.integers(0, 50, N)
+FLAGS = np.array([9, 0, 2, 1, 2, 2, 0, 255, 2], np.uint8)
 
 
 @njit
 def operations(a, b, c, count, out):
-    x, y = load(a, 0), load(b, 0)
+    x = load(a, 0)
+    y = load(b, 0)
     store(out[0], 0, x + y)
     store(out[1], 0, 2.0 - x)
     store(out[2], 0, x * y)
@@ -37,7 +37,8 @@ def operations(a, b, c, count, out):
     store(out[14], 0, simd.fma(x, y, load(c, 0)))
     bits = simd.movemask(simd.greater(x, y))
     store(out[15], 0, simd.where(simd.mask_from_bits(bits ^ 0b1001), 1.0, 0.0))
-    some, none = simd.any_lane(simd.greater(x, 2.0)), simd.any_lane(simd.greater(x, 3.1))
+    some = simd.any_lane(simd.greater(x, 2.0))
+    none = simd.any_lane(simd.greater(x, 3.1))
     return simd.reduce_add(x), simd.reduce_max(x), some, none, bits
 
 
@@ -61,8 +62,8 @@ def test_operations(count):
         out[14],
         (a > b) ^ np.isin(np.arange(N), (0, 3)),
     ]
-    np.testing.assert_array_equal(out, exact)
-    np.testing.assert_allclose(out[14], a * b + C[:N], rtol=1e-14, atol=1e-15)
+    assert_array_equal(out, exact)
+    assert_allclose(out[14], a * b + C[:N], rtol=1e-14, atol=1e-15)
     assert others == [a.max(), (a > 2.0).any(), False, (1 << np.arange(N))[a > b].sum()]
     assert total == pytest.approx(a.sum(), rel=1e-14)
 
@@ -86,8 +87,10 @@ def test_inverse_root_is_exact_to_the_last_digit():
 def memory(table, narrow, row, flags, small, noted, masked, out):
     which = simd.to_int32(load(row, 0))
     simd.store_int32(noted, 3, which)
-    rows, again = simd.gather_rows8(table, which), simd.gather8_indexed(table, noted, 3)
-    four, x = simd.gather_rows4(narrow, which), load(small, 2)
+    rows = simd.gather_rows8(table, which)
+    again = simd.gather8_indexed(table, noted, 3)
+    four = simd.gather_rows4(narrow, which)
+    x = load(small, 2)
     for m in range(8):
         store(out[m], 0, rows[m])
         store(out[8 + m], 0, again[m])
@@ -102,14 +105,15 @@ def memory(table, narrow, row, flags, small, noted, masked, out):
 
 def test_memory():
     """Rows are gathered as columns; what is stored, in single precision too, overruns nothing."""
-    noted, out, masked = np.full(16, -1, np.int32), np.empty((21, N)), np.zeros((12, 16))
-    small, row = RNG.normal(size=32).astype(np.float32), ROW.astype(float)
+    noted = np.full(16, -1, np.int32)
+    out = np.empty((21, N))
+    masked = np.zeros((12, 16))
+    small = RNG.normal(size=32).astype(np.float32)
+    row = ROW.astype(float)
     bits = memory(TABLE, TABLE[:, :4].copy(), row, FLAGS, small, noted, masked, out)
-    np.testing.assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(8), *range(4), 0]])
-    np.testing.assert_array_equal(noted, [-1] * 3 + list(ROW) + [-1] * 5)
-    np.testing.assert_array_equal(
-        small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32)
-    )
+    assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(8), *range(4), 0]])
+    assert_array_equal(noted, [-1] * 3 + list(ROW) + [-1] * 5)
+    assert_array_equal(small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32))
     for count, stored in enumerate(masked):
-        np.testing.assert_array_equal(stored, np.pad(row[:count], (3, 13 - min(count, N))))
+        assert_array_equal(stored, np.pad(row[:count], (3, 13 - min(count, N))))
     assert bits == ((1 << np.arange(N))[FLAGS[1:] == 2].sum(), 0b111)

@@ -55,7 +55,7 @@ FIXED.flags.writeable = False
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"),
+    "name, value, said",
     [
         ("marks", np.zeros(8, np.uint8)[::2], "strides (2,)"),
         ("marks", np.zeros(4), "an array of float64"),
@@ -96,7 +96,8 @@ def test_missing_and_unknown_names_are_refused():
 
 
 def test_a_list_holds_rows_of_one_type():
-    uniform, graded = Sheet(**values()), Sheet(**values(stiffness=np.ones(4)))
+    uniform = Sheet(**values())
+    graded = Sheet(**values(stiffness=np.ones(4)))
     with pytest.raises(TypeError, match=r"2 types in one list: Sheet_\w+, Sheet_graded_"):
         Rows([uniform, graded])
 
@@ -106,7 +107,8 @@ def test_a_row_does_not_change():
     with pytest.raises(AttributeError, match=r"Sheet\.step cannot be set"):
         sheet.step = 1.0
     changed = sheet._replace(step=1.0)
-    assert (sheet.step, changed.step) == (0.5, 1.0)
+    assert sheet.step == 0.5
+    assert changed.step == 1.0
     assert changed.u[0] is sheet.u[0]
 
 

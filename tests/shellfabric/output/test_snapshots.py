@@ -104,9 +104,8 @@ def test_tensions_add_up_to_the_reaction_of_an_edge(shoot, changes):
             along = np.diff(one.nodes[-2:], axis=0)[0]
             cosine = along[:, 0] / np.linalg.norm(along, axis=1)
             pull = one.tension[-1, :, 0] * yarns @ (0.5 * (cosine[1:] + cosine[:-1]))
-            assert 2 * pull == pytest.approx(
-                known.edges["warp_high"][sample, PULL], rel=0.03
-            )  # both halves
+            # both halves
+            assert 2 * pull == pytest.approx(known.edges["warp_high"][sample, PULL], rel=0.03)
 
 
 def test_plies_are_followed_by_their_numbers(shoot):

@@ -20,9 +20,8 @@ def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
     state = panel.state(50.0)
     mass = grid(const, state.mass)
     corner = 0.25 * panel.weave.areal_density * const.dx * const.dy
-    area = (
-        np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share
-    )  # of 24 x 24 crossovers as a whole
+    # of 24 x 24 crossovers as a whole
+    area = np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share
     assert state.mass.sum() == pytest.approx(panel.weave.areal_density * area, rel=1e-12)
     assert_allclose(mass[1:-1, 1:-1], 4 * corner, rtol=1e-14)
     assert_allclose(mass[[0, 0, -1, -1], [0, -1, 0, -1]], corner, rtol=1e-14)
@@ -51,9 +50,8 @@ def test_held_nodes_have_no_inverse_mass(symmetry, edge):
     assert_allclose(
         grid(const, state.inverse_mass) * grid(const, state.mass), free, rtol=0, atol=1e-15
     )
-    assert not state.inverse_mass[
-        (const.ni + 1) * const.row_stride :
-    ].any()  # beyond the panel there is nothing
+    # beyond the panel there is nothing
+    assert not state.inverse_mass[(const.ni + 1) * const.row_stride :].any()
     assert_array_equal(state.dt_over_mass, const.dt * state.inverse_mass)
 
 

@@ -97,9 +97,8 @@ def test_each_side_on_its_own():
     assert loose[1:, 1:].all()
     nodes, axes, values = edges.rim(panel)
     assert set(axes) == {1}
-    assert_array_equal(
-        nodes, np.arange(1, 25) * 25
-    )  # the corner at the clamp is held, the free one gripped
+    # the corner at the clamp is held, the free one gripped
+    assert_array_equal(nodes, np.arange(1, 25) * 25)
     assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     state, const, _ = fire(make_panel(boundary=("clamped", "free")), 100.0, 500)
     assert np.abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
@@ -166,7 +165,7 @@ def test_what_is_shown_ends_at_the_opening(changes):
     panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
     held = ~panel.loose()
     shown = np.array(edges.shown(panel))
-    assert np.array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
+    assert_array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
     place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(
         *panel.impact_point
     )

@@ -77,7 +77,8 @@ def test_the_work_of_a_nose_goes_into_springs_too(grading):
 
 def test_stiff_springs_shorten_the_time_step():
     """To what the highest frequency of both together leaves."""
-    soft, stiff = panel(None, 0.0), panel(None, 1e6)
+    soft = panel(None, 0.0)
+    stiff = panel(None, 1e6)
     added = 0.25 * 1e6 / (soft.weave.areal_density * min(soft.spacing) ** 2)
     assert stiff.critical_step == pytest.approx((soft.critical_step**-2 + added) ** -0.5, rel=1e-12)
     assert stiff.time_step < soft.time_step
@@ -119,3 +120,49 @@ def test_a_copy_of_a_state_finds_the_units_of_its_process():
     assert_array_equal(copy.modules.cell, state.modules.cell)
     assert copy.modules.own[-1] != state.modules.own[-1]
     assert_allclose(copy.u, state.u)
+
+
+class Wall(Row):
+    """A spring that the nose meets in place of the membrane."""
+
+    stiffness = number("N/m", "of the modelled part of the spring")
+    energy = array("1", "J", "that it holds", kept=True)
+
+
+@unit("number", own=Wall)
+def nothing(state, const, own, first, last, acting):
+    """No energy: the spring is no force on the ply."""
+    return 0.0
+
+
+@unit("number", own=Wall)
+def push_nose(state, const, own, first, last, acting):
+    """Energy [J] of the spring; its force on the nose."""
+    depth = max(state.projectile_position[2], 0.0)
+    own.energy[0] = 0.5 * own.stiffness * depth**2
+    state.f_contact_nose[2] = -own.stiffness * depth
+    return own.energy[0]
+
+
+def third_and_rest(own):
+    """The energy of a wall under a name that a ply has, and under one of its own."""
+    return {"contact": own.energy[0] / 3, "wall_spring": 2 * own.energy[0] / 3}
+
+
+def test_a_nose_meets_a_module_in_place_of_the_membrane():
+    """A mass on a spring stops after a quarter of its period; the books have the energy, the ply stays at rest."""
+
+    def wall(panel):
+        row = Wall(stiffness=1e6, energy=np.zeros(1))
+        return Module("wall", nothing, row, nose=push_nose, books=third_and_rest)
+
+    struck = replace(panel(None, 0.0), modules=(wall,))
+    run = PackSolver(struck, 100.0, 300e-6).run()
+    period = 2 * np.pi * np.sqrt(struck.projectile.mass / (1e6 / run.share))
+    start = run.time - 0.25 * period - struck.time_step
+    assert run.outcome == "stopped"
+    assert 0.0 <= start + struck.time_step < 2 * struck.time_step
+    assert np.abs(run.state.u).max() == 0.0
+    assert run.sample("contact")[-1] == pytest.approx(run.strike_energy / 3, rel=1e-3)
+    assert run.sample("wall_spring")[-1] == pytest.approx(2 * run.strike_energy / 3, rel=1e-3)
+    assert abs(run.sample("error")).max() < 1e-6 * run.strike_energy

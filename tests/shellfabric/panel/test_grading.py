@@ -9,7 +9,19 @@ import numpy as np
 import pytest
 from conftest_tools import advance, grid, solver_at_rest
 from numpy.testing import assert_allclose, assert_array_equal
-from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal, table
+from panels import (
+    COARSER,
+    FINER,
+    HALF,
+    INF,
+    SERIAL,
+    STEPPED,
+    THIRD,
+    make_panel,
+    rest,
+    set_nodal,
+    table,
+)
 
 from fabrics.base.errors import UnstableError
 from shellfabric.backing.block import Backing
@@ -20,17 +32,11 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
-ZONES = [
-    FINER,
-    ((7, 0.5), (INF, 1)),
-    ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)),
-    ((8, 1 / 3), (INF, 2)),
-]
+ZONES = [FINER, HALF, STEPPED, THIRD]
 
 
-CROSSOVER = (
-    2 * table().model.fabric.weave.w[0]
-)  # [m]: panels of a whole number of it need no longer elements
+# [m]: panels of a whole number of it need no longer elements
+CROSSOVER = 2 * table().model.fabric.weave.w[0]
 
 
 def shoot(strike_velocity, end_time, side=0.06, **changes):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 from panels import table
 
 from fabrics import catalogue
@@ -55,20 +56,19 @@ def edges(panel: Panel) -> np.ndarray:
 def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, boundary):
     """Graded (the default of clamped edges) or not, and for every modelled part on the same lines."""
     fabric = fabric_of(name, *counts)
-    assume(
-        min(sides) > 16 * max(fabric.weave.w)
-    )  # four crossovers at least, and those under the nose
+    # four crossovers at least, and those under the nose
+    assume(min(sides) > 16 * max(fabric.weave.w))
     setup = setup_of(fabric, opening=sides, boundary=boundary, **mesh)
     whole = replace(setup, symmetry="whole")
     panels = [one.panel(one.plain_table()) for one in (replace(setup, symmetry=symmetry), whole)]
     for panel in panels:
-        np.testing.assert_allclose(edges(panel), sides, rtol=1e-9)
-        np.testing.assert_allclose(panel.held_opening, sides, rtol=1e-9)
+        assert_allclose(edges(panel), sides, rtol=1e-9)
+        assert_allclose(panel.held_opening, sides, rtol=1e-9)
     area = np.prod(sides)
     assert panels[0].areas.sum() / panels[0].share == pytest.approx(area, rel=1e-9)
     for mine, all_of_them, mirrored in zip(panels[0].lines(), panels[1].lines(), panels[0].mirrors):
         half = all_of_them[all_of_them.size // 2 :] if mirrored else all_of_them
-        np.testing.assert_allclose(mine, half, rtol=0, atol=1e-12)
+        assert_allclose(mine, half, rtol=0, atol=1e-12)
 
 
 @settings(max_examples=10, deadline=None)
@@ -79,7 +79,7 @@ def test_a_graded_panel_struck_off_its_middle_has_its_opening(side, along, acros
     changes = {"opening": side, "impact_point": struck, "symmetry": "whole"}
     setup = setup_of(table().model.fabric, **changes)
     panel = setup.panel(setup.plain_table())
-    np.testing.assert_allclose(panel.held_opening, side, rtol=1e-9)
+    assert_allclose(panel.held_opening, side, rtol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest_tools import grid
+from numpy.testing import assert_array_equal
 from panels import make_panel
 
 from fabrics import catalogue
@@ -31,7 +32,7 @@ def test_what_is_held(symmetry, low, high):
     held = perforation.held(state, const)
     touched = np.zeros(panel.counts, bool)
     touched[max(low - 1, 0) : high, max(low - 1, 0) : high] = True
-    np.testing.assert_array_equal(held, ~touched)
+    assert_array_equal(held, ~touched)
     state.intact_fraction[0][(high - 1) * const.row_stride + low] = 0.5
     assert perforation.held(state, const).all()
     state.element_flag[3 * const.row_stride + 4] = ERODED

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import Pressed, grid
+from numpy.testing import assert_allclose
 from test_ply_contact import LAW, assert_as_plain
 
 from shellfabric.panel.numerics import Numerics
@@ -12,7 +13,8 @@ from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
 
 INF = np.inf
-ZONES, FINE = ((7, 1), (INF, 2)), ((7, 0.5), (INF, 1))
+ZONES = ((7, 1), (INF, 2))
+FINE = ((7, 0.5), (INF, 1))
 
 
 @pytest.fixture(scope="module")
@@ -44,12 +46,12 @@ def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):
             for x, y in zip(getattr(a, name), getattr(b, name)):
-                np.testing.assert_allclose(y, x, rtol=0, atol=1e-7 * max(np.abs(x).max(), 1e-12))
-    np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-6, atol=1e-9)
+                assert_allclose(y, x, rtol=0, atol=1e-7 * max(np.abs(x).max(), 1e-12))
+    assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize(
-    ("stacking", "zones", "side"), [("alternating", ZONES, 0.034), ("aligned", FINE, 0.022)]
+    "stacking, zones, side", [("alternating", ZONES, 0.034), ("aligned", FINE, 0.022)]
 )
 def test_forces_against_a_plain_twin(graded, stacking, zones, side):
     """In both zones and across their border, of plies that bulge into each other."""
@@ -62,9 +64,7 @@ def test_forces_against_a_plain_twin(graded, stacking, zones, side):
 
 
 @pytest.mark.parametrize("zones", [ZONES, FINE], ids=["1, 2", "1/2, 1"])
-@pytest.mark.parametrize(
-    ("points", "slid", "within"), [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)]
-)
+@pytest.mark.parametrize("points, slid, within", [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)])
 def test_patch_across_zones(graded, zones, points, slid, within):
     """Plies that are strained and inclined alike and pressed together evenly: each node is pushed in proportion to its
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
@@ -91,7 +91,7 @@ def test_patch_across_zones(graded, zones, points, slid, within):
         mass = grid(const, state.mass)[inner][..., None]
         assert mass.max() > 3.9 * mass.min()
         expected = np.tile(sign * per_mass * n, (*mass.shape[:2], 1))
-        np.testing.assert_allclose(force[inner] / mass, expected, rtol=0, atol=within * per_mass)
+        assert_allclose(force[inner] / mass, expected, rtol=0, atol=within * per_mass)
 
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fabrics import catalogue
 from fabrics.base.errors import UnstableError
@@ -37,10 +38,12 @@ def lower_bound(x, nodes):
 @entry()
 def near_pairs(x, first, second, near, found):
     """Of all pairs of facets the nodes of those that are nearer than `near`, into found; their number."""
-    count, nodes = 0, np.empty(6, np.int32)
+    count = 0
+    nodes = np.empty(6, np.int32)
     for a in first:
         for b in second:
-            nodes[:3], nodes[3:] = a, b
+            nodes[:3] = a
+            nodes[3:] = b
             if (
                 separation_kernels.lower_bound(x, nodes) <= near
                 and separation_kernels.separation(x, nodes)[0] <= near
@@ -97,7 +100,7 @@ def test_distance_and_direction_of_facets(bare):
             )
             if bare[0] == bare[1]:
                 assert back == pytest.approx(width)
-                np.testing.assert_allclose(m, -np.array(n), atol=1e-6)
+                assert_allclose(m, -np.array(n), atol=1e-6)
 
 
 class Cloud:
@@ -119,11 +122,10 @@ class Cloud:
             own = rng.choice(nodes, 6, replace=False).astype(np.int32)
             width, n = separation(self.guard.x, own)
             if width > 0:
-                self.guard.row_nodes[rows], self.guard.row_normal[rows] = own, n
-                self.guard.row_need[rows], self.guard.row_distance[rows] = (
-                    guard_kernels.needed.py_func(width, 1.0),
-                    width,
-                )
+                self.guard.row_nodes[rows] = own
+                self.guard.row_normal[rows] = n
+                self.guard.row_need[rows] = guard_kernels.needed.py_func(width, 1.0)
+                self.guard.row_distance[rows] = width
                 rows += 1
         self.rows, self.guard.y[:, :nodes] = (
             rows,
@@ -138,7 +140,8 @@ class Cloud:
 
     def left(self):
         """(rows,) [-] of what is needed, what is left."""
-        guard, found = self.guard, []
+        guard = self.guard
+        found = []
         for nodes, n, need in zip(guard.row_nodes[: self.rows], guard.row_normal, guard.row_need):
             along = [guard.y[:, k] @ n if k >= 0 else 0.0 for k in nodes]
             found.append((min(along[3:]) - max(along[:3])) / need)
@@ -154,10 +157,10 @@ class Cloud:
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("kind", ["free", "held", "planes"])
 def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
-    cloud = Cloud(
-        ply, seed, *((60, 40) if seed % 3 else (30, 200))
-    )  # the latter too many for impulses alone
-    guard, nodes = cloud.guard, cloud.nodes
+    # the latter too many for impulses alone
+    cloud = Cloud(ply, seed, *((60, 40) if seed % 3 else (30, 200)))
+    guard = cloud.guard
+    nodes = cloud.nodes
     if kind == "held":
         guard.kick[:nodes:9] = 0.0
         guard.y[:, :nodes:9] = guard.x[:, :nodes:9]
@@ -171,10 +174,8 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
             0  # the facets have moved: rows of the plane alone, and of facets as they are now
         )
         for row, k in enumerate(wall):
-            guard.row_nodes[row], guard.row_normal[row] = (
-                [guard_kernels.PLANE_X] * 3 + [k] * 3,
-                (1.0, 0.0, 0.0),
-            )
+            guard.row_nodes[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3
+            guard.row_normal[row] = (1.0, 0.0, 0.0)
             guard.row_need[row], cloud.rows = (
                 guard_kernels.needed.py_func(guard.x[0, k], 1.0),
                 row + 1,
@@ -186,7 +187,7 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
     assert cloud.left().min() > 1 - 3e-3
     assert cloud.kinetic(guard.y[:, :nodes]) <= cloud.kinetic(before) * (1 + 1e-12)
     ways = guard.kick[:nodes] * guard.impulse[:, :nodes]
-    np.testing.assert_allclose(guard.y[:, :nodes] - before, ways, atol=1e-12 * np.abs(before).max())
+    assert_allclose(guard.y[:, :nodes] - before, ways, atol=1e-12 * np.abs(before).max())
     if kind == "free":
         assert (
             np.abs(guard.impulse[:, :nodes].sum(axis=1)).max()
@@ -196,15 +197,18 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
 
 def test_a_stack_that_is_struck_does_not_move_as_one(ply):
     """Impulses alone hold sixteen nodes apart of which the first is struck: each keeps a velocity of its own."""
-    cloud, count, apart = Cloud(ply, 0), 16, 0.1
-    guard, cloud.nodes, cloud.rows = cloud.guard, count, count - 1
+    cloud = Cloud(ply, 0)
+    count = 16
+    apart = 0.1
+    guard = cloud.guard
+    cloud.nodes = count
+    cloud.rows = count - 1
     guard.kick[:count], guard.x[:, :count], guard.x[2, :count] = 1.0, 0.0, apart * np.arange(count)
     for row in range(cloud.rows):
-        guard.row_nodes[row], guard.row_normal[row] = [row] * 3 + [row + 1] * 3, (0.0, 0.0, 1.0)
-        guard.row_need[row], guard.row_distance[row] = (
-            guard_kernels.needed.py_func(apart, 1.0),
-            apart,
-        )
+        guard.row_nodes[row] = [row] * 3 + [row + 1] * 3
+        guard.row_normal[row] = (0.0, 0.0, 1.0)
+        guard.row_need[row] = guard_kernels.needed.py_func(apart, 1.0)
+        guard.row_distance[row] = apart
     guard.y[:, :count] = guard.x[:, :count]
     guard.y[2, 0] += 30 * apart
     (_, resolved), before = cloud.project()
@@ -223,8 +227,10 @@ def test_no_motion_satisfies_every_row(ply):
 
 def crumpled(ply, plies, seed=7):
     """A free pack of crumpled plies that fly through each other, torn here and there."""
-    march, rng = solver(replace(ply, boundary="free"), plies), np.random.default_rng(seed)
-    const, apart = march.const, march.places[1]
+    march = solver(replace(ply, boundary="free"), plies)
+    rng = np.random.default_rng(seed)
+    const = march.const
+    apart = march.places[1]
     nodes = (const.ni + 1) * const.row_stride
     for p, state in enumerate(march.states):
         for c in range(3):
@@ -243,11 +249,14 @@ def crumpled(ply, plies, seed=7):
 def test_every_pair_that_is_near_has_a_row(ply):
     """Lists that are remade after a motion have, in each step, the pairs of a search of all by all."""
     march = crumpled(ply, 3)
-    guard, seen, found = march.contact, 0, np.empty((100_000, 6), np.int32)
+    guard = march.contact
+    seen = 0
+    found = np.empty((100_000, 6), np.int32)
     for _ in range(40):
         places, facets, bare, owner = surfaces(march)
         whole = np.concatenate([facets, bare[:, [0, 1, 1]]])
-        size, width = len(places) // 3, march.const.row_stride
+        size = len(places) // 3
+        width = march.const.row_stride
         own = np.arange(len(places)) % size
         numbers = guard.base[owner] + own // width * guard.shape[0, 0] + own % width
         x = np.zeros_like(guard.x)
@@ -285,7 +294,8 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
     """A ply flies through one that is all hole onto the next."""
     march = solver(replace(ply, boundary="free"), 3)
     bore(march, 1)
-    const, inner = march.const, slice(4, march.const.ni - 3)
+    const = march.const
+    inner = slice(4, march.const.ni - 3)
     nodes = (const.ni + 1) * const.row_stride
     march.states[0].v[2][:nodes].reshape(-1, const.row_stride)[inner, inner] = 20.0
     march.states[0].active_rows[:] = 0, const.ni
@@ -302,7 +312,7 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
         march.advance(np.empty((100, 3)))
         march._sample()
         assert not plies_cross(march)
-    np.testing.assert_allclose(momentum(), before, atol=1e-12 * before[2])
+    assert_allclose(momentum(), before, atol=1e-12 * before[2])
     taken = march.sample("ply_contact") + march.sample("ply_collisions")
     assert 0.1 < taken[-1] / march.sample("kinetic_fabric")[0] < 1
     assert abs(march.sample("error")).max() < 1e-3 * taken[-1]
@@ -311,15 +321,16 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
 def test_all_places_are_in_the_frame_of_the_first_ply(ply):
     """They were in the pack's, and displacements in the first ply's: plies passed through each other."""
     pack = Pack((at_angle(ply, -0.9), at_angle(ply, 0.4)), (0.0,))
-    contact, axes = pack.plies_contact(pack.constants(), pack.states(1.0)[0]), pack.plies[0].axes
+    contact = pack.plies_contact(pack.constants(), pack.states(1.0)[0])
+    axes = pack.plies[0].axes
     for p, panel in enumerate(pack.plies):
         nodes = panel.in_pack(np.stack(panel.coordinates(), axis=-1)) @ axes.T
         rows, columns = np.indices(nodes.shape[:2])
         rest = np.moveaxis(
             contact.rest[:, contact.base[p] + rows * contact.shape[p, 0] + columns], 0, -1
         )
-        np.testing.assert_allclose(rest[..., :2], nodes, atol=1e-15)
-        np.testing.assert_allclose(rest[..., 2], pack.places[p])
+        assert_allclose(rest[..., :2], nodes, atol=1e-15)
+        assert_allclose(rest[..., 2], pack.places[p])
 
 
 def test_a_node_that_makes_more_than_a_thickness_in_a_step_does_not_pass(ply):
@@ -338,7 +349,9 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply):
     """An element that is driven at the next ply; at the next but one where that is a hole."""
     for hole in (False, True):
         march = solver(ply, 3)
-        const, states, apart = march.const, march.states, march.places[1]
+        const = march.const
+        states = march.states
+        apart = march.places[1]
         k = 6 * const.row_stride + 5
         corners = k + np.array([0, 1, const.row_stride, const.row_stride + 1])
         if hole:
@@ -356,7 +369,8 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply):
 
 def test_torn_fabric_does_not_pass_a_plane_of_symmetry(ply):
     march = solver(replace(ply, symmetry="quarter"), 2)
-    const, state = march.const, march.states[0]
+    const = march.const
+    state = march.states[0]
     k = 3 * const.row_stride + 4
     for _ in range(60):
         state.v[0][k] = -0.1 * const.dx / const.dt
@@ -367,7 +381,8 @@ def test_torn_fabric_does_not_pass_a_plane_of_symmetry(ply):
 def test_torn_plies_do_not_pass_through_each_other():
     """Two plies of S-726 crossed twice in this shot, and eight 17 times, before there was a guard."""
     fabric = catalogue.load("S-726").with_effective_density()
-    ply, seen = Panel(CellModel(fabric).table(101), (0.04, 0.04), numerics=Numerics(threads=1)), []
+    ply = Panel(CellModel(fabric).table(101), (0.04, 0.04), numerics=Numerics(threads=1))
+    seen = []
     march = PackSolver(Pack.stacked(ply, 2), 250.0, 60e-6).run(
         (lambda run: seen.append(plies_cross(run)),)
     )

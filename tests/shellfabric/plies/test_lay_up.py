@@ -31,7 +31,8 @@ def laid(*plies, setup=SETUP):
 
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     """Plies of other crossovers and counts: the same energy balance, each with its own strength; the order matters."""
-    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"), angle=pi / 2)
+    one = Ply(SETUP.fabric)
+    other = Ply(catalogue.load("S-726"), angle=pi / 2)
     results = [run(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
     for result in results:
         assert result.energy_error_max < 2e-3
@@ -53,7 +54,8 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
 
 
 def test_gaps_are_those_of_the_plies_or_the_mean():
-    one, other = Ply(SETUP.fabric, gap=1e-4), Ply(catalogue.load("S-726"))
+    one = Ply(SETUP.fabric, gap=1e-4)
+    other = Ply(catalogue.load("S-726"))
     both = [laid(each, each).target().gaps[0] for each in (replace(one, gap=None), other)]
     assert laid(one, other, other).target().gaps == (1e-4, both[1])
     assert laid(other, one).target().gaps[0] == pytest.approx(np.mean(both), rel=1e-12)
@@ -74,7 +76,8 @@ def test_the_default_mesh_reaches_as_far_as_turned_plies_need():
     """In a long opening a turned ply of S-731 draws in more fabric along the long side than the first."""
     fabric = catalogue.load("S-731")
     setup = replace(SETUP, fabric=fabric, opening=(0.1, 0.2))
-    straight, turned = replace(setup, plies=2), replace(setup, plies=2, stacking="alternating")
+    straight = replace(setup, plies=2)
+    turned = replace(setup, plies=2, stacking="alternating")
     assert turned.meshed.grading[0][0] > straight.meshed.grading[0][0]
     assert turned.target().plies[1].sides is not None
     assert (
@@ -95,7 +98,8 @@ def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
 
 def test_a_lay_up_is_reported_as_a_whole():
     """Name, areal density, fabrics and gap are those of all plies, not of the first."""
-    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"))
+    one = Ply(SETUP.fabric)
+    other = Ply(catalogue.load("S-726"))
     mixed = laid(one, other, other)
     densities = [ply.fabric.weave.areal_density for ply in mixed.lay_up]
     assert mixed.areal_density == pytest.approx(sum(densities), rel=1e-12)
@@ -103,7 +107,8 @@ def test_a_lay_up_is_reported_as_a_whole():
     assert mixed.fabrics == (one.fabric, other.fabric)
     assert mixed.name == mixed.title == "1 x S-728 + 2 x S-726"
     plain = replace(SETUP, plies=4)
-    assert (plain.name, plain.title) == ("S-728", "4 x S-728")
+    assert plain.name == "S-728"
+    assert plain.title == "4 x S-728"
     assert plain.areal_density == pytest.approx(4 * densities[0], rel=1e-12)
     both = gap_between(one.fabric, other.fabric)
     assert both.low <= both.value == mixed.target().gaps[0] <= both.high

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import advance, collide, far_from_nose, same
+from numpy.testing import assert_allclose
 
 from fabrics import ply_laws
 from fabrics.base.errors import InputError
@@ -19,14 +20,13 @@ GAP = 0.1e-3
 
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
     far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0))  # which leaves the step to the plies
-    monkeypatch.setattr(
-        Pack, "_firmer", lambda pack, ply: 0.0
-    )  # the nose's stiffness of a pack is another
+    # the nose's stiffness of a pack is another
+    monkeypatch.setattr(Pack, "_firmer", lambda pack, ply: 0.0)
     alone = far._in_step(ply)
-    single, pack = PackSolver(alone, 120.0, 20e-6).run(), PackSolver(far, 120.0, 20e-6).run()
-    assert same(
-        single.state, pack.states[0]._replace(**far._foreseen(0))
-    )  # room that a firm nose would need
+    single = PackSolver(alone, 120.0, 20e-6).run()
+    pack = PackSolver(far, 120.0, 20e-6).run()
+    # room that a firm nose would need
+    assert same(single.state, pack.states[0]._replace(**far._foreseen(0)))
     assert single.sample("cut_yarns")[-1] > 0
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
@@ -56,7 +56,7 @@ def test_colliding_plies_keep_momentum_and_energy(ply, grading, damping):
     )
     march, before, energy = collide(pack, (0.0, 0.0, 20.0), 300)
     sums = np.array([[state.mass @ v for v in state.v] for state in march.states])
-    np.testing.assert_allclose(sums.sum(axis=0), before, atol=1e-12 * before[2])
+    assert_allclose(sums.sum(axis=0), before, atol=1e-12 * before[2])
     assert sums[1, 2] > 0.4 * before[2]
     assert abs(march.sample("error")[-1]) < 1e-6 * energy
     taken = march.sample("ply_contact")[-1] / energy
@@ -87,7 +87,8 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
     The pack is N - 1 closures nearer; each of them is that of the law at the pressure of the pack.
     """
     free = replace(ply, boundary="free", symmetry="whole", opening=(0.012, 0.012))
-    march, closed = far_from_nose(Pack.stacked(free, plies, gap=0.0, law=LAWS[law])), 0.0
+    march = far_from_nose(Pack.stacked(free, plies, gap=0.0, law=LAWS[law]))
+    closed = 0.0
     for p in (0, -1):
         march.states[p].dt_over_mass[:] = 0.0  # platens: no force moves them
     area = march.const.ni * march.const.dx * march.const.nj * march.const.dy
@@ -107,7 +108,8 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
 
 
 def test_bad_packs_are_reported(ply):
-    whole, graded = replace(ply, symmetry="whole"), replace(ply, grading=((8, 1), (np.inf, 2)))
+    whole = replace(ply, symmetry="whole")
+    graded = replace(ply, grading=((8, 1), (np.inf, 2)))
     for key, plies, gaps in (
         ("plies", (), ()),
         ("gaps", (ply, ply), ()),

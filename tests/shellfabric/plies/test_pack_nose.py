@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from shellfabric.cloth import spline_kernels
 from shellfabric.panel.numerics import Numerics
@@ -15,7 +16,9 @@ from shellfabric.state import PointLaw
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_law")
-ROW, PER = 14, 8  # nodes of unit mass in a row, points of an element
+# nodes of unit mass in a row, points of an element
+ROW = 14
+PER = 8
 
 
 def law(mass):
@@ -35,7 +38,9 @@ def shares():
 
 def forces(depth, away, stiffness, before, usual):
     """Of the firm spring at all points; `before` of a step ago, `usual` on each besides."""
-    B, const, damping = shares(), Point(1.0, law(1.0 / PER)), stiffness**0.5 / PER
+    B = shares()
+    const = Point(1.0, law(1.0 / PER))
+    damping = stiffness**0.5 / PER
     points = zip(depth, away, B @ (B.T @ before), before)
     return np.array(
         [
@@ -47,7 +52,8 @@ def forces(depth, away, stiffness, before, usual):
 
 def radius(stiffness, before, foreseen=True):
     """Spectral radius of a step of the row of nodes under the nose, on springs at 0.81 of what the step bears."""
-    B, usual = shares(), before.sum() / PER**2
+    B = shares()
+    usual = before.sum() / PER**2
     cloth = 0.81 * (2 * np.eye(ROW) - np.eye(ROW, k=1) - np.eye(ROW, k=-1))
 
     def step(u, v):
@@ -85,10 +91,12 @@ def test_without_foresight_it_would_not_be():
 
 def test_at_rest_it_is_as_stiff_as_it_says():
     """Where the forces of a step ago are those that hold what else pulls."""
-    B, stiffness, held = shares(), 100.0, PATTERNS["random"]
+    B = shares()
+    stiffness = 100.0
+    held = PATTERNS["random"]
     due = -B @ (B.T @ held)
     found = forces(-held / stiffness, due, stiffness, held, 1e-30)
-    np.testing.assert_allclose(found, held, rtol=1e-12)
+    assert_allclose(found, held, rtol=1e-12)
     # and less where the nose's force is taken to be on all points besides
     softened = forces(-held / stiffness, due, stiffness, held, held.sum() / PER**2)
     assert 0.1 * held.sum() < softened.sum() < held.sum()
@@ -111,7 +119,8 @@ def test_in_one_step_a_very_firm_one_closes_the_gap():
 def test_it_foresees_what_all_other_forces_do(ply):
     """What a step does to the nodes about the nose is what was due and what the nose gives."""
     march = PackSolver(Pack.stacked(ply, 3, gap=GAP), 158.0, 12e-6).run()
-    state, const = march.states[0], march.consts[0]
+    state = march.states[0]
+    const = march.consts[0]
     march.advance(np.empty((1, 3)))
     assert march.stack.waits_for_plies[0]
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
@@ -124,7 +133,7 @@ def test_it_foresees_what_all_other_forces_do(ply):
     march.advance(np.empty((1, 3)))
     for v, old, new in zip(state.v, before, change):
         assert np.abs(new).max() > 0.1
-        np.testing.assert_allclose(v[near] - old, new, rtol=0, atol=1e-9 * np.abs(v[near]).max())
+        assert_allclose(v[near] - old, new, rtol=0, atol=1e-9 * np.abs(v[near]).max())
 
 
 def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
@@ -151,7 +160,8 @@ def test_the_nose_presses_on_half_a_ply(ply, cfl):
     for grading in (None, ((np.inf, 0.5),)):
         pack = Pack.stacked(replace(ply, grading=grading, numerics=Numerics(cfl=cfl)), 2, gap=GAP)
         for const in pack.constants():
-            law, points = const.point_law, const.points_per_side**2 / (const.dx * const.dy)
+            law = const.point_law
+            points = const.points_per_side**2 / (const.dx * const.dy)
             assert law.implicit_factor * law.stiffness * points == pytest.approx(
                 2 * pack.laws[0].stiffness
             )

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import Pressed, grid
+from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
@@ -61,7 +62,8 @@ def spline(x, a, b):
 def plain(pressed):
     """Forces on the first two plies (of one frame) and the spring energy, point by point: the closest point by
     minimising the distance."""
-    pack, contact = pressed.pack, pressed.contact
+    pack = pressed.pack
+    contact = pressed.contact
     (law,), density, n, grids, speeds = (
         pack.laws,
         pack.plies[0].weave.areal_density,
@@ -82,7 +84,8 @@ def plain(pressed):
     areas = contact.area[: fc.ni * fc.nj].reshape(fc.ni, fc.nj) * fc.dx * fc.dy / n**2
     for i in range(fc.ni * n):
         for j in range(fc.nj * n):
-            a, b = (i + 0.5) / n, (j + 0.5) / n
+            a = (i + 0.5) / n
+            b = (j + 0.5) / n
             at, weights = spline(x, a, b)
             lines = [
                 (mine, other) for mine, other in zip(pack.plies[0].lines(), pack.plies[1].lines())
@@ -105,7 +108,8 @@ def plain(pressed):
             closure = pressed.thickness - distance
             if closure <= 0:
                 continue
-            normal, opposite = -off(foot) / distance, spline(y, *foot)[1]
+            normal = -off(foot) / distance
+            opposite = spline(y, *foot)[1]
             v = (weights * speeds[0]).sum(axis=(0, 1)) - (opposite * speeds[1]).sum(axis=(0, 1))
             slope = (law.pressure_at(closure + 1e-12) - law.pressure_at(closure)) / 1e-12
             damping = pack.contact.damping * np.sqrt(slope * density)
@@ -127,7 +131,7 @@ def assert_as_plain(pressed):
     assert size > 0
     assert pressed.contact.energy[0, pressure_kernels.DEEPEST] > 0.1 * pressed.thickness
     for mine, expected in zip(found, (on_front, on_rear)):
-        np.testing.assert_allclose(mine, expected, atol=1e-4 * size)
+        assert_allclose(mine, expected, atol=1e-4 * size)
     assert pressed.spring() == pytest.approx(energy, rel=1e-5)
     return on_front, on_rear
 
@@ -147,7 +151,7 @@ def test_spline_is_smooth_and_goes_through_flat_cloth(mirrored):
         for side, a in enumerate((edge - 1e-9, edge + 1e-9)):
             first, values, slopes, _ = surface.spline_weights.py_func(a, 9)
             weights[side, first + 1 : first + 4] = np.stack([values, slopes], axis=1)
-        np.testing.assert_allclose(weights[0], weights[1], atol=1e-8)
+        assert_allclose(weights[0], weights[1], atol=1e-8)
 
 
 @pytest.mark.parametrize("stacking", ["aligned", "alternating"])
@@ -161,7 +165,7 @@ def test_forces_against_a_plain_twin(ply, stacking, symmetry):
 
 
 @pytest.mark.parametrize(
-    ("opening", "grading", "width"),
+    "opening, grading, width",
     [
         ((0.013, 0.012), None, 4e-3),  # 11 elements and a part of eight in a row
         ((0.036, 0.035), None, 7e-3),
@@ -176,21 +180,23 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width,
     pack = Pack.stacked(panel, 2, stacking=stacking, gap=0.1e-3, law=LAW, friction=friction)
     pressed = Pressed(pack).bulge(np.random.default_rng(4), 0.2e-3, width)
     pressed.press(3)
-    alone, seen = deepcopy(pressed).alone(), []
+    alone = deepcopy(pressed).alone()
+    seen = []
     for lift in (0.0, 1e-5, 2e-5, -1e-5, -6e-5, 3e-5, 9e-5, -2e-4, 1e-4, 2e-5):
         for one in (pressed, alone):
             grid(one.consts[0], one.states[0].u[2])[:] += lift
             grid(one.consts[0], one.states[0].u[0])[:] += 2e-5
+        # those of points that are clear are followed less closely by eight
         for name in (
             "closest_a",
             "closest_b",
-        ):  # those of points that are clear are followed less closely by eight
+        ):
             getattr(alone.contact, name)[:] = getattr(pressed.contact, name)
         both = pressed.press(), alone.press()
         size = np.abs(both[0][0]).max()
         for eight, one in zip(*both):
-            np.testing.assert_allclose(eight, one, atol=1e-9 * max(size, 1e-9))
-        np.testing.assert_allclose(pressed.contact.energy, alone.contact.energy, rtol=1e-8)
+            assert_allclose(eight, one, atol=1e-9 * max(size, 1e-9))
+        assert_allclose(pressed.contact.energy, alone.contact.energy, rtol=1e-8)
         seen.append((both[0][0] != 0).sum())
     assert min(seen) < 0.7 * max(seen)
 
@@ -207,17 +213,22 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
     for state in pressed.states:
         for v in state.v:
             v[:] = 0.0
-    front, const, speed = pressed.states[0], pressed.consts[0], 150.0
+    front = pressed.states[0]
+    const = pressed.consts[0]
+    speed = 150.0
     pressed.press(3)
     grid(const, front.v[0])[:] = speed
     pressed.press()
     pressed.contact.work[:], held = 0.0, pressed.spring()
-    off, largest, most = 0.0, 0.0, 0.0
+    off = 0.0
+    largest = 0.0
+    most = 0.0
     for _ in range(round(0.25e-3 / (const.dt * speed))):  # a third of an element
         grid(const, front.u[0])[:] += const.dt * speed
         pressed.press()
         now = pressed.spring()
-        off, largest = max(off, abs(now - held - pressed.contact.work.sum())), max(largest, now)
+        off = max(off, abs(now - held - pressed.contact.work.sum()))
+        largest = max(largest, now)
         most = max(most, abs(now - held))
     assert pressed.contact.energy[0, pressure_kernels.DEEPEST] < 0.8 * pressed.thickness
     assert most > 0.2 * largest
@@ -236,7 +247,7 @@ def test_the_contact_remembers_nothing(ply, angle):
         pressed.contact.closest_a[:] += aside
         pressed.contact.closest_b[:] -= aside
         for mine, expected in zip(pressed.press(2), forces):
-            np.testing.assert_allclose(mine, expected, atol=1e-3 * np.abs(expected).max())
+            assert_allclose(mine, expected, atol=1e-3 * np.abs(expected).max())
 
 
 def test_forces_and_their_moments_vanish(ply):
@@ -244,16 +255,19 @@ def test_forces_and_their_moments_vanish(ply):
     panel = replace(ply, symmetry="whole", opening=(0.02, 0.02))
     pressed = Pressed(Pack((panel, panel), (0.05e-3,))).bulge(np.random.default_rng(6), 0.2e-3)
     tear(pressed, 0, slice(4, 7))
-    forces, sums, moments = pressed.press(3), 0.0, 0.0
+    forces = pressed.press(3)
+    sums = 0.0
+    moments = 0.0
     for p, f in enumerate(forces):
         g = pressed.contact.base[p] + np.add.outer(
             np.arange(f.shape[0]) * pressed.contact.shape[p, 0], np.arange(f.shape[1])
         )
         x = np.moveaxis(pressed.contact.x[:, g], 0, -1)
-        sums, moments = sums + f.sum(axis=(0, 1)), moments + np.cross(x, f).sum(axis=(0, 1))
+        sums = sums + f.sum(axis=(0, 1))
+        moments = moments + np.cross(x, f).sum(axis=(0, 1))
     size = np.abs(forces[0]).sum()
-    np.testing.assert_allclose(sums, 0.0, atol=1e-13 * size)
-    np.testing.assert_allclose(moments, 0.0, atol=1e-6 * size * 0.01)
+    assert_allclose(sums, 0.0, atol=1e-13 * size)
+    assert_allclose(moments, 0.0, atol=1e-6 * size * 0.01)
 
 
 class Flat(Pressed):
@@ -288,14 +302,16 @@ def test_pressure_is_the_same_on_every_mesh(ply, grading, alone):
 def test_a_distance_has_no_sign(ply):
     """A ply is pushed away from the next, on whichever side it is."""
     two = Flat(ply)
-    before, behind = two.place(0.3), two.place(1.7)
+    before = two.place(0.3)
+    behind = two.place(1.7)
     assert before < 0
     assert behind == pytest.approx(-before, rel=1e-9)
 
 
 def tear(pressed, p, rows, flag=1):
     """Cut one warp yarn of a ply in the rows of elements `rows`; or, of the flag 7, have a square of them eroded."""
-    state, const = pressed.states[p], pressed.consts[p]
+    state = pressed.states[p]
+    const = pressed.consts[p]
     columns = rows if flag == 7 else rows.start
     grid(const, state.element_flag)[rows, columns] = flag
     grid(const, state.intact_fraction[0])[rows, columns] = 0.0
@@ -307,7 +323,8 @@ def test_torn_fabric_presses_as_whole_does(ply, torn):
     """Flat plies, of which some elements are facets: the same law. What has eroded presses on nothing; points before a
     hole that is wider than the thickness do not find fabric."""
     two = Flat(ply)
-    whole, elements = two.place(0.2), two.consts[0].ni * two.consts[0].nj
+    whole = two.place(0.2)
+    elements = two.consts[0].ni * two.consts[0].nj
     tear(two, torn, slice(1, 3))
     assert two.place(0.2) == pytest.approx(whole, rel=1e-9)
     tear(two, torn, slice(4, 8), flag=7)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import collide, grid
+from numpy.testing import assert_allclose
 from test_ply_contact import Flat, tear
 
 from shellfabric.plies import friction, pressure_kernels
@@ -47,8 +48,8 @@ def test_sliding_plies_take_the_friction_coefficient_times_the_normal_force(ply,
     pair = pair.alone() if alone else pair
     v = np.array([30.0, -40.0])
     on_front, on_rear = pair.move(*v)
-    np.testing.assert_allclose(on_front[:2], -MU * abs(on_front[2]) * v / 50, rtol=1e-6)
-    np.testing.assert_allclose(on_front, -on_rear, atol=1e-12 * abs(on_front[2]))
+    assert_allclose(on_front[:2], -MU * abs(on_front[2]) * v / 50, rtol=1e-6)
+    assert_allclose(on_front, -on_rear, atol=1e-12 * abs(on_front[2]))
     before = pair.work
     pair.move(*v, 4)
     assert pair.work - before == pytest.approx(
@@ -60,19 +61,17 @@ def test_points_yield_slowly_below_the_limit(ply):
     """As dampers, of which nothing is left when the motion ends: by a hundredth of the limit, at a hundredth of the
     velocity at which it is reached."""
     pair = Sliding(ply, MU)
-    normal, const = abs(pair.move(0.0, 0.0)[0, 2]), pair.consts[0]
+    normal = abs(pair.move(0.0, 0.0)[0, 2])
+    const = pair.consts[0]
     damping = pair.contact.stick_damping[0] * 4 * const.ni * const.nj
     limit = MU * normal / damping
-    assert (
-        1.0 < limit < 20.0
-    )  # [m/s], at the pressure of a hundredth of the thickness of solid fibre
+    # [m/s], at the pressure of a hundredth of the thickness of solid fibre
+    assert 1.0 < limit < 20.0
     assert pair.move(0.01 * limit, 0.0)[0, 0] == pytest.approx(-0.01 * MU * normal, rel=1e-3)
     assert abs(pair.move(0.0, 0.0)[0, 0]) < 1e-9 * normal
 
 
-@pytest.mark.parametrize(
-    ("points", "spread"), [(1, 0.0), (2, (1 + 1 / 64) ** 2 - (1 - 1 / 128) ** 2)]
-)
+@pytest.mark.parametrize("points, spread", [(1, 0.0), (2, (1 + 1 / 64) ** 2 - (1 - 1 / 128) ** 2)])
 def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply, points, spread):
     """Across zones: friction accelerates all nodes of a flat ply alike, but for what the spline's points next to a
     border give to the node behind it, of two a side 1/32 of theirs: 1/64 too much on the side of the short elements,
@@ -82,10 +81,8 @@ def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply, poi
     pair = Sliding(graded, MU, points=points)
     pair.move(15.0, 0.0, 20)
     inner = (slice(2, -2), slice(2, pair.consts[0].nj - 1))
-    mass, force = (
-        grid(pair.consts[0], pair.states[0].mass)[inner],
-        pair.force(0, BEHIND)[inner][..., 0],
-    )
+    mass = grid(pair.consts[0], pair.states[0].mass)[inner]
+    force = pair.force(0, BEHIND)[inner][..., 0]
     assert mass.max() > 3.9 * mass.min()
     assert abs(np.ptp(force / mass) / abs(np.median(force / mass)) - spread) < (
         2e-2 if points == 1 else 5e-4
@@ -116,7 +113,7 @@ def test_rubbing_plies_keep_momentum_and_make_no_energy(ply, mu, points):
     smooth, _, _ = collide(rubbing(ply, 0.0, points=points), FLIGHT, 200)
     solver, before, energy = collide(rubbing(ply, mu, points=points), FLIGHT, 200)
     sums = np.array([[state.mass @ v for v in state.v] for state in solver.states])
-    np.testing.assert_allclose(sums.sum(axis=0), before, atol=1e-12 * np.abs(before).max())
+    assert_allclose(sums.sum(axis=0), before, atol=1e-12 * np.abs(before).max())
     carried = smooth.states[1].mass @ smooth.states[1].v[0]
     assert sums[1, 0] > carried + 0.05 * before[0]  # the rear ply is taken along
     assert abs(solver.sample("error")[-1]) < 1e-6 * energy

@@ -11,7 +11,7 @@ KEVLAR = [name for name in catalogue.list_names() if name.startswith("S-")]
 
 
 @pytest.mark.parametrize(
-    ("name", "printed"), [("S-726", 0.10e-3), ("S-728", 0.12e-3), ("S-731", 0.14e-3)]
+    "name, printed", [("S-726", 0.10e-3), ("S-728", 0.12e-3), ("S-731", 0.14e-3)]
 )
 def test_a_gap_of_the_file_has_no_range(name, printed):
     """Table 5-2, which the reading of Table 2-2 by erratum E-02 gives within 7 %."""

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from panels import grid
 
 from fabrics import catalogue
@@ -32,11 +33,14 @@ SHOT = ImpactSetup(
 
 def stored_by_points(contact):
     """[J] sum over all points of their area at rest times the law's energy of what motion has closed them by."""
-    total, now = 0.0, contact.count[near_kernels.STEP]
+    total = 0.0
+    now = contact.count[near_kernels.STEP]
     for p, laws in enumerate(contact.laws):
-        nj, each = contact.shape[p, 2], contact.points**2
+        nj = contact.shape[p, 2]
+        each = contact.points**2
         for slot, closures in enumerate(contact.closed):
-            first, end = contact.first_point[p], contact.first_point[p + 1]
+            first = contact.first_point[p]
+            end = contact.first_point[p + 1]
             for number in first + np.flatnonzero(contact.touched[slot, first:end] == now):
                 row, j = divmod(number - first, nj)
                 area = contact.area[contact.first_element[p] + row // each * nj + j]
@@ -51,7 +55,8 @@ def least_area(march):
     for panel, const, state in march.parts:
         x = np.stack([grid(u, panel) for u in state.u], axis=-1)
         x[..., :2] += np.stack(panel.coordinates(), axis=-1)
-        one, other = x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]
+        one = x[1:, 1:] - x[:-1, :-1]
+        other = x[:-1, 1:] - x[1:, :-1]
         area = 0.5 * np.linalg.norm(np.cross(one, other), axis=-1) / (const.dx * const.dy)
         for (i, j), share in np.ndenumerate(area):
             k = np.uint64(i * const.row_stride + j)
@@ -67,7 +72,8 @@ def shot(stiffness=1.0):
 
     stiffness : factor on that of packed fabric
     """
-    march, rows = PackSolver(SHOT.target(), SHOT.strike_velocity, 50e-6, interval=1e-6), []
+    march = PackSolver(SHOT.target(), SHOT.strike_velocity, 50e-6, interval=1e-6)
+    rows = []
     march.consts = tuple(
         const._replace(packing=const.packing * [stiffness, 1.0]) for const in march.consts
     )
@@ -86,7 +92,7 @@ def test_the_contact_of_torn_plies_gives_no_more_than_it_took():
     taken: 5 % of the strike energy came so in a shot of 4 x S-726."""
     march, (work, stored, by_points, _) = shot()
     assert march.sample("cut_yarns")[-1] > 20
-    np.testing.assert_allclose(stored, by_points, rtol=1e-9, atol=1e-9 * march.strike_energy)
+    assert_allclose(stored, by_points, rtol=1e-9, atol=1e-9 * march.strike_energy)
     made = -np.minimum(np.diff(work - stored), 0.0).sum()
     assert made < 5e-4 * march.strike_energy
     lost = march.sample("ply_contact_lost")
@@ -107,7 +113,8 @@ def test_a_run_that_loses_too_much_to_its_step_is_made_again_once(monkeypatch):
     setup = ImpactSetup(
         S726, 200.0, opening=0.03, table_size=41, end_time=4e-6, numerics=Numerics(threads=1)
     )
-    first, again = simulation.run(setup), None
+    first = simulation.run(setup)
+    again = None
     assert first.step_factor == 1.0
     monkeypatch.setattr(guards, "MOST_STEP_LOSS", 0.0)
     times = []

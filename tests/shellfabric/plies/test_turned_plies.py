@@ -5,6 +5,7 @@ from math import pi, radians
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
@@ -49,7 +50,8 @@ def laid(*degrees, **changes):
 
 def alike(one, other):
     """Whether two results are equal but for round-off: energies of the panel and of each ply, motion, deflections."""
-    E, v = one.strike_energy, one.setup.strike_velocity
+    E = one.strike_energy
+    v = one.setup.strike_velocity
     far = max(
         float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies
     )
@@ -62,7 +64,8 @@ def alike(one, other):
 
 def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
     """Both the special way of 0 and 90 degrees, and the general one, whose points are computed one at a time."""
-    special, general = run(laid(0, 90)), run(laid(30, -60))
+    special = run(laid(0, 90))
+    general = run(laid(30, -60))
     assert len(set(special.target.angles)) == 1
     assert len(set(general.target.angles)) == 2
     assert special.energies["ply_friction"][-1] > 1e-4
@@ -84,11 +87,13 @@ def test_an_oblique_shot_turns_with_its_pack():
     one = run(laid(0, 30, projectile=aslant))
     two = run(laid(-50, -20, projectile=replace(aslant, azimuth=0.0)))
     assert alike(one, two)
-    c, s = np.cos(radians(50)), np.sin(radians(50))
+    c = np.cos(radians(50))
+    s = np.sin(radians(50))
     turn = np.array([[c, s], [-s, c]])
     for name in ("velocity", "projectile_position"):
-        there, here = getattr(one, name), getattr(two, name)
-        np.testing.assert_allclose(turn @ there[:2], here[:2], rtol=1e-9, atol=1e-12)
+        there = getattr(one, name)
+        here = getattr(two, name)
+        assert_allclose(turn @ there[:2], here[:2], rtol=1e-9, atol=1e-12)
     assert two.velocity[0] == pytest.approx(260.0 * np.sin(radians(35)), rel=0.05)
     for shots in (one.last, two.last):  # the deepest node is where the projectile is, in every ply
         for shot in shots:
@@ -109,19 +114,25 @@ def test_forces_between_turned_plies_balance():
     aslant = Projectile(obliquity=radians(35), azimuth=radians(50))
     solver = PackSolver(laid(0, 30, projectile=aslant, ply_friction=1e-9).target(), 260.0, 12e-6)
     solver.run()
-    total, moment, size = np.zeros(3), 0.0, 0.0
+    total = np.zeros(3)
+    moment = 0.0
+    size = 0.0
     for p, side in ((0, BEHIND), (1, BEFORE)):
-        ply, state, forces = solver.pack.plies[p], solver.states[p], solver.contact.force[p, side]
+        ply = solver.pack.plies[p]
+        state = solver.states[p]
+        forces = solver.contact.force[p, side]
         f = np.stack([part[: ply.areas.size] for part in forces], axis=1)
         x = np.stack(
             [X.ravel() + u[: ply.areas.size] for X, u in zip(ply.coordinates(), state.u)], axis=1
         )
         f[:, :2], x = ply.in_pack(f[:, :2]), ply.in_pack(x)
         arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
-        total, moment, size = total + f.sum(axis=0), moment + arms.sum(), size + np.abs(arms).sum()
+        total = total + f.sum(axis=0)
+        moment = moment + arms.sum()
+        size = size + np.abs(arms).sum()
     push = np.abs(f[:, 2]).sum()
     assert np.hypot(f[:, 0].sum(), f[:, 1].sum()) > 0.01 * push > 0.01
-    np.testing.assert_allclose(total, 0.0, atol=1e-12 * push)
+    assert_allclose(total, 0.0, atol=1e-12 * push)
     assert abs(moment) < 1e-3 * size
 
 
@@ -140,4 +151,4 @@ def test_a_point_stands_for_no_more_than_the_other_ply_bears():
     places = middle + np.zeros((2, panel.counts[0], 2, 2, panel.counts[1]))
     assert own.max() > 4.0
     pack = laid(0, 45, elements_per_crossover=None).target()
-    np.testing.assert_allclose(pack._areas(0, places), np.minimum(own, 4.0), rtol=1e-12)
+    assert_allclose(pack._areas(0, places), np.minimum(own, 4.0), rtol=1e-12)

@@ -73,9 +73,8 @@ def test_the_source_projectile():
     assert bored.sections[1][0] == pytest.approx(38.9e-3, abs=0.05e-3)
     assert C == pytest.approx(4936, abs=0.5)
     assert Bar.cylinder(mass=7.9e-3).period == pytest.approx(17.0e-6, abs=0.1e-6)
-    assert bored.period == pytest.approx(
-        19.2e-6, abs=0.1e-6
-    )  # the solid tip slows the bored one's first mode
+    # the solid tip slows the bored one's first mode
+    assert bored.period == pytest.approx(19.2e-6, abs=0.1e-6)
     assert full.mass == pytest.approx(3.0e-3, rel=1e-12)
     assert full.material.density == pytest.approx(3006, abs=1)
     assert full.material.modulus / full.material.density == pytest.approx(C**2, rel=1e-12)

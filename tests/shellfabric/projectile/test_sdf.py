@@ -4,6 +4,7 @@ from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from shellfabric.projectile.projectile import SHAPES, Projectile
 
@@ -163,7 +164,7 @@ def test_gradient_is_a_unit_vector_and_the_slope(shape):
             (shot.distance(point + d)[0] - shot.distance(point - d)[0]) / (2 * step)
             for d in step * np.eye(3)
         ]
-        np.testing.assert_allclose(normal, slope, atol=1e-4, err_msg=f"{point}")
+        assert_allclose(normal, slope, atol=1e-4, err_msg=f"{point}")
     assert checked > 100
 
 

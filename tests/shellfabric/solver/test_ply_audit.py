@@ -40,9 +40,8 @@ def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symm
         assert cut(panel, (family, 0.9, 1.5, 2.5), (1 - family, 0.9, -1, 1.5)) == pytest.approx(
             2.0 + 3.0
         )
-        assert cut(panel, (family, 0.9, -1, 99.0)) == pytest.approx(
-            24.0
-        )  # a line at an edge is half a yarn
+        # a line at an edge is half a yarn
+        assert cut(panel, (family, 0.9, -1, 99.0)) == pytest.approx(24.0)
 
 
 def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):

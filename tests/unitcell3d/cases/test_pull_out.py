@@ -6,6 +6,7 @@ answer.
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from fabrics.base.errors import UnstableError
 from fabrics.base.record import Record
@@ -34,7 +35,7 @@ def test_the_threshold_is_linear_in_the_contact_force(pulled, tmp_path):
     assert abs(law.c0) < 0.01 * T_f[-1]
     pulled.write(tmp_path / "case.h5")
     again = Record.read(tmp_path / "case.h5")
-    np.testing.assert_array_equal(pull_out.thresholds(again), (F_c, T_f))
+    assert_array_equal(pull_out.thresholds(again), (F_c, T_f))
 
 
 def test_it_sticks_before_it_slides(pulled):

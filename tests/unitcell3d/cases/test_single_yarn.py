@@ -70,7 +70,8 @@ def test_lines_are_spread_over_the_section(coarse):
 
 def test_zero_energy_modes_counted(coarse, s720):
     """One point: 29 of 485 unknowns without bars, 13 with slack ones, in each yarn; full integration: none."""
-    full, one = solid_law.FULL, solid_law.ONE_POINT
+    full = solid_law.FULL
+    one = solid_law.ONE_POINT
     for points, bars, modes in ((full, 0, 0), (full, None, 0), (one, 0, 29), (one, None, 13)):
         model = YarnModel(coarse, s720, 0, bars=bars, integration=points)
         q = np.zeros(model.size)

@@ -12,7 +12,9 @@ from blocks import Blocks, block, graded
 
 from unitcell3d.model.crossover import Numerics
 
-E, NU, R = 1e9, 0.3, 1e-3
+E = 1e9
+NU = 0.3
+R = 1e-3
 STIFF = E / 2 / (1 - NU**2)
 HARD = Numerics(penalty=1e15, toe=1e-9)
 
@@ -28,15 +30,16 @@ def under_load(blocks, yarn, quantity):
 
 def test_cylinder_on_plane():
     strip = 5e-5
-    along, through, width = graded(0.8e-3, 30, 20), graded(0.8e-3, 26, 20), np.array([0, strip])
+    along = graded(0.8e-3, 30, 20)
+    through = graded(0.8e-3, 26, 20)
+    width = np.array([0, strip])
     bodies = (
         block(0, along, width, through, lambda x, y: x**2 / (2 * R)),
         block(1, width, along, through, lambda x, y: 0 * x),
     )
     pair = Blocks(*bodies, E, NU, numerics=HARD)
-    pair.press(
-        4e-6, hold=[(np.flatnonzero(np.isclose(pair.points[:, 1], strip)), 1)]
-    )  # plane strain
+    # plane strain
+    pair.press(4e-6, hold=[(np.flatnonzero(np.isclose(pair.points[:, 1], strip)), 1)])
     P = 2 * pair.lift / strip
     a = np.sqrt(4 * P * R / np.pi / STIFF)
     assert 8 < a / along[1] < 20
@@ -48,7 +51,8 @@ def test_cylinder_on_plane():
 
 @pytest.mark.slow
 def test_crossed_cylinders():
-    along, through = graded(0.4e-3, 10, 8), graded(0.4e-3, 6, 12)
+    along = graded(0.4e-3, 10, 8)
+    through = graded(0.4e-3, 6, 12)
     bodies = (
         block(0, along, along, through, lambda x, y: y**2 / (2 * R)),
         block(1, along, along, through, lambda x, y: -(x**2) / (2 * R)),
@@ -64,7 +68,8 @@ def test_crossed_cylinders():
 
 
 def flat(n_upper, n_lower, side=1e-3):
-    upper, lower = np.linspace(0, side, n_upper + 1), np.linspace(0, side, n_lower + 1)
+    upper = np.linspace(0, side, n_upper + 1)
+    lower = np.linspace(0, side, n_lower + 1)
     depth = np.linspace(0, side / 2, 3)
     bodies = (
         block(0, upper, upper, depth, lambda x, y: 0 * x),
@@ -77,7 +82,8 @@ def misfit(pair, descent=1e-6):
     """Largest deviation of the vertical displacement from that of a uniform column, over the descent."""
     u = pair.press(descent)
     z = pair.points[:, 2]
-    top, low = z.max(), z.min()
+    top = z.max()
+    low = z.min()
     upper = np.concatenate([np.zeros(pair.grids[0].size, bool), np.ones(pair.grids[1].size, bool)])
     # each half of the column takes half of the descent, but for the penetration
     ideal = np.where(

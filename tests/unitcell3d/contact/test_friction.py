@@ -9,8 +9,10 @@ from equations import end_forces, loaded
 
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 
-E, SIDE = 1e9, 1e-3
-MU, DESCENT = 0.3, 2e-7
+E = 1e9
+SIDE = 1e-3
+MU = 0.3
+DESCENT = 2e-7
 
 
 class Pushed(Blocks):
@@ -32,7 +34,8 @@ class Pushed(Blocks):
 
     def drive(self, u, descent, along, steps):
         """Forces (steps, 3) [N] of the upper block on the lower, when the top is driven on to `along` [m]."""
-        found, start = [], u[self.top, 0].mean()
+        found = []
+        start = u[self.top, 0].mean()
         for share in np.linspace(0, 1, steps + 1)[1:]:
             u[self.top] = [start + share * (along - start), 0, -descent]
             self._settle(u, self.free)
@@ -57,7 +60,8 @@ def test_a_block_sticks_below_the_friction_force_and_slides_at_it():
     """Driven a little it comes back, but for its edges; driven far it slides at the coefficient times the load."""
     pair, u = pushed(2e-7)
     (start,) = ratios(pair, u, 0.0, 1)  # blocks that bulge over each other's edges rub at once
-    out, back = ratios(pair, u, 1e-8, 2), ratios(pair, u, 0.0, 2)
+    out = ratios(pair, u, 1e-8, 2)
+    back = ratios(pair, u, 0.0, 2)
     assert out[1] - start == pytest.approx(2 * (out[0] - start), rel=0.02)
     assert abs(back[-1] - start) < 0.2 * (out[-1] - start)
     slide = ratios(pair, u, 1.2e-6, 8)

@@ -12,7 +12,8 @@ from unitcell3d.identify import chain
 from unitcell3d.identify.chain import combine
 from unitcell3d.identify.solid_record import with_solid_laws
 
-A, B = 4e-5, 5e-5
+A = 4e-5
+B = 5e-5
 F = np.geomspace(0.1, 100, 25)
 NONE = np.empty(0), np.empty(0)
 
@@ -70,7 +71,8 @@ def test_changes_of_unknowns_add_as_squares_on_each_side():
 
 
 def test_a_linear_function_of_normal_unknowns_has_its_own_interval():
-    slopes, half = np.array([3.0, -1.0, 0.5]), np.array([0.1, 0.2, 0.4])
+    slopes = np.array([3.0, -1.0, 0.5])
+    half = np.array([0.1, 0.2, 0.4])
     ends = [(5 - s * h, 5 + s * h) for s, h in zip(slopes, half)]
     width = np.sqrt(np.sum((slopes * half) ** 2))
     assert combine(5.0, ends) == pytest.approx((5 - width, 5 + width))

@@ -23,7 +23,8 @@ def jacobian(x):
 
 class Counted:
     def __init__(self, data):
-        self.data, self.calls = data, 0
+        self.data = data
+        self.calls = 0
 
     def __call__(self, x):
         self.calls += 1

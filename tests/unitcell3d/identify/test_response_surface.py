@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from equations import end_forces
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.surface import ResponseSurface
 from unitcell3d.identify.interpolant import QUANTITIES, Interpolant, errors
@@ -26,7 +27,7 @@ def test_bicubic_surfaces_are_met_exactly():
     surface = analytic(lambda x, y: 1 + x**3 * y**2 - 2 * x * y**3, 7)
     x, y = np.random.default_rng(0).uniform(0, 1, (2, 50))
     ours = Interpolant(surface)("T1", 30e-6 * x, 30e-6 * y)
-    assert np.allclose(ours, 1 + x**3 * y**2 - 2 * x * y**3, atol=1e-12)
+    assert_allclose(ours, 1 + x**3 * y**2 - 2 * x * y**3, atol=1e-12)
     assert errors(surface)["T1"].largest < 1e-12
 
 
@@ -35,7 +36,8 @@ def test_error_is_of_fourth_order_and_the_estimate_bounds_it():
         return np.exp(x) * np.cos(2 * y)
 
     x, y = np.random.default_rng(0).uniform(0, 1, (2, 400))
-    true, estimates = [], []
+    true = []
+    estimates = []
     for n in (11, 21, 41):
         surface = analytic(function, n)
         true.append(
@@ -64,7 +66,8 @@ def corner(surface):
 
 def test_rows_end_where_other_routes_end(whole, s720, tiny):
     """Stem and row against the diagonal, and back from beyond."""
-    goal, beyond = (END, END), (20e-6, 16e-6)
+    goal = (END, END)
+    beyond = (20e-6, 16e-6)
     for route in ([goal], [goal, beyond, goal]):
         assert end_forces(tiny, s720, route, step=1.2e-6) == pytest.approx(
             corner(whole.surface), rel=1e-5
@@ -112,7 +115,9 @@ def test_processes_give_the_same(whole, s720):
 def test_lines_are_added_where_contact_sets_in(whole, s720, pool):
     """Missed lines lie at small displacements: there the grid becomes dense, and what is missed smaller."""
     finer = sample(s720, **SMALL, tolerance=6.5e-3, executor=pool)
-    d1, d2, coarse = finer.surface.d1, finer.surface.d2, whole.surface.d1
+    d1 = finer.surface.d1
+    d2 = finer.surface.d2
+    coarse = whole.surface.d1
     assert min(d1.size, d2.size) > 5
     assert d1[1] - d1[0] < d1[-1] - d1[-2]
     misses = [
@@ -122,8 +127,9 @@ def test_lines_are_added_where_contact_sets_in(whole, s720, pool):
     assert misses[0] < 6.5e-3 < misses[1]
     # what both grids hold, they hold alike
     assert set(coarse) <= set(d1) & set(d2)
-    i, j = np.searchsorted(d1, coarse), np.searchsorted(d2, coarse)
-    assert np.array_equal(finer.surface.T1[np.ix_(i, j)], whole.surface.T1)
+    i = np.searchsorted(d1, coarse)
+    j = np.searchsorted(d2, coarse)
+    assert_array_equal(finer.surface.T1[np.ix_(i, j)], whole.surface.T1)
 
 
 def test_a_slack_corner_has_no_contact(s720, pool):

@@ -44,7 +44,10 @@ class ClosedForm:
     """In place of the equilibria of a mesh: closures 0.1 mm V_c P / (P + K_r E_c)."""
 
     def __init__(self, mesh, fabric, with_constants, pressure):
-        self._with, self.loaded, self.equilibria, self.tangents = with_constants, 0, 0, 0
+        self._with = with_constants
+        self.loaded = 0
+        self.equilibria = 0
+        self.tangents = 0
 
     def at(self, x):
         def closures(pressure, x=x):

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from equations import assert_tangent, dense
+from numpy.testing import assert_allclose
 
 from unitcell3d.material.fibre_kernels import bar_forces, bar_strains, bar_tangent, fibre_law
 
-R, D = 1e-3, 1e-4
+R = 1e-3
+D = 1e-4
 
 
 def plain_law(e):
@@ -28,7 +30,8 @@ def test_law_and_its_continuous_slope():
         )
     assert fibre_law(0.0, R, D) == (0.0, R)
     for join in (0.0, D):  # where the kink was
-        below, above = fibre_law(join - 1e-12, R, D)[1], fibre_law(join + 1e-12, R, D)[1]
+        below = fibre_law(join - 1e-12, R, D)[1]
+        above = fibre_law(join + 1e-12, R, D)[1]
         assert above == pytest.approx(below, abs=1e-6)
 
 
@@ -58,7 +61,7 @@ def test_forces_equal_the_plain_twin(bundle):
         N = EA * plain_law(l / L - 1)
         plain[q] += N * edge / l
         plain[p] -= N * edge / l
-    assert np.allclose(forces_of(*bundle), plain, rtol=1e-13)
+    assert_allclose(forces_of(*bundle), plain, rtol=1e-13)
     strain = np.empty(len(pairs))
     bar_strains(X, pairs, length, strain)
     assert np.allclose(strain, [0.02, -0.01, 0.00005, 0, 0.03, -0.1])
@@ -72,7 +75,8 @@ def test_tangent_is_the_derivative(bundle):
         values = np.zeros((n * n, 3, 3))
         places = pairs[some, :, None] * n + pairs[some, None, :]
         bar_tangent(X, pairs[some], length[some], stiffness[some], R, D, places, values)
-        K, direction = dense(values, n), np.random.default_rng(1).standard_normal(X.shape)
+        K = dense(values, n)
+        direction = np.random.default_rng(1).standard_normal(X.shape)
         assert np.allclose(K, K.T)
         assert_tangent(
             K,

@@ -76,7 +76,8 @@ def test_the_most_overstrained_fail_first(tiny, s720):
     fibres = Fibres(tiny, s720, failure=True)
     limit = s720.weave.warp.failure_strain
     x = tiny.points.copy()
-    low, high = tiny.grids[0][0], tiny.grids[0][1]
+    low = tiny.grids[0][0]
+    high = tiny.grids[0][1]
     x[high] = x[low] + (x[high] - x[low]) * (1 + limit * (1 + 0.3 * FADE))
     x[high[0]] = x[low[0]] + (tiny.points[high[0]] - tiny.points[low[0]]) * (1 + limit * (1 + FADE))
     assert fibres.fail(x)
@@ -87,7 +88,8 @@ def test_the_yarns_of_a_crossover_break_one_after_the_other(tiny, s720):
     """The weft first; the warp, no longer bent over it, loses tension, is pulled straight and breaks by itself."""
     record = load_path.along(tiny, s720, [(40e-6, 40e-6)], failure=True)
     assert record.failed == ""
-    T1, T2 = record["T1"], record["T2"]
+    T1 = record["T1"]
+    T2 = record["T2"]
     weft = int(np.argmax(T2))
     assert T2[weft] == pytest.approx(0.96 * s720.weave.weft.strength, rel=0.02)
     assert record["fibre_strain_max"][weft, 1] == pytest.approx(0.03, rel=2e-3)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from equations import assert_tangent, dense, matrix
+from numpy.testing import assert_allclose, assert_array_equal
 
 from meshing import crossover as mesher
 from meshing import patch
@@ -12,7 +13,8 @@ from unitcell3d.identify import shear_fit
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
 from unitcell3d.solver.newton import Newton
 
-SIZE, REACH = (3, 2, 2), 10e-6
+SIZE = (3, 2, 2)
+REACH = 10e-6
 
 
 @pytest.fixture(scope="module")
@@ -114,13 +116,17 @@ def test_stick_state_is_that_of_the_crossings_alone(model):
         side.anchors.size for pair in model.surfaces.pairs[: model.crossings] for side in pair
     )
     model.stick_state = before + 0.25
-    assert np.array_equal(model.stick_state, before + 0.25)
+    assert_array_equal(model.stick_state, before + 0.25)
     model.stick_state = before
 
 
 NODES = 6
-TOWARD, AREA, PENALTY, TOE = np.array([0.0, 1.0, 0.0]), 0.7, 10.0, 0.01
-FIRST, SECOND = np.arange(NODES), np.arange(NODES, 2 * NODES)
+TOWARD = np.array([0.0, 1.0, 0.0])
+AREA = 0.7
+PENALTY = 10.0
+TOE = 0.01
+FIRST = np.arange(NODES)
+SECOND = np.arange(NODES, 2 * NODES)
 
 
 @pytest.fixture
@@ -143,7 +149,8 @@ def crossing():
 
 
 def touch(x, places=None, values=None):
-    forces, nodes = np.zeros_like(x), np.full(8, -1)
+    forces = np.zeros_like(x)
+    nodes = np.full(8, -1)
     none = np.empty((0, 0), np.int64)
     found = edge_pass(
         x,
@@ -169,19 +176,19 @@ def test_edges_push_each_other_apart_in_balance(crossing):
     assert set(nodes[4:]) <= set(SECOND)
     assert np.abs(forces.sum(axis=0)).max() < 1e-14
     assert np.abs(np.cross(crossing, forces).sum(axis=0)).max() < 1e-13
-    assert forces[FIRST, 1].sum() == pytest.approx(
-        force, rel=0.01
-    )  # internal: the first is held back from the second
+    # internal: the first is held back from the second
+    assert forces[FIRST, 1].sum() == pytest.approx(force, rel=0.01)
     apart = crossing + np.where(np.arange(2 * NODES)[:, None] < NODES, 0, 1) * [0, 0.3, 0]
     assert touch(apart)[3] == 0
 
 
 def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
     n = len(crossing)
-    nodes, values = touch(crossing)[1], np.zeros((n * n, 3, 3))
+    nodes = touch(crossing)[1]
+    values = np.zeros((n * n, 3, 3))
     touch(crossing, nodes[:, None] * n + nodes[None], values)
     K = dense(values, n)
-    assert np.allclose(K, K.T, atol=1e-12)
+    assert_allclose(K, K.T, atol=1e-12)
     direction = np.random.default_rng(1).standard_normal(crossing.shape)
     assert_tangent(K, lambda x: touch(x)[0], crossing, direction, 1e-4)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from equations import loaded
+from numpy.testing import assert_allclose
 
 from fabrics.base.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
@@ -24,7 +25,8 @@ def _loaded(tiny, s720, monkeypatch, near):
     """Forces (T1, T2, F_c) at four loads from taut to tauter."""
     monkeypatch.setattr(newton, "NEAR", near)
     model = CrossoverModel(tiny, s720)
-    first, last = Load((8e-6, 8e-6)), Load((20e-6, 20e-6))
+    first = Load((8e-6, 8e-6))
+    last = Load((20e-6, 20e-6))
     solver, start = loaded(model, first)
     found = [
         state for _, state in continue_to(model, solver, start.q, first, last, np.linspace(0, 1, 9))
@@ -39,7 +41,7 @@ def test_updates_change_no_state_and_save_tangents(tiny, s720, monkeypatch, tang
     without = len(tangents)
     tangents.clear()
     updated = _loaded(tiny, s720, monkeypatch, near=1e-2)
-    assert np.allclose(updated, plain, rtol=1e-7)
+    assert_allclose(updated, plain, rtol=1e-7)
     assert len(tangents) < 0.8 * without
 
 
@@ -47,7 +49,9 @@ def test_broyden_update_is_the_secant_one():
     """The step from stored steps is -B^-1 r with B built up by Broyden's rank-one updates as matrices."""
     random = np.random.default_rng(1)
     B = np.eye(6) + 0.2 * random.normal(size=(6, 6))
-    first, x, taken = B.copy(), random.normal(size=6), []
+    first = B.copy()
+    x = random.normal(size=6)
+    taken = []
 
     def residual(x):
         return x + 0.3 * np.sin(x) + 0.1 * x[::-1] ** 2
@@ -59,7 +63,8 @@ def test_broyden_update_is_the_secant_one():
         after = residual(x + step)
         B = B + np.outer(after - r - B @ step, step) / (step @ step)
         taken.append(step)
-        x, r = x + step, after
+        x = x + step
+        r = after
 
 
 def test_a_step_that_overshoots_is_shortened(tiny, s720):
@@ -69,11 +74,12 @@ def test_a_step_that_overshoots_is_shortened(tiny, s720):
     solver, state = loaded(model, load)
     q = state.q
     astray = 1e-11 * np.random.default_rng(0).normal(size=model.size)
+    # beyond equilibrium, on this side, and away from it
     for times, share in (
         (-8.0, 1 / 8),
         (-0.5, 1.0),
         (8.0, 1.0),
-    ):  # beyond equilibrium, on this side, and away from it
+    ):
         state = solver._evaluate(q + astray, load)
         pull = -(state.residual @ (times * astray))
         found, kept = solver._move(state, times * astray, load)
@@ -102,7 +108,8 @@ def test_a_kink_met_from_its_soft_side_is_found():
 def test_linear_guess_follows_the_load(tiny, s720):
     """Halving the load's step divides what the guess leaves by four."""
     model = CrossoverModel(tiny, s720)
-    here, there = Load((15e-6, 15e-6)), Load((15.4e-6, 15.4e-6))
+    here = Load((15e-6, 15e-6))
+    there = Load((15.4e-6, 15.4e-6))
     assert newton.Newton(model).linear_guess(np.zeros(model.size), Load(), here) is None
     solver, state = loaded(model, here)
     q = state.q
@@ -146,7 +153,8 @@ def test_where_there_is_no_equilibrium_the_least_step_says_so(tiny, s720):
                 self._refuse("no way", q, load)
             return super().solve(q, load, tolerance)
 
-    model, asked = CrossoverModel(tiny, s720), []
+    model = CrossoverModel(tiny, s720)
+    asked = []
     solver = Refusing(model)
     with pytest.raises(UnstableError, match=r"no way, at .* element .*, d1 = "):
         list(continue_to(model, solver, np.zeros(model.size), Load(), Load((3e-6, 0.0)), [1.0]))

@@ -15,9 +15,8 @@ VELOCITIES = (50.0, 100.0, 200.0, 400.0)
 @pytest.mark.parametrize("velocity", VELOCITIES)
 def test_closed_form_keeps_momentum_and_geometry(velocity):
     wave = smith(YARN, velocity)
-    natural = wave.c * sqrt(
-        wave.strain / (1 + wave.strain)
-    )  # of yarn taken up by the kink, per second
+    # of yarn taken up by the kink, per second
+    natural = wave.c * sqrt(wave.strain / (1 + wave.strain))
     assert wave.c == pytest.approx(sqrt(YARN.EA / YARN.linear_density))
     assert wave.U == pytest.approx(natural * (1 + wave.strain) - wave.c * wave.strain, rel=1e-12)
     assert np.hypot(wave.U, velocity) == pytest.approx(natural * (1 + wave.strain), rel=1e-12)

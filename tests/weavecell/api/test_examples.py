@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
-SCRIPTS = sorted(
-    {*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "demo.py"}
-)  # of test_demo.py
+# of test_demo.py
+SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "demo.py"})
 # what each prints before its number, and the number, stored within 1 %, or one of the last digit printed
 NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 249),

@@ -7,7 +7,8 @@ import pytest
 
 import weavecell as wc
 
-nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
 CELLS = (
     "import weavecell as wc\nfrom weavecell.results import progress\nprogress.DELAY = 0.0",
     'shot = wc.impact("S-720", "150 m/s", opening="30 mm", end_time="15 us", elements_per_crossover=1); shot',

@@ -40,7 +40,8 @@ def test_the_forecast_of_a_study_counts_its_shots(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     panel = {"opening": "50 mm", "check": True}
     plain = wc.v50("S-720", shots=20, **panel)
-    assert (plain.shots, plain.searches) == (20 + SHOTS_OF_A_SEARCH, 1)
+    assert plain.shots == 20 + SHOTS_OF_A_SEARCH
+    assert plain.searches == 1
     ends = sum(map(len, assumed_range.changes(wc.setup("S-720", 1.0, opening="50 mm")).values()))
     whole = wc.v50("S-720", shots=20, assumed_range=True, **panel)
     assert whole.searches == 1 + ends + 2
@@ -50,5 +51,6 @@ def test_the_forecast_of_a_study_counts_its_shots(tmp_path, monkeypatch):
     assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
     over = {"panel.plies": [1, 2]}
     swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
-    assert (swept.shots, swept.searches) == (2 * (SHOTS_OF_A_SEARCH + 18), 2)
+    assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 18)
+    assert swept.searches == 2
     assert not list(tmp_path.iterdir())

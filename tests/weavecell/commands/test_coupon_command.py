@@ -7,6 +7,7 @@ from unittest import mock
 import h5py
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import weavecell
 from tests.scene_text import datasets, toml
@@ -66,7 +67,7 @@ def test_the_table_of_a_pull_out_is_its_histories(results):
     with h5py.File(folder / "histories.h5") as file:
         assert set(names) == set(file["histories"])
         for name, column in values.items():
-            np.testing.assert_allclose(file[f"histories/{name}"][()], column, rtol=1e-8)
+            assert_allclose(file[f"histories/{name}"][()], column, rtol=1e-8)
     still = (values["displacement of the crosshead"] > 0.3e-3) & (values["crossovers left"] == 0)
     passed, taken = (
         np.ptp(values[name][still])

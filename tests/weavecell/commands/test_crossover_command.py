@@ -45,7 +45,8 @@ def run(command, tmp_path):
 @pytest.mark.parametrize("case", CASES)
 def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
     code, out, err, content, record = run(case, CASES[case])
-    assert (code, record.failed) == (0, ""), err
+    assert code == 0, err
+    assert record.failed == "", err
     found = content["found"]
     again = crossover_result.CASES[case].summary(catalogue.load("S-720"), record)
     assert json.loads(json.dumps(again)) == found

@@ -1,8 +1,8 @@
 """examples/demo.py, the script of `make demo`, end to end: mesh, 3D calibration, four impacts and report."""
 
+import re
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -28,18 +28,6 @@ CHAPTERS = [
 ]
 
 
-class _Page(HTMLParser):
-    def __init__(self):
-        super().__init__()
-        self.ids = []
-        self.links = []
-
-    def handle_starttag(self, tag, attributes):
-        found = dict(attributes)
-        self.ids += [found["id"]] if "id" in found else []
-        self.links += [found[name] for name in ("src", "href") if name in found]
-
-
 @pytest.mark.slow(40)
 def test_demonstration(tmp_path):
     words = [sys.executable, SCRIPT, tmp_path / "demo", "coarse"]
@@ -55,7 +43,4 @@ def test_demonstration(tmp_path):
     text = (tmp_path / "demo" / "report.html").read_text("utf-8")
     assert f"a = {1e3 * law.a:.4f} mm" in text
     assert "All are met." in text
-    page = _Page()
-    page.feed(text)
-    assert page.ids == CHAPTERS
-    assert all(link.startswith(("data:image/", "#")) for link in page.links)
+    assert re.findall(r'<[^>]* id="([^"]*)"', text) == CHAPTERS

@@ -19,12 +19,13 @@ from weavecell.results.impact import ImpactRecord
 from weavecell.results.wave_fronts import fronts
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
+# attributes of HDF5 itself, of dimension scales
 SCALES = {
     "CLASS",
     "DIMENSION_LIST",
     "NAME",
     "REFERENCE_LIST",
-}  # attributes of HDF5 itself, of dimension scales
+}
 
 
 def find(path, table):
@@ -114,9 +115,8 @@ def test_fronts_are_read_off_what_is_read_back(results):
     assert set(again) == {
         f"{f}-{k}" for f in ("warp", "weft") for k in ("longitudinal", "transverse")
     }
-    assert (
-        800 < again["warp-longitudinal"] < again["weft-longitudinal"] < 4000
-    )  # the weft has less crimp
+    # the weft has less crimp
+    assert 800 < again["warp-longitudinal"] < again["weft-longitudinal"] < 4000
     with h5py.File(file) as content:
         group = content["measured/00"]
         assert sorted(group["edges"]) == sorted(EDGES)

@@ -29,7 +29,8 @@ def pack(results):
 
 def test_a_block_that_still_moves_has_no_dent_anywhere(pack):
     """Screen, JSON, HDF5, DataFrame, xarray and report: no number of the dent, and the words that say so."""
-    record, depth = pack.record, 1e3 * pack.record.backing.back_face_signature
+    record = pack.record
+    depth = 1e3 * pack.record.backing.back_face_signature
     assert record.block_moves
     dents = {key.name for key in keys.table("of_backing")} - {"block_motion_over_strike"}
     assert "back_face_signature_mm" in dents

@@ -9,11 +9,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import weavecell
 from fabrics import catalogue
-from fabrics.base.errors import InputError
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
@@ -21,7 +20,6 @@ from weavecell.report.page import Embedded
 from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
 from weavecell.results import provenance, vtk
-from weavecell.results.impact import ImpactRecord
 
 
 @pytest.fixture
@@ -112,10 +110,8 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
         assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
         share = tension.reshape(count, m, 2)[k, :, 0] / head["perUnit"]
         assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
-        assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
-    assert np.array_equal(
-        quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:]
-    )
+        assert_array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
+    assert_array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
     in_notebook = Embedded(moving.page(record, instants))._repr_html_()
     assert in_notebook.startswith('<iframe srcdoc="&lt;!doctype html&gt;')
     assert in_notebook.count('"') == 4  # those of the page within are escaped
@@ -172,15 +168,6 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
     assert names == ["histories", "energies", "cuts", "cell"]
-
-
-def test_another_file_is_refused_and_a_failing_record_leaves_nothing(record, tmp_path):
-    with pytest.raises(TypeError):
-        replace(record, time=object()).write(tmp_path / "histories.h5")
-    assert list(tmp_path.iterdir()) == []
-    (tmp_path / "histories.h5").write_text("not HDF5")
-    with pytest.raises(InputError, match="not a readable HDF5 file"):
-        ImpactRecord.read(tmp_path / "histories.h5")
 
 
 def test_pictures_repeat_to_the_byte(record):

@@ -74,7 +74,8 @@ def defined_in(cards, ids, words):
     for reference in TABLES["reference"]:
         word = reference["word"]
         if word.startswith("*") == words.startswith("*"):
-            rows, fields = slice(*reference["cards"]), slice(*reference["fields"])
+            rows = slice(*reference["cards"])
+            fields = slice(*reference["fields"])
             named = {field for block in cards[word] for row in block[rows] for field in row[fields]}
             assert named, word
             assert named <= defined[reference["kind"]], word

@@ -10,6 +10,7 @@ import deck_readers
 import numpy as np
 import pytest
 import pyvista
+from numpy.testing import assert_allclose, assert_array_equal
 
 import weavecell as wc
 from fabrics.base.errors import InputError
@@ -82,9 +83,7 @@ def test_dyna_deck_is_read_by_dynakw(tmp_path):
         found = [(each.full_keyword, each.cards) for each in reader.keywords()]
     cards = dict(found)
     nodes = cards["*NODE"]["Card 1"]
-    assert np.allclose(
-        np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12
-    )
+    assert_allclose(np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12)
     inertia = cards["*PART_INERTIA"]["inertia"]
     assert float(inertia["TM"][0]) == pytest.approx(made.nose.mass, rel=1e-3)
     assert float(inertia["VTZ"][0]) == pytest.approx(100, rel=1e-3)
@@ -98,7 +97,7 @@ def test_dyna_deck_is_read_by_dynakw(tmp_path):
         if name != "Card 1" and len(next(iter(card.values()))) > 3
     )
     strain, stress = list(points.values())[:2]
-    assert np.allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
+    assert_allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("to", folder.CODES)
@@ -108,7 +107,7 @@ def test_turned_plies_have_a_card_with_warp_and_weft_exchanged(to):
     reader = {"lsdyna": deck_readers.dyna, "radioss": deck_readers.radioss}[to]
     assert len(reader(next(iter(text(made, to).values())))) == 2
     ones, others = (card.cloth for card in made.cards[:2])
-    assert np.array_equal(ones.modulus, others.modulus[::-1])
+    assert_array_equal(ones.modulus, others.modulus[::-1])
     heights = [ply.points[0, 2] for ply in made.plies]
     assert np.all(np.diff(heights) >= made.cards[0].cloth.thickness)
     assert made.friction == 0.2
@@ -120,9 +119,8 @@ def test_a_radioss_deck_has_the_settings_and_histories_of_the_runs():
     assert "\n/DT\n0.5 0\n" in engine
     assert "\n/FAIL" not in starter
     assert "nothing breaks" in "".join(starter.splitlines()[:20])
-    deck_readers.radioss(
-        re.sub(r"(?m)^#(/FAIL/FABRIC/\d+|[ \dE.+-]+)$", r"\1", starter)
-    )  # the comment is a card
+    # the comment is a card
+    deck_readers.radioss(re.sub(r"(?m)^#(/FAIL/FABRIC/\d+|[ \dE.+-]+)$", r"\1", starter))
     values = "".join(line for line in starter.splitlines(keepends=True) if not line.startswith("#"))
     stiffness = [float(part.splitlines()[5][:20]) for part in values.split("/INTER/TYPE7/")[1:]]
     assert stiffness == [0.03, 1, 1]
@@ -189,9 +187,8 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
     spacing = np.diff(made.points[made.plies[0].quads[:, [0, 2]] - 1, 0]).min()
     assert np.linalg.norm(np.diff(made.points[edges - 1], axis=1), axis=2).max() < spacing
     assert nose.quads.min() == first
-    assert (
-        np.bincount(nose.quads.ravel())[first:].max() <= 4
-    )  # no pole: contact adds the stiffness of elements
+    # no pole: contact adds the stiffness of elements
+    assert np.bincount(nose.quads.ravel())[first:].max() <= 4
     corners = nose.points[nose.quads - first]
     outwards = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     assert np.all(np.sum(outwards * (corners.mean(axis=1) - nose.points.mean(axis=0)), axis=1) > 0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fabrics.base.errors import InputError
 from weavecell.studies.lambert_jonas import curve, fit
@@ -11,9 +12,7 @@ STRIKE = np.linspace(101.0, 300.0, 15)
 
 def test_curve_in_closed_form():
     """p = 2: V_r^2 = a^2 (V_s^2 - V_bl^2); nothing below the limit; a V_s far above it; a V_s at p -> infinity."""
-    np.testing.assert_allclose(
-        curve(STRIKE, 0.8, 2.0, 100.0), 0.8 * np.sqrt(STRIKE**2 - 1e4), rtol=1e-13
-    )
+    assert_allclose(curve(STRIKE, 0.8, 2.0, 100.0), 0.8 * np.sqrt(STRIKE**2 - 1e4), rtol=1e-13)
     assert np.all(curve(np.array([1.0, 50.0, 100.0]), 0.9, 2.6, 100.0) == 0.0)
     assert curve(1e6, 0.9, 2.6, 100.0) == pytest.approx(0.9e6, rel=1e-9)
     assert curve(150.0, 0.9, 200.0, 100.0) == pytest.approx(135.0, rel=1e-9)
@@ -33,7 +32,7 @@ def test_exact_data_come_back(p, stopped):
             assert low <= getattr(found, name) <= high
             assert high - low < 1e-4 * getattr(found, name)
         assert found.residual_rms < 1e-5
-        np.testing.assert_allclose(found.residual_velocity(strike), residual, atol=1e-4)
+        assert_allclose(found.residual_velocity(strike), residual, atol=1e-4)
 
 
 def test_intervals_hold_what_they_promise():
@@ -80,7 +79,7 @@ def test_a_bound_that_is_the_answer_is_said_to_be_it():
 
 
 @pytest.mark.parametrize(
-    ("strike", "residual", "limit", "told"),
+    "strike, residual, limit, told",
     [
         ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], None, "3 perforations do not determine its 3"),
         ([90.0, 110.0, 120.0], [0.0, 60.0, 70.0], 100.0, "2 perforations do not determine its 2"),

@@ -9,10 +9,9 @@ from unittest import mock
 
 import pytest
 
-import weavecell as wc
 from shellfabric.output import checkpoint
 from tests.scene_text import datasets, impact_scene
-from weavecell.results import progress, run_folder, termination
+from weavecell.results import progress, termination
 
 SHARE = 0.45  # of the run at which the signal comes
 SCENE = impact_scene(
@@ -49,13 +48,6 @@ def test_sigterm_is_an_interrupt_with_a_checkpoint(command, scene, tmp_path):
         assert command("impact", scene, "--out", "r")[::2] == (130, f"error: {LINE}\n")
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     assert (tmp_path / "r" / "checkpoint.h5").exists()
-
-
-def test_sigterm_of_a_python_program_too(scene, tmp_path):
-    with signalled(signal.SIGTERM), pytest.raises(run_folder.Interrupted, match=LINE):
-        wc.impact(scene, out=tmp_path / "r")
-    assert (tmp_path / "r" / "checkpoint.h5").exists()
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 def test_a_handler_of_the_program_stays():

@@ -45,7 +45,8 @@ def test_what_a_law_was_fitted_to_is_compared(tmp_path, caplog, change):
 
 
 def test_a_contact_law_of_plies_that_was_fitted_to_other_data_is_told(tmp_path, caplog):
-    first, changed = fabric_of({}), fabric_of(CHANGES["modulus"])
+    first = fabric_of({})
+    changed = fabric_of(CHANGES["modulus"])
     law = CompressionLaw(4e-5, 5e-5, fabric=first.name, fitted_data=data_digest(first))
     path = tmp_path / "law.json"
     law.to_json(path, ply_laws.solid_fibre(first))

@@ -29,7 +29,10 @@ def made(**keys):
 def volume(projectile):
     """[m3] of the closed surface that is drawn of it, from its facets by the divergence theorem."""
     rings = projectile.surface()
-    a, b, c, d = rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:]
+    a = rings[:-1, :-1]
+    b = rings[1:, :-1]
+    c = rings[1:, 1:]
+    d = rings[:-1, 1:]
     return (
         sum(
             abs(np.einsum("ijk,ijk->ij", p, np.cross(q, r)).sum())
@@ -79,16 +82,12 @@ def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
 
 def test_what_is_given_goes_before_the_data_of_the_name():
     """Another nose keeps what both have."""
-    plain, other = (
-        made(name="FSP 1.10 g"),
-        made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2),
-    )
+    plain = made(name="FSP 1.10 g")
+    other = made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
     assert (plain.mass, other.mass, other.friction) == pytest.approx((1.10e-3, 1.13e-3, 0.2))
-    assert (other.radius, other.length, other.flat_width) == (
-        plain.radius,
-        plain.length,
-        plain.flat_width,
-    )
+    assert other.radius == plain.radius
+    assert other.length == plain.length
+    assert other.flat_width == plain.flat_width
     dome, ball = (made(name="FSP 1.10 g", shape=shape) for shape in ("hemisphere", "sphere"))
     assert (dome.mass, dome.radius, dome.length, dome.edge_radius) == (
         plain.mass,
@@ -96,7 +95,9 @@ def test_what_is_given_goes_before_the_data_of_the_name():
         plain.length,
         plain.edge_radius,
     )
-    assert (ball.mass, ball.radius, ball.length) == (plain.mass, plain.radius, None)
+    assert ball.mass == plain.mass
+    assert ball.radius == plain.radius
+    assert ball.length is None
     assert dome.flat_width is None is ball.flat_width
 
 
@@ -126,4 +127,5 @@ def test_a_backing_is_its_material(name):
     assert material != load("backing")
     assert name in wc.backings().index
     written = impact.check(SHOT | {"backing": {"material": name}}, None).backing
-    assert (written.rate_exponent, written.min_size) == (material.rate_exponent, None)
+    assert written.rate_exponent == material.rate_exponent
+    assert written.min_size is None

@@ -33,7 +33,7 @@ def test_the_schema_accepts_the_examples(reference, file):
 
 
 @pytest.mark.parametrize(
-    ("table", "key", "value"),
+    "table, key, value",
     [
         ("projectile", "mass", 0.003),
         ("panel", "plies", "4"),

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy import stats
 
 import weavecell as wc
@@ -34,9 +35,9 @@ def shot(velocity, residual):
 
 def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     found = read(tmp_path, TABLE)
-    np.testing.assert_allclose(found["velocity"], [100, 120, 130, 110, 140])
+    assert_allclose(found["velocity"], [100, 120, 130, 110, 140])
     assert [name[0] for name in found["outcome"]] == ["s", "p", "p", "s", "p"]
-    np.testing.assert_array_equal(found["residual velocity"], [0, 40, 70, 0, np.nan])
+    assert_array_equal(found["residual velocity"], [0, 40, 70, 0, np.nan])
 
 
 def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
@@ -46,13 +47,14 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     found = compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
     assert found.agree == 4
     off = found.difference()
-    assert (off["shots"], off["mean"], off["rms"]) == (2, 2.0, pytest.approx(np.sqrt(8)))
+    assert off["shots"] == 2
+    assert off["mean"] == 2.0
+    assert off["rms"] == pytest.approx(np.sqrt(8))
     interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
     assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
     summary = found.summary()
-    assert summary["tested_v50_m_s"] == pytest.approx(
-        115.0
-    )  # between 110, stopped, and 120, perforated
+    # between 110, stopped, and 120, perforated
+    assert summary["tested_v50_m_s"] == pytest.approx(115.0)
     assert summary["critical_velocity_over_v50"] == pytest.approx(105 / 115)
     low, high = summary["tested_v50_interval_m_s"]
     assert low < 115 < high
@@ -73,11 +75,12 @@ def test_the_v50_that_laboratories_state(tmp_path):
     assert found.met == 60
 
 
-@pytest.mark.parametrize(("spread", "met"), [(60.0, 60), (60.5, 90), (125.0, 125), (126.0, None)])
+@pytest.mark.parametrize("spread, met", [(60.0, 60), (60.5, 90), (125.0, 125), (126.0, None)])
 def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
     feet = np.array([0.0, 0.0, 0.0, spread, spread, spread]) + 1000.0
     found = protocol.six_shots(0.3048 * feet, feet > 1000.0)
-    assert (found.met, found.velocity) == (met, pytest.approx(0.3048 * (1000.0 + spread / 2)))
+    assert found.met == met
+    assert found.velocity == pytest.approx(0.3048 * (1000.0 + spread / 2))
     few = protocol.six_shots([100.0, 110.0, 120.0], [False, True, True])
     assert few.words().endswith("not determined, because 1 shots stopped and 2 perforated")
 

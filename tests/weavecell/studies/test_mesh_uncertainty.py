@@ -34,7 +34,8 @@ def table(setup):
 
 def test_index_of_a_result_of_second_order():
     """phi = 1 + h^2: the interval of the coarser of two meshes holds the limit with the safety factor of 3."""
-    coarse, fine = 1 + 0.2**2, 1 + 0.1**2
+    coarse = 1 + 0.2**2
+    fine = 1 + 0.1**2
     assert mesh_uncertainty.index(coarse - fine) == pytest.approx(3 * 0.2**2)
 
 
@@ -52,14 +53,12 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     zones = replace(setup, plies=2).meshed.grading
     pack = mesh_uncertainty.finer(replace(setup, plies=2), table)
     (near, side), *_ = zones
-    assert (pack.plies, pack.grading) == (
-        2,
-        ((near, side / 2), *((2 * until, side) for until, side in zones)),
-    )
-    gripped = mesh_uncertainty.finer(
-        replace(setup, boundary=Grip(50.0)), table
-    )  # which no graded panel has
-    assert (gripped.grading, gripped.elements_per_crossover) == (None, 2)
+    assert pack.plies == 2
+    assert pack.grading == ((near, side / 2), *((2 * until, side) for until, side in zones))
+    # which no graded panel has
+    gripped = mesh_uncertainty.finer(replace(setup, boundary=Grip(50.0)), table)
+    assert gripped.grading is None
+    assert gripped.elements_per_crossover == 2
     with pytest.raises(InputError, match="--uncertainty"):
         mesh_uncertainty.finer(replace(setup, elements_per_crossover=5), table)
 
@@ -67,10 +66,10 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
 def test_intervals_of_a_shot(setup, table):
     result = run(setup, table=table)
     finer = run(mesh_uncertainty.finer(setup, table), table=table)
-    pair = mesh_uncertainty.compare(Shot(result), Shot(finer))
+    pair = compared(result, finer)
     assert pair.same_outcome
     assert pair.meshes == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
-    found = {one.name: one for one in pair.intervals}
+    found = by_name(pair)
     values = [
         found[name].value for name in ("residual velocity", "absorbed energy", "peak tension, warp")
     ]
@@ -84,6 +83,15 @@ def test_intervals_of_a_shot(setup, table):
     text = chapters.summary(pair)["discretisation"]
     assert text["results"]["absorbed energy"]["uncertainty"] == found["absorbed energy"].uncertainty
     assert len(chapters.section(pair).tables) == 1
+
+
+def compared(one, other):
+    """The DiscretisationPair of two results, of which the second is of the finer mesh."""
+    return mesh_uncertainty.compare(Shot(one), Shot(other))
+
+
+def by_name(pair):
+    return {one.name: one for one in pair.intervals}
 
 
 def result_of(setup, outcome, residual):
@@ -117,13 +125,12 @@ def window_of(result, *residuals):
 def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
     """d is the difference of the means, and the standard errors are added; shots that stop on one mesh are told."""
     one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))
-    one, other = (
-        Shot(one, None, window_of(one, 20, 20, 25, 20, 20)),
-        Shot(other, None, window_of(other)),
-    )
+    one = Shot(one, None, window_of(one, 20, 20, 25, 20, 20))
+    other = Shot(other, None, window_of(other))
     other.window.shots[0]["outcome"] = "stopped"
     pair = mesh_uncertainty.compare(one, other)
-    residual, error = pair.intervals[0], np.sqrt((4 * 1 + 4**2) / 3 / 5)
+    residual = pair.intervals[0]
+    error = np.sqrt((4 * 1 + 4**2) / 3 / 5)
     assert (residual.value, residual.other, *residual.standard_errors) == pytest.approx(
         (21.0, 20.0, error, 0.0)
     )
@@ -139,10 +146,7 @@ def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
         in text.partition("standard error, 5 shots at 36.8 to 43.2 m/s, 5 perforated:")[2]
     )
     assert "MIXED outcomes" in chapters.words(mesh_uncertainty.compare(other, one))
-    assert (
-        mesh_uncertainty.compare(Shot(one.result), Shot(other.result)).errors["residual_velocity"]
-        == inf
-    )
+    assert compared(one.result, other.result).errors["residual_velocity"] == inf
 
 
 def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_histories(setup):
@@ -152,24 +156,25 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
     bump = np.sin(np.pi * t / t[-1])
     for result, size in ((one, 0.0), (other, 3.0)):
         result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
-    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
+    found = by_name(compared(one, other))
     assert (
         found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
     )
     assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
-    assert (
-        found["absorbed energy"].value == 1.6
-    )  # of the whole projectile, whatever moves along its axis
+    # of the whole projectile, whatever moves along its axis
+    assert found["absorbed energy"].value == 1.6
     assert found["absorbed energy"].uncertainty == pytest.approx(
         4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02
     )
 
 
 def test_what_a_stopped_projectile_leaves_has_no_error(setup):
-    one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", -0.1)
+    one = result_of(setup, "stopped", 0.0)
+    other = result_of(setup, "stopped", -0.1)
     other.step_history = np.array([[0.0, 2e-3, 5.0, 0.0]])
-    other.deflection, other.max_deflection = np.array([2e-3]), 2e-3
-    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
+    other.deflection = np.array([2e-3])
+    other.max_deflection = 2e-3
+    found = by_name(compared(one, other))
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
 
@@ -193,38 +198,18 @@ def refined(setup, results, monkeypatch, quantity, target):
 
 
 @pytest.mark.parametrize(
-    ("ends", "quantity", "target", "runs", "confirmed"),
+    "ends, quantity, target, runs, confirmed",
     [
         ((20.0, 20.4, 20.5), "residual_velocity", 0.02, 2, True),  # 0.4 of 40 m/s are 1 %
         ((20.0, 20.4, 20.5), "residual_velocity", 0.005, 3, True),
-        (
-            (20.0, 20.4, 20.5),
-            "residual_velocity",
-            0.001,
-            4,
-            False,
-        ),  # 8 elements a crossover are the finest
-        (
-            (20.0, 20.0, 20.0),
-            "deflection",
-            0.001,
-            2,
-            True,
-        ),  # of a panel that is perforated there is none
-        (
-            (20.0, None, 20.0),
-            "residual_velocity",
-            0.02,
-            4,
-            True,
-        ),  # an unstable mesh is compared with none
-        (
-            (20.0, 0.0, 0.0),
-            "residual_velocity",
-            0.5,
-            3,
-            True,
-        ),  # an outcome that changes is no agreement
+        # 8 elements a crossover are the finest
+        ((20.0, 20.4, 20.5), "residual_velocity", 0.001, 4, False),
+        # of a panel that is perforated there is none
+        ((20.0, 20.0, 20.0), "deflection", 0.001, 2, True),
+        # an unstable mesh is compared with none
+        ((20.0, None, 20.0), "residual_velocity", 0.02, 4, True),
+        # an outcome that changes is no agreement
+        ((20.0, 0.0, 0.0), "residual_velocity", 0.5, 3, True),
     ],
 )
 def test_finer_meshes_are_run_until_two_agree_within_the_target(
@@ -238,33 +223,36 @@ def test_finer_meshes_are_run_until_two_agree_within_the_target(
     ]
     results += results[-1:] if confirmed else [result_of(setup, "perforated", 21.0)]
     run, found = refined(setup, results, monkeypatch, quantity, target)
-    assert (run, len(found.meshes), found.confirmed) == (runs, runs, confirmed)
+    assert run == runs
+    assert len(found.meshes) == runs
+    assert found.confirmed == confirmed
     assert found.meshes[:2] == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
     assert found.setup.grading[0][1] == 0.5 ** (runs - 1)
     told = chapters.summary(found)["accuracy"]
-    assert (told["quantity"], told["confirmed"]) == (quantity, confirmed)
+    assert told["quantity"] == quantity
+    assert told["confirmed"] == confirmed
     assert chapters.words(found).count("NOT confirmed") == (not confirmed)
 
 
 def test_outcomes_that_differ_have_no_interval(setup):
-    results = result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0)
-    pair = mesh_uncertainty.compare(*map(Shot, results))
-    assert (pair.same_outcome, pair.intervals) == (False, ())
-    assert (
-        "the outcome depends on the mesh: stopped, and perforated on the finer one"
-        in chapters.words(pair)
-    )
+    pair = compared(result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0))
+    assert not pair.same_outcome
+    assert pair.intervals == ()
+    said = "the outcome depends on the mesh: stopped, and perforated on the finer one"
+    assert said in chapters.words(pair)
 
 
 def test_the_peak_deflection_is_that_of_the_fabric(setup):
     """As max_deflection_m and the report have it, and no travel of the projectile; its norm is of these histories."""
-    one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", 0.0)
+    one = result_of(setup, "stopped", 0.0)
+    other = result_of(setup, "stopped", 0.0)
     t = np.linspace(0.0, 1e-4, 5)
     for result, depths in ((one, [0, 4, 9, 8, 8]), (other, [0, 4, 10, 9, 8])):
         result.t, result.deflection = t, 1e-3 * np.array(depths)
         result.max_deflection = result.deflection.max()
         result.step_history = np.column_stack([t, 0.1 * t, 40 - t, 0 * t])
-    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
+    found = by_name(compared(one, other))
     deflection = found["peak deflection"]
-    assert (deflection.value, deflection.other) == (pytest.approx(9.0), pytest.approx(10.0))
+    assert deflection.value == pytest.approx(9.0)
+    assert deflection.other == pytest.approx(10.0)
     assert deflection.uncertainty == pytest.approx(mesh_uncertainty.index(1.0))

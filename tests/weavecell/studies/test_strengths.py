@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import weavecell as wc
 from fabrics import catalogue
@@ -12,6 +13,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
+from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.studies import inputs, strengths
@@ -33,14 +35,28 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
     for p, ply in enumerate((first, second)):
         lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
         wanted = draw_strengths(YarnStrength(14.3, 7), 6 + p, ply.yarn_counts, lengths)
-        np.testing.assert_array_equal(ply.strength_factors[0], wanted[0])
+        assert_array_equal(ply.strength_factors[0], wanted[0])
     assert drawn.weakest[0] == min(ply.strength_factors[0].min() for ply in (first, second))
     assert not np.isin(second.strength_factors[0], first.strength_factors[0]).any()
     assert drawn.factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
     whole = replace(given, symmetry="whole", strength=YarnStrength(14.3, seed=7))
-    of_a_scene, of_a_v50 = whole.target(), strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 0).pack
+    of_a_scene = whole.target()
+    of_a_v50 = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 0).pack
     for one, other in zip(of_a_scene.plies, of_a_v50.plies):
-        np.testing.assert_array_equal(one.strength_factors[1], other.strength_factors[1])
+        assert_array_equal(one.strength_factors[1], other.strength_factors[1])
+
+
+def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
+    """Within a cell of the weave about the impact point of the set-up, two crossovers each way."""
+    aim = (1e-4, 2e-4)
+    given = replace(setup, opening=0.04, impact_point=aim, crossovers=YarnZone(8e-3))
+    drawn = [strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, number).pack for number in range(4)]
+    points = [pack.plies[0].impact_point for pack in drawn]
+    assert len(set(points)) == 4
+    spacing = drawn[0].plies[0].spacing
+    assert np.all(np.abs(np.array(points) - aim) <= spacing)
+    again = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 2).pack
+    assert again.plies[0].impact_point == points[2]
 
 
 def test_plies_of_a_draw_are_of_one_roll(setup):

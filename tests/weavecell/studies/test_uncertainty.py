@@ -7,6 +7,7 @@ from math import gamma
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
@@ -69,7 +70,8 @@ def test_changed_fabric(fabric):
     heavy = inputs.changed(
         fabric, areal_density=1.04, crimp_warp=0.8, failure_strain=1.2, trellis_stiffness=1.2
     )
-    warp, old = heavy.weave.warp, fabric.weave.warp
+    warp = heavy.weave.warp
+    old = fabric.weave.warp
     assert warp.EA == pytest.approx(old.EA, rel=1e-12)
     assert warp.linear_density == pytest.approx(1.04 * old.linear_density, rel=1e-12)
     assert warp.strength == pytest.approx(1.2 * old.strength, rel=1e-12)
@@ -94,26 +96,33 @@ def test_likelihood_of_repeated_shots_at_two_velocities():
 
 def test_separated_shots():
     curve = probit.fit([90, 95, 100, 105, 110], [False, False, False, True, True])
-    assert (curve.V50, curve.s, curve.separated) == (102.5, 0.0, True)
+    assert curve.V50 == 102.5
+    assert curve.s == 0.0
+    assert curve.separated
     low, high = curve.intervals["V50"]
     assert low < 100
     assert 105 < high
     few = probit.fit(range(50, 130, 10), [False, True, False, False, True, False, True, True])
-    assert (few.V0, few.intervals["V0"][0]) == (0.0, 0.0)  # no velocity is below 0
+    # no velocity is below 0
+    assert few.V0 == 0.0
+    assert few.intervals["V0"][0] == 0.0
 
 
 def test_a_step_at_the_velocity_of_a_stop_and_a_perforation():
     """The likelihood is largest for s = 0 there, whatever the share that perforated, and the interval is found."""
-    V, hit = [100.0, 110.0, *[140.0] * 22, 160.0], [False, False, True, *[False] * 21, True]
+    V = [100.0, 110.0, *[140.0] * 22, 160.0]
+    hit = [False, False, True, *[False] * 21, True]
     curve = probit.fit(V, hit)
-    assert (curve.V50, curve.s, curve.separated) == (pytest.approx(140.0, abs=0.01), 0.0, True)
+    assert curve.V50 == pytest.approx(140.0, abs=0.01)
+    assert curve.s == 0.0
+    assert curve.separated
     assert "a step, s = 0" in curve.words()
     assert curve.likelihood == pytest.approx(np.log(1 / 22) + 21 * np.log(21 / 22), rel=1e-3)
     assert np.isfinite(probit.band(V, hit, curve, (0.01, 0.5))).all()
 
 
 @pytest.mark.parametrize(
-    ("velocities", "outcomes", "told"),
+    "velocities, outcomes, told",
     [
         ([130, 135, 140, 145, 150, 155], "CCCPPP", "do not perforate the more the faster"),
         ([100, 110, 120, 130], "PCCP", "do not perforate the more the faster"),
@@ -152,7 +161,8 @@ def test_the_next_round_is_within_reach_whatever_the_outcomes():
         assert placed.min() >= 10.0
         assert placed.max() <= 450.0
     placed = v50.plan(V, np.array([False, True, True, False]), 5, True)
-    assert (placed[0], placed[-1]) == (20.0, 300.0)
+    assert placed[0] == 20.0
+    assert placed[-1] == 300.0
 
 
 def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkeypatch):
@@ -166,7 +176,8 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
     monkeypatch.setattr(v50, "deterministic", lambda *_: (49.0, 51.0))
     monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(inputs[1][-1]))
     found = v50.study(setup_of(fabric, 0.08), v50.Scatter(), shots=12, batch=4, folder=tmp_path)
-    assert (len(found.shots), found.failures) == (11, ("shot 3: broken",))
+    assert len(found.shots) == 11
+    assert found.failures == ("shot 3: broken",)
     told = found.summary()
     assert told["v50_reason"] == probit.NOT_RISING
     assert np.isnan(told["v50_m_s"])
@@ -174,7 +185,8 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
 
 def test_drawn_strengths(fabric):
     """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
-    m, n = 14.3, 200_000
+    m = 14.3
+    n = 200_000
     short, long = draw_strengths(YarnStrength(m), 0, (n, n), (0.2, 0.4))
     deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
     assert short.mean() == pytest.approx(1.0, abs=1e-3)
@@ -187,24 +199,26 @@ def test_drawn_strengths(fabric):
 @pytest.mark.parametrize("per", [1, 2])
 def test_each_yarn_has_its_own_strength(panel, per):
     """Against a plain loop over yarns; the weakest decides from where on failures are looked for."""
-    random, panel = np.random.default_rng(2), replace(panel, elements_per_crossover=per)
+    random = np.random.default_rng(2)
+    panel = replace(panel, elements_per_crossover=per)
     factors = tuple(random.uniform(0.5, 1.5, count) for count in panel.yarn_counts)
     panel = replace(panel, strength_factors=factors)
-    const, state = panel.constants(), panel.state(1.0)
+    const = panel.constants()
+    state = panel.state(1.0)
     strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
     assert (const.half_strength1, const.half_strength2) == tuple(
         0.5 * each.min() for each in strengths
     )
     for family, lines in enumerate((const.warp_lines, const.weft_lines)):
         yarns = panel.nearest_yarns[1 - family]
-        np.testing.assert_allclose(lines.strength, strengths[family][yarns], rtol=1e-15)
+        assert_allclose(lines.strength, strengths[family][yarns], rtol=1e-15)
         state.T[family][:] = panel.weave.yarns[family].strength
         for _ in range(100):
             failure_kernels.find_failures(const, state, family, 0, const.ni + family)
         failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(
             -1, const.row_stride
         )
-        np.testing.assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
+        assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
 
 
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
@@ -218,13 +232,11 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     for family, (all_yarns, lines) in enumerate(
         zip(uniform.strength_factors, graded.strength_factors)
     ):
-        half, places = (
-            all_yarns.size // 2,
-            np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family])),
-        )
+        half = all_yarns.size // 2
+        places = np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family]))
         near = abs(places) < 12
         assert np.count_nonzero(near) == 23
-        np.testing.assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
+        assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
         assert np.all(lines[~near] <= all_yarns[half + places[~near].astype(int)])
     one, other = (
         v50.fire(setup_of(fabric, OPENING, grading=zones), inputs.published(), 1, 3, 150.0)
@@ -243,7 +255,8 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
             ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
             for x in (0.0, v50.STOPS_BELOW)
         )
-        assert (one.outcome, one.residual_velocity) == (two.outcome, two.residual_velocity)
+        assert one.outcome == two.outcome
+        assert one.residual_velocity == two.residual_velocity
         assert two.time == one.time if one.perforated else two.time <= one.time
         spared += [] if one.perforated else [1 - two.time / one.time]
     assert 8 <= len(spared) <= 22
@@ -287,7 +300,8 @@ def test_the_curve_is_that_of_statsmodels(link):
 
 
 def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
-    scatter, setup = inputs.published(), setup_of(fabric, OPENING)
+    scatter = inputs.published()
+    setup = setup_of(fabric, OPENING)
     arguments = {"shots": 8, "batch": 4, "tolerance": 10.0}
     alone = v50.study(setup, scatter, folder=tmp_path / "a", **arguments)
     with ThreadPoolExecutor(3) as workers:
@@ -302,10 +316,11 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
         **arguments,
     )
     assert again == alone
+    # nothing was run again: a report of each round as it is found on disk
     assert told == [
         0.5,
         1.0,
-    ]  # nothing was run again: a report of each round as it is found on disk
+    ]
 
 
 def test_short_series_of_tests_find_the_curve_they_are_fired_on():
@@ -377,7 +392,8 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
     curves = {"probit": probit.fit([90, 95, 105, 110], [False, False, True, True])}
     study = v50.Study((99.5, 100.5), shots, curves, v50.Scatter())
     alone = v50.over_assumed(setup, study, again=False, seed=1, folder=tmp_path)
-    assert (alone.quantity, fired) == ("limit without scatter", [])
+    assert alone.quantity == "limit without scatter"
+    assert fired == []
     found = v50.over_assumed(setup, study, again=True, seed=1, folder=tmp_path)
     assert set(fired) == {0, 1, 2, 3}
     assert (found.low, found.high) == pytest.approx((100 * 0.5**0.5, 100 * 2**0.5))

@@ -251,7 +251,13 @@ def assumptions(
 
 
 def _crossovers_in_words(setup):
-    """That yarns are pinned at their crossovers, and what that means for the result."""
+    """Whether yarns are pinned at their crossovers or resolved, and what that means for the result."""
+    if setup.crossovers is not None:
+        half_width = 1e3 * setup.crossovers.half_width
+        return (
+            f"Yarns are resolved within {half_width:g} mm of the impact point, with a coefficient of friction of "
+            f"{setup.crossovers.friction:g} between them, and pinned to each other beyond."
+        )
     sentences = [
         "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
         "In the one pair of tests at hand (S-726) the computed limit is too high.",

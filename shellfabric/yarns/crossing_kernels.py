@@ -1,0 +1,210 @@
+"""Where warp and weft cross: contact along the common normal, friction across it.
+
+A crossing is a pair of indices (s_a, s_b) on the B-splines of its two chains (`curve_kernels`), moved in each step by
+at most two steps of Gauss and Newton to the common perpendicular d = x_a - x_b of the two curves:
+
+    n = +- t_a x t_b / |t_a x t_b|,   F_n = F(h - d.n),   friction: k xi with |k xi| <= mu F_n,   dxi/dt = w - n (w.n)
+
+with the tangents t, the sign of n from the weave (which yarn lies on top), h the distance at rest, F the compression of
+both yarns in series, w the velocity of the warp over the weft. n is at right angles to both tangents, so that the
+motion of the indices does no work. Crossings of the outer rows are pinned: their indices stay, and nothing slips.
+
+A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is booked. It
+comes back at the distance at which it is found, and that distance follows the yarns as they come
+apart, up to h: coming back does no work. A yarn leaves a crossing for good at its end.
+"""
+
+import math
+
+from shellfabric.jit.compile import kernel
+from shellfabric.yarns.chain_kernels import CROSSINGS, FAILED, FRICTION, SLACK, TANGLED, VISCOUS
+from shellfabric.yarns.curve_kernels import (
+    across,
+    cross,
+    dot,
+    gather,
+    plus,
+    row,
+    scaled,
+    scatter,
+    spline,
+)
+
+# of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
+FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
+LAW_FORCE, LAW_ENERGY, LAW_STIFFNESS = 0, 1, 2  # of a row of zone.law
+MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment
+CLOSE = 1e-4  # of an index: no further step
+SLACK_LENGTH = 0.5  # of a tangent squared over that at rest: below, the yarn is slack
+SLACK_SINE = 0.04  # square of the sine between the tangents: below, they are nearly parallel
+
+
+@kernel(_nrt=False)
+def crossing_forces(zone):
+    """Forces of all crossings, into zone.f."""
+    stored = 0.0
+    for i in range(zone.yarns[0]):
+        for j in range(zone.yarns[1]):
+            if zone.touching[i, j]:
+                stored += crossing_force(zone, i, j)
+    zone.books[CROSSINGS] = stored
+
+
+@kernel(_nrt=False)
+def compression(zone, closure):
+    """(force [N], energy [J]) of a crossing closed by `closure` [m]: the force is linear between samples and beyond."""
+    k = min(int(closure * zone.law_scale), zone.law.shape[0] - 1)
+    beyond = closure - k / zone.law_scale
+    force = zone.law[k, LAW_FORCE]
+    slope = zone.law[k, LAW_STIFFNESS]
+    energy = zone.law[k, LAW_ENERGY] + beyond * (force + 0.5 * slope * beyond)
+    return force + slope * beyond, energy
+
+
+@kernel(_nrt=False)
+def common_perpendicular(zone, i, j):
+    """Move a crossing's indices to the common perpendicular.
+
+    Returns (node, weights) of the warp and of the weft, d, the two tangents, and whether the yarns are slack.
+    """
+    first_a = zone.first[0] + i * zone.nodes[0]
+    first_b = zone.first[1] + j * zone.nodes[1]
+    s_a, s_b = zone.place[i, j, 0], zone.place[i, j, 1]
+    for turn in range(3):
+        k_a, weights_a, slopes_a = spline(s_a, zone.nodes[0])
+        k_b, weights_b, slopes_b = spline(s_b, zone.nodes[1])
+        n_a = first_a + k_a
+        n_b = first_b + k_b
+        apart = plus(gather(zone.x, n_a, weights_a), -1.0, gather(zone.x, n_b, weights_b))
+        tangent_a = gather(zone.x, n_a, slopes_a)
+        tangent_b = gather(zone.x, n_b, slopes_b)
+        aa = dot(tangent_a, tangent_a)
+        bb = dot(tangent_b, tangent_b)
+        ab = -dot(tangent_a, tangent_b)
+        rest_a = zone.rest_length[n_a] ** 2
+        rest_b = zone.rest_length[n_b] ** 2
+        slack = aa < SLACK_LENGTH * rest_a or bb < SLACK_LENGTH * rest_b
+        slack = slack or aa * bb - ab * ab < SLACK_SINE * aa * bb
+        if turn == 2 or zone.pinned[i, j]:
+            break
+        if slack:  # the system may be singular: shorter steps
+            aa += 0.2 * rest_a
+            bb += 0.2 * rest_b
+        a = -dot(apart, tangent_a)
+        b = dot(apart, tangent_b)
+        determinant = aa * bb - ab * ab
+        step_a = (bb * a - ab * b) / determinant
+        step_b = (aa * b - ab * a) / determinant
+        if abs(step_a) < CLOSE and abs(step_b) < CLOSE:
+            break
+        s_a = moved(s_a, step_a, zone.nodes[0])
+        s_b = moved(s_b, step_b, zone.nodes[1])
+    zone.place[i, j, 0] = s_a
+    zone.place[i, j, 1] = s_b
+    return n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack
+
+
+@kernel()
+def moved(s, step, count):
+    """An index of a chain after a bounded step, within the chain."""
+    step = min(max(step, -MOST_MOVE), MOST_MOVE)
+    return min(max(s + step, 0.5), count - 1.5)
+
+
+@kernel()
+def has_left(s, count):
+    """Whether a crossing has come to an end of a chain: the yarn has left it."""
+    return s == 0.5 or s == count - 1.5
+
+
+@kernel(_nrt=False)
+def crossing_force(zone, i, j):
+    """Force of one crossing; the energy [J] that it stores."""
+    found = common_perpendicular(zone, i, j)
+    n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack = found
+    pinned = zone.pinned[i, j]
+    contact = zone.contact[i, j]
+    whole = zone.whole[n_a - 1] and zone.whole[n_a] and zone.whole[n_b - 1] and zone.whole[n_b]
+    normal = cross(tangent_a, tangent_b)
+    size = zone.sign[i, j] * math.sqrt(dot(normal, normal))
+    if pinned:
+        normal = apart
+        size = math.sqrt(dot(apart, apart))
+    normal = scaled(1.0 / size, normal)
+    distance = dot(apart, normal)
+    if whole and not slack and distance <= 0.0:
+        # the yarns have changed sides: of slack ones no more than a loop, of taut ones the order is lost
+        slack = contact[ONSET] < zone.gap
+        if not slack:
+            whole = False
+            zone.books[TANGLED] += 1.0
+    if has_left(zone.place[i, j, 0], zone.nodes[0]) or has_left(zone.place[i, j, 1], zone.nodes[1]):
+        zone.touching[i, j] = False
+        slack = True
+    if slack or not whole:
+        drop(zone, i, j, whole)
+        return 0.0
+    velocity = plus(gather(zone.v, n_a, weights_a), -1.0, gather(zone.v, n_b, weights_b))
+    push = normal_force(zone, contact, distance, dot(velocity, normal))
+    stored = contact[ENERGY] + slide(
+        zone, i, j, across(velocity, normal), normal, zone.friction * push
+    )
+    slider = row(zone.slider[i], j)
+    force = plus(scaled(push, normal), -zone.friction_stiffness, slider)
+    scatter(zone.f, n_a, weights_a, force)
+    scatter(zone.f, n_b, weights_b, scaled(-1.0, force))
+    return stored
+
+
+@kernel(_nrt=False)
+def drop(zone, i, j, whole):
+    """End the contact of a crossing, for good if a yarn of it is not whole, and book what it stored."""
+    contact = zone.contact[i, j]
+    slider = zone.slider[i, j]
+    square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2
+    dropped = contact[ENERGY] + 0.5 * zone.friction_stiffness * square
+    if whole:
+        zone.books[SLACK] += dropped
+    else:
+        zone.touching[i, j] = False
+        zone.books[FAILED] += dropped
+    contact[FORCE] = contact[ENERGY] = contact[DAMPING] = 0.0
+    contact[ONSET] = -1.0
+    slider[0] = slider[1] = slider[2] = 0.0
+
+
+@kernel(_nrt=False)
+def normal_force(zone, contact, distance, opening):
+    """Normal force [N] with its damping, at a distance [m] that opens at the velocity `opening` [m/s]."""
+    contact[ONSET] = min(zone.gap, max(contact[ONSET], distance))
+    force = 0.0
+    energy = 0.0
+    damping = 0.0
+    if distance < contact[ONSET]:
+        force, energy = compression(zone, contact[ONSET] - distance)
+        damping = max(-zone.damping * opening, -force)
+    zone.books[VISCOUS] -= 0.5 * zone.dt * (damping + contact[DAMPING]) * opening
+    contact[FORCE] = force
+    contact[ENERGY] = energy
+    contact[DAMPING] = damping
+    return force + damping
+
+
+@kernel(_nrt=False)
+def slide(zone, i, j, velocity, normal, limit):
+    """Move the friction spring of a crossing, which holds at most `limit` [N]; the energy [J] that it stores.
+
+    A pinned crossing holds any force.
+    """
+    k = zone.friction_stiffness
+    before = row(zone.slider[i], j)
+    after = across(plus(before, zone.dt, velocity), normal)
+    size = k * math.sqrt(dot(after, after))
+    if size > limit and not zone.pinned[i, j]:
+        after = scaled(limit / size, after)
+    stored = 0.5 * k * dot(after, after)
+    work = 0.5 * k * zone.dt * dot(plus(before, 1.0, after), velocity)
+    zone.books[FRICTION] += work - stored + 0.5 * k * dot(before, before)
+    for c in range(3):
+        zone.slider[i, j, c] = after[c]
+    return stored

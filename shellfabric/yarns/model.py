@@ -1,0 +1,355 @@
+"""A panel with a zone of resolved yarns about the nose.
+
+Outside the zone the panel is the membrane, with one node a crossover; the two are tied at the rim (`coupling_kernels`).
+All take one time step, the smaller of the two.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fabrics.base.checks import FloatArray
+from fabrics.base.errors import InputError
+from fabrics.weave import Weave
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT_FAILED
+from shellfabric.panel.element_kernels import DAMAGED
+from shellfabric.panel.forces import Module
+from shellfabric.panel.model import Panel
+from shellfabric.state import Constants, State, Zone
+from shellfabric.yarns import chain_kernels, coupling_kernels
+from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
+
+DATA = tomllib.loads((Path(__file__).parent / "assumed.toml").read_text("utf-8"))
+HALF_WIDTH = 20e-3  # [m] of the zone, by default
+LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
+OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
+REACH = 2.0  # spacings between the nose and the rim at least
+# energies of a zone that a ply without one does not have
+ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
+
+
+@dataclass(frozen=True)
+class YarnZone:
+    """Yarns that are resolved about the nose.
+
+    Parameters
+    ----------
+    half_width : [m] of the square zone about the impact point; inf resolves the whole panel
+    friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
+    lateral : factor on the lateral stiffness of a yarn (`YarnPatch.lateral_range`)
+
+    Raises
+    ------
+    InputError : a value that is not positive, or a friction below 0
+    """
+
+    half_width: float = HALF_WIDTH
+    friction: float = DATA["crossover_friction"]["value"]
+    lateral: float = 1.0
+
+    def __post_init__(self):
+        if not self.half_width > 0:
+            raise InputError(key="zone", value=self.half_width, allowed="above 0")
+        if not self.friction >= 0:
+            raise InputError(key="crossover_friction", value=self.friction, allowed="at least 0")
+        if not 0 < self.lateral < inf:
+            raise InputError(key="lateral", value=self.lateral, allowed="above 0")
+
+
+def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
+    """[m] impact point from a crossover, along warp and weft.
+
+    Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a spacing off: neither
+    on a crossover, nor on a yarn, nor in the middle of a gap.
+    """
+    share = np.full(2, OFF_CROSSOVER)
+    if seed is not None:
+        share = np.random.default_rng(seed).uniform(-1.0, 1.0, 2)
+    x, y = 2 * share * weave.w
+    return float(x), float(y)
+
+
+@dataclass(frozen=True)
+class YarnPanel(Panel):
+    """A Panel with a zone of resolved yarns; a crossover in the middle of the opening, wherever it is struck.
+
+    Parameters
+    ----------
+    resolved : YarnZone, and the others of Panel
+
+    Raises
+    ------
+    InputError : as Panel; what the zone does not have, a zone that is too small for the nose, or one that an edge of
+        the opening crosses
+    """
+
+    resolved: YarnZone = field(default_factory=YarnZone)
+
+    def __post_init__(self):
+        model = self.table.model
+        wanted = [
+            ("symmetry", self.symmetry, "whole"),
+            ("elements_per_crossover", self.elements_per_crossover, 1),
+            ("grading", self.grading, None),
+            ("bending", self.bending, (0.0, 0.0)),
+            ("backing", self.backing, None),
+            ("cell_formulation", model.cell_formulation, "variational"),
+        ]
+        if not isinstance(model, CellModel):
+            raise InputError(key="surface", value="given", allowed="left out with resolved yarns")
+        for key, value, allowed in wanted:
+            if value != allowed:
+                text = "left out" if allowed is None else str(allowed)
+                raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
+        super().__post_init__()
+        self._check_zone()
+
+    def _check_zone(self):
+        (i0, i1), (j0, j1) = self.rim_rows
+        reach = self.projectile.radius
+        for low, high, spacing in zip((i0, j0), (i1, j1), self.spacing):
+            least = max(LEAST_ROWS + 2, 2 * (reach / spacing + REACH + RIM_ROWS))
+            if high - low < least:
+                allowed = f"at least {1e3 * 0.5 * (least + 1) * spacing:.3g} mm for this nose, in a larger opening"
+                raise InputError(key="zone", value=self.resolved.half_width, allowed=allowed)
+        if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
+            raise InputError(
+                key="zone",
+                value=self.resolved.half_width,
+                allowed="smaller: an edge of the opening crosses it",
+            )
+
+    @property
+    def grid_middle(self) -> tuple[float, float]:
+        """[m] as of Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
+        return 0.0, 0.0
+
+    @property
+    def _fills(self):
+        """As of Panel: a line of the grid is one yarn, at the spacing of the weave."""
+        return False
+
+    @property
+    def rim_rows(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """((first, last) row, (first, last) column) of nodes of the rim."""
+        found = []
+        for middle, spacing, count in zip(self.nearest_lines, self.spacing, self.counts):
+            half = min(self.resolved.half_width / spacing, count) + 1
+            found.append((max(middle - int(half), 0), min(middle + int(half), count)))
+        return found[0], found[1]
+
+    @cached_property
+    def patch(self) -> YarnPatch:
+        """The yarns of the zone."""
+        (i0, i1), (j0, j1) = self.rim_rows
+        x, y = self.lines()
+        factors = None
+        if self.strength_factors is not None:
+            warp, weft = self.strength_factors
+            factors = (np.asarray(warp)[j0 + 1 : j1], np.asarray(weft)[i0 + 1 : i1])
+        whole = self.resolved.half_width == inf
+        return YarnPatch(
+            self.table.model,
+            (i1 - i0 - 1, j1 - j0 - 1),
+            origin=(float(x[i0 + 1]), float(y[j0 + 1])),
+            warp_up=(i0 + j0) % 2 == 0,
+            friction=self.resolved.friction,
+            rim_rows=0 if whole else RIM_ROWS,
+            viscosity=self.numerics.stretch_viscosity,
+            failure=self.yarn_failure,
+            strength_factors=factors,
+            rate_law=self.rate_law,
+            lateral=self.resolved.lateral,
+        )
+
+    @property
+    def time_step(self) -> float:
+        """[s] the step that is taken, of the membrane or of the yarns."""
+        return min(super().time_step, self.numerics.cfl * self.patch.critical_step)
+
+    def constants(self) -> Constants:
+        """As of Panel; no element of the membrane touches the nose."""
+        return self._constants_of_zone
+
+    @cached_property
+    def _constants_of_zone(self):
+        (i0, _), (j0, _) = self.rim_rows
+        return super().constants()._replace(window_limits=(i0, i0, j0, j0), window_follows=False)
+
+    def force_modules(self) -> tuple[Module, ...]:
+        """As of Panel, with the resolved yarns."""
+        own = Module(
+            ENERGIES[0],
+            coupling_kernels.yarn_forces,
+            self.zone(),
+            nose=coupling_kernels.meet_nose,
+            books=audit,
+        )
+        return *super().force_modules(), own
+
+    def state(self, strike_velocity: float) -> State:
+        """As of Panel; without the membrane inside the rim, and with the nose before the yarns that stand out."""
+        state = super().state(strike_velocity)
+        self._cut_out(state)
+        highest = max(self.patch.amplitudes) + 0.25 * self.weave.thickness
+        flight = self.shot.flight
+        state.projectile_position[:] -= highest / flight[2] * flight
+        return state
+
+    def _cut_out(self, state):
+        """Take the membrane inside the rim out of a state."""
+        (i0, i1), (j0, j1) = self.rim_rows
+        ni, nj = self.counts
+        shape = (ni + 1, nj + 1)
+        inside = slice(i0 + 1, i1), slice(j0 + 1, j1)
+
+        def grid(slots):
+            return slots[: shape[0] * shape[1]].reshape(shape)
+
+        for slots in (state.intact_fraction, state.yarn_length):
+            grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
+            grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
+        grid(state.element_flag)[i0:i1, j0:j1] = WARP_FAILED | WEFT_FAILED
+        per = self.constants().rows_per_block
+        state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, ni - 1) // per + 1] = DAMAGED
+        state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, ni)
+        held = grid(state.inverse_mass) == 0.0
+        mass = self._rim_masses(grid(state.yarn_length[0]), grid(state.yarn_length[1]))
+        grid(state.mass)[i0 : i1 + 1, j0 : j1 + 1] = mass
+        loose = ~held[i0 : i1 + 1, j0 : j1 + 1] & (mass > 0)
+        inverse = np.where(loose, 1 / np.where(mass > 0, mass, inf), 0.0)
+        grid(state.inverse_mass)[i0 : i1 + 1, j0 : j1 + 1] = inverse
+        grid(state.dt_over_mass)[i0 : i1 + 1, j0 : j1 + 1] = self.time_step * inverse
+        grid(state.mass)[inside] = 0.0
+
+    def _rim_masses(self, warp, weft):
+        """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the membrane
+        that is left, and the tied ends of the yarns."""
+        (i0, i1), (j0, j1) = self.rim_rows
+        mass = np.zeros(warp.shape)
+        for axis, (edges, yarn, S0) in enumerate(
+            zip((warp, weft), self.weave.yarns, self.weave.S0)
+        ):
+            half = 0.5 * yarn.linear_density * S0 * (edges > 0)
+            lines = np.moveaxis(mass, axis, 0)
+            own = np.moveaxis(half, axis, 0)
+            lines[:-1] += own[:-1]
+            lines[1:] += own[:-1]
+        zone = self.zone()
+        np.add.at(mass.reshape(-1), zone.tied_slot, zone.mass[zone.tied_node])
+        mass = mass[i0 : i1 + 1, j0 : j1 + 1]
+        mass[1:-1, 1:-1] = 0.0
+        return mass
+
+    def zone(self) -> Zone:
+        """The arrays of the zone at rest."""
+        (i0, _), (j0, _) = self.rim_rows
+        return self.patch.arrays(
+            self.time_step, (i0, j0), self.counts[1] + 1, self.projectile.friction
+        )
+
+
+def zone_of(modules: Iterable[Module]) -> Zone | None:
+    """The zone among the modules of a ply; None where its crossings are all pinned to the membrane."""
+    for module in modules:
+        if isinstance(module.own, Zone):
+            return module.own
+    return None
+
+
+def crossings_of(panel: Panel) -> int:
+    """Number of crossings of resolved yarns; 0 of a panel without a zone."""
+    if not isinstance(panel, YarnPanel):
+        return 0
+    rows, columns = panel.patch.crossings
+    return rows * columns
+
+
+def width_in_words(panel: Panel) -> str:
+    """The half width of the zone of a panel."""
+    assert isinstance(panel, YarnPanel)
+    return f"panel.zone is {1e3 * panel.resolved.half_width:g} mm"
+
+
+def holds_nose(panel: Panel, position: FloatArray) -> bool:
+    """Whether the nose at a position [m] is over the zone, by its radius from the pinned rows."""
+    assert isinstance(panel, YarnPanel)
+    axes = zip(position, panel.lines(), panel.rim_rows, panel.spacing)
+    for place, lines, (first, last), spacing in axes:
+        reach = panel.projectile.radius + RIM_ROWS * spacing
+        if not lines[first] + reach <= place <= lines[last] - reach:
+            return False
+    return True
+
+
+def identity(panel: Panel) -> tuple[Any, ...]:
+    """What determines the yarns of a panel besides its constants; () without resolved yarns."""
+    if not isinstance(panel, YarnPanel):
+        return ()
+    patch = panel.patch
+    return panel.resolved, patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
+
+
+def slip_at_rim(zone: Zone) -> float:
+    """[crossings] longest way of a yarn through a crossing of the rows beside the pinned ones."""
+    row = RIM_ROWS
+    slip = slipped(zone)
+    beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
+    return float(max(part.max() for part in beside))
+
+
+def audit(zone: Zone) -> dict[str, float]:
+    """{energy: [J]} of a zone besides that of its crossings, by the names that its ply's have, or of ENERGIES."""
+    books = zone.books
+    return {
+        "kinetic_fabric": kinetic_energy(zone),
+        "yarn_strain": books[chain_kernels.STORED],
+        "viscous": books[chain_kernels.VISCOUS],
+        "failure_dissipation": books[chain_kernels.FAILED],
+        "neighbour_contact": books[chain_kernels.NEIGHBOURS],
+        "crossover_friction": books[chain_kernels.FRICTION],
+        "slack_contact": books[chain_kernels.SLACK],
+    }
+
+
+def show(zone: Zone, state: State) -> None:
+    """Put the membrane inside the rim where the yarns are, with their tensions, for pictures, histories and the
+    deflection. Its nodes bear and weigh nothing.
+
+    A crossing of which a yarn is torn is where the other one is, and stays if both are.
+    """
+    warp, weft = (int(count) for count in zone.yarns)
+    rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
+    stride = rows[1] - rows[0]
+    moved = np.zeros((warp, weft, 3))
+    count = np.zeros((warp, weft))
+    for family in range(2):
+        last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
+        own = slice(zone.first[family], last)
+        shape = (int(zone.yarns[family]), int(zone.nodes[family]))
+        place = zone.x[own].reshape(*shape, 3)[:, 2:-2:2]
+        whole = np.broadcast_to(~zone.torn[family, : shape[0], None], place.shape[:2])
+        if family == 1:
+            place, whole = place.swapaxes(0, 1), whole.swapaxes(0, 1)
+        moved += whole[..., None] * place
+        count += whole
+        tension = zone.tension[own].reshape(shape)[:, :-1].reshape(shape[0], -1, 2).mean(axis=2)
+        begin = zone.tied_slot[2 * warp * family :][: 2 * shape[0] : 2]
+        steps = (stride, 1)[family] * np.arange(tension.shape[1])
+        state.T[family][begin[:, None] + steps] = tension
+    shown = count > 0
+    slots = (rows[None, :] + np.arange(warp)[:, None] + 1)[shown]
+    moved /= np.maximum(count, 1)[..., None]
+    moved[..., 0] -= zone.tied_rest[2 * warp :: 2, 0]
+    moved[..., 1] -= zone.tied_rest[: 2 * warp : 2, 1, None]
+    for c in range(3):
+        state.u[c][slots] = moved[..., c][shown]

@@ -1,0 +1,111 @@
+"""Parallel neighbours: yarns side by side touch, and cannot come closer than round yarns packed side by side.
+
+Points fixed on a yarn, one at each crossover at rest, meet the closest points of the next yarn's B-spline. With their
+distance d,
+
+    U = k1 <w1 - d>^2 / 2 + k2 <w2 - d>^2 / 2
+
+w1 is where they touch, w2 the closest. The closest point moves at right angles to d, hence does no work: a spring
+between two crossings, which run along both yarns, would make energy (docs/theory-panel.md).
+
+A closest point that runs along a loop of a slack yarn carries no force and comes back as a crossing does.
+"""
+
+import math
+
+from shellfabric.jit.compile import kernel
+from shellfabric.yarns.chain_kernels import FAILED, NEIGHBOURS, SLACK
+from shellfabric.yarns.crossing_kernels import CLOSE, moved
+from shellfabric.yarns.curve_kernels import dot, gather, plus, scaled, scatter, spline
+
+# of zone.foot: index on the next yarn (below 0: torn), energy [J], distance [m] at which contact begins (below 0:
+# slack), steps until it is looked at again
+PLACE, ENERGY, ONSET, WAIT = 0, 1, 2, 3
+TOUCH, SOFT, CLOSEST, HARD = 0, 1, 2, 3  # of zone.beside, of each family: w1 [m], k1 [N/m], w2, k2
+FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
+RUNS = 0.02  # of an index a step: the closest point runs along a loop
+FAR = 1.2  # w1^2, beyond which a point is looked at every fourth step
+REST = 3.0  # steps of such a point
+
+
+@kernel(_nrt=False)
+def neighbour_forces(zone):
+    """Forces of all neighbours, into zone.f."""
+    stored = 0.0
+    for family in range(2):
+        for yarn in range(zone.yarns[family] - 1):
+            start = zone.first[family] + yarn * zone.nodes[family]
+            for n in range(start + 2, start + zone.nodes[family] - 2, 2):
+                if zone.foot[n, PLACE] < 0.0:
+                    continue
+                if zone.foot[n, WAIT] > 0.0:
+                    zone.foot[n, WAIT] -= 1.0
+                    continue
+                stored += neighbour_force(zone, family, start, n)
+    zone.books[NEIGHBOURS] = stored
+
+
+@kernel(_nrt=False)
+def closest_point(zone, family, start, n):
+    """Move a point's foot to the closest point of the next yarn.
+
+    Returns (its node, weights, d from the point to it, |d|^2, what is left of its way [-]).
+    """
+    count = zone.nodes[family]
+    point = gather(zone.x, n, FIXED)
+    s = zone.foot[n, PLACE]
+    for turn in range(4):
+        k, weights, slopes = spline(s, count)
+        m = start + count + k
+        d = plus(gather(zone.x, m, weights), -1.0, point)
+        tangent = gather(zone.x, m, slopes)
+        square = dot(d, d)
+        step = -dot(d, tangent) / max(dot(tangent, tangent), 0.25 * zone.rest_length[m] ** 2)
+        far = turn == 1 and square > FAR * zone.beside[family, TOUCH] ** 2
+        if turn == 3 or far or abs(step) < CLOSE:
+            break
+        s = moved(s, step, count)
+    zone.foot[n, PLACE] = s
+    if s == 0.5 or s == count - 1.5:  # at the end of the yarn it is as close as it gets
+        step = 0.0
+    return m, weights, d, square, step
+
+
+@kernel(_nrt=False)
+def neighbour_force(zone, family, start, n):
+    """Force of one point on the next yarn; the energy [J] that it stores."""
+    foot = zone.foot[n]
+    touch = zone.beside[family, TOUCH]
+    m, weights, d, square, step = closest_point(zone, family, start, n)
+    if not (zone.whole[n - 1] and zone.whole[n] and zone.whole[m - 1] and zone.whole[m]):
+        zone.books[FAILED] += foot[ENERGY]
+        foot[PLACE] = -1.0
+        foot[ENERGY] = 0.0
+        return 0.0
+    if abs(step) > RUNS:
+        zone.books[SLACK] += foot[ENERGY]
+        foot[ENERGY] = 0.0
+        foot[ONSET] = -1.0
+        return 0.0
+    if square >= touch * touch:
+        foot[ENERGY] = 0.0
+        foot[ONSET] = touch
+        if square > FAR * touch * touch:
+            foot[WAIT] = REST
+        return 0.0
+    distance = math.sqrt(square)
+    force = lateral_force(zone.beside[family], foot, distance)
+    push = scaled(force / distance, d)
+    scatter(zone.f, n, FIXED, scaled(-1.0, push))
+    scatter(zone.f, m, weights, push)
+    return foot[ENERGY]
+
+
+@kernel(_nrt=False)
+def lateral_force(beside, foot, distance):
+    """Force [N] between neighbours at a distance [m]."""
+    foot[ONSET] = min(beside[TOUCH], max(foot[ONSET], distance))
+    near = foot[ONSET] - distance
+    nearest = max(min(foot[ONSET], beside[CLOSEST]) - distance, 0.0)
+    foot[ENERGY] = 0.5 * (beside[SOFT] * near * near + beside[HARD] * nearest * nearest)
+    return beside[SOFT] * near + beside[HARD] * nearest

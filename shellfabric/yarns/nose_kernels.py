@@ -1,0 +1,96 @@
+"""The nose against the yarns of a zone: penalty on the signed distance of any projectile, at points of the chains.
+
+A yarn is a rod of the radius r, half its half of the ply's thickness, about its middle line. Points lie at the nodes
+and in the middle of the segments, a quarter of a crossover apart; with the signed distance D of the projectile
+(`sdf_kernels`), its normal n and friction as of the membrane's contact (`friction_kernels`),
+
+    f = k <r - D> n,   U = k <r - D>^2 / 2
+"""
+
+from shellfabric.cloth.spline_kernels import to_projectile_frame
+from shellfabric.jit.compile import kernel
+from shellfabric.projectile import friction_kernels, sdf_kernels
+from shellfabric.projectile.contact_kernels import to_panel_frame
+from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
+from shellfabric.yarns.curve_kernels import gather, plus, scaled, scatter
+
+AT_NODE, BETWEEN = 0, 1
+AHEAD = 0  # of zone.counter
+NODE_WEIGHTS = (0.125, 0.75, 0.125)
+MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
+
+
+@kernel(_nrt=False)
+def nose_forces(zone, state, const):
+    """Forces of the nose, into zone.f and state.f_contact_nose; counts points of whole yarns ahead of it."""
+    for c in range(3):
+        state.f_contact_nose[c] = 0.0
+    zone.books[NOSE] = 0.0
+    zone.counter[AHEAD] = 0
+    for family in range(2):
+        for yarn in range(zone.yarns[family]):
+            start = zone.first[family] + yarn * zone.nodes[family]
+            for n in range(start + 1, start + zone.nodes[family] - 1):
+                before = zone.whole[n - 1]
+                after = zone.whole[n]
+                held = not zone.torn[family, yarn]
+                nose_point(zone, state, const, n, AT_NODE, NODE_WEIGHTS, before and after, held)
+                nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+
+
+@kernel(_nrt=False)
+def nose_point(zone, state, const, n, kind, weights, whole, held):
+    """Contact of one point."""
+    if not whole:
+        zone.books[FAILED] += zone.nose_energy[n, kind]
+        zone.nose_energy[n, kind] = 0.0
+        return
+    place = plus(gather(zone.x, n, weights), -1.0, state.projectile_position)
+    x, y, z = to_projectile_frame(const, place)
+    reach = const.projectile_radius + zone.rod
+    square = x * x + y * y
+    zone.nose_energy[n, kind] = 0.0
+    if square > reach * reach:
+        return
+    if held and z > -const.shoulder and square < const.projectile_radius**2:
+        zone.counter[AHEAD] += 1
+    if z > zone.rod:
+        return
+    distance, n_x, n_y, n_z = sdf_kernels.distance(
+        const.nose_shape,
+        x,
+        y,
+        z,
+        const.projectile_radius,
+        const.edge_radius,
+        const.projectile_length,
+        const.nose_parameters,
+    )
+    depth = zone.rod - distance
+    if depth <= 0.0:
+        if const.friction > 0.0:
+            zone.rubbed[n, kind] = 0.0
+        return
+    normal = to_panel_frame(const.frame, (n_x, n_y, n_z))
+    push = zone.nose_stiffness * depth
+    zone.nose_energy[n, kind] = 0.5 * push * depth
+    zone.books[NOSE] += zone.nose_energy[n, kind]
+    force = scaled(push, normal)
+    if const.friction > 0.0:
+        force = plus(force, 1.0, nose_friction(zone, state, const, n, kind, weights, normal, push))
+    scatter(zone.f, n, weights, force)
+    for c in range(3):
+        state.f_contact_nose[c] -= force[c]
+
+
+@kernel(_nrt=False)
+def nose_friction(zone, state, const, n, kind, weights, normal, push):
+    """Friction of one point (`friction_kernels.friction_force`), without damping."""
+    velocity = plus(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
+    spring = zone.nose_stiffness, 0.0
+    limit = const.friction * push
+    force, taken, _ = friction_kernels.friction_force(
+        zone.rubbed[n, kind], limit, spring, zone.dt, normal, velocity
+    )
+    zone.books[NOSE_FRICTION] += taken
+    return force

@@ -1,0 +1,407 @@
+"""A patch of fabric of resolved yarns: its geometry, its constants, its arrays.
+
+Geometry. Crossings lie on the grid of the weave. A yarn has a node at each of its crossings and one
+halfway between, and runs from rim to rim, one spacing beyond its first and last crossing. At a
+crossing it is up or down by its amplitude, which gives its segments the length that the crimp asks
+for; the nodes halfway lie at mid-height, those at the rim too, so that half a cell of crimp is given
+up there.
+
+Heights. Yarns of the cell are cosines (`cell.crossover_kernels`), here they are zigzags, whose
+splines stand lower for the same crimp: by the share s, 0.83. Their crossings close by s times as
+much, so that the law of the cell's resultant is taken at the closure over s. Tensions of a biaxial
+patch are then within 4 % of the cell's.
+
+Stiffness of contacts. What is stiffer than the yarn itself only shortens the time step. In units of EA / l0 of the
+softer family's segment: crossings follow the compression laws of their two yarns in series up to CROSSING, and are
+linear from there; their friction springs have FRICTION, the nose NOSE, neighbours that cannot come closer HARD.
+
+Neighbours touch at the width of a yarn. From there to where they are closest, sqrt 3 diameters of round packed yarns
+between which the crossing yarn passes (Peirce's jammed weave), a yarn is squeezed sideways:
+k1 = E t s / w with half the ply's thickness t, the spacing s along the yarn and the width w. E lies
+between the transverse moduli of the loose and of the packed yarn (`fabrics.solid`); their geometric
+mean is taken, nobody has measured it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from fabrics import assumed
+from fabrics.base.checks import FloatArray, IntArray
+from shellfabric.cell.model import CellModel
+from shellfabric.panel import failure
+from shellfabric.state import Zone
+from shellfabric.yarns import chain_kernels, crossing_kernels, neighbour_kernels
+
+CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0
+CROSSING_DAMPING = 0.1  # of sqrt(k m), the hardest crossing on the lightest node
+HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
+MOST_CLOSEST = 0.9  # of the width of a yarn
+CROSSING_HEIGHT = 0.75  # of the sum of the amplitudes: the splines of two zigzags are as far apart
+LAW_SAMPLES = 256
+RIM_ROWS = 2  # outer rows of crossings that are pinned: a yarn does not slide out of the patch
+
+
+@dataclass(frozen=True)
+class YarnPatch:
+    """Warp and weft yarns, plain woven, that cross each other on a rectangle.
+
+    Parameters
+    ----------
+    model : CellModel, of whose fabric and compression laws it is
+    crossings : (along warp, along weft) numbers of crossings: of weft yarns, of warp yarns
+    origin : [m] (x, y) of the first crossing at rest
+    warp_up : whether the warp is on top there
+    friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
+    rim_rows : outer rows of crossings that are pinned
+    viscosity : [-] damping ratio of the segments
+    failure : whether yarns fail
+    strength_factors : (warp, weft) factors on the strength of each yarn; None where all are alike
+    rate_law : as `Panel.rate_law`
+    lateral : factor on the lateral stiffness of yarns, within `lateral_range`
+    """
+
+    model: CellModel
+    crossings: tuple[int, int]
+    origin: tuple[float, float] = (0.0, 0.0)
+    warp_up: bool = True
+    friction: float = 0.2
+    rim_rows: int = RIM_ROWS
+    viscosity: float = 0.1
+    failure: bool = True
+    strength_factors: tuple[FloatArray, FloatArray] | None = None
+    rate_law: FloatArray | None = None
+    lateral: float = 1.0
+
+    @property
+    def weave(self) -> Any:
+        """Weave of the fabric."""
+        return self.model.fabric.weave
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """[m] of the crossings along warp and weft."""
+        return 2 * self.weave.w1, 2 * self.weave.w2
+
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """(warp, weft) [m] height of a yarn's node at a crossing over mid-height."""
+        crimps = (yarn.crimp for yarn in self.weave.yarns)
+        warp, weft = (0.5 * p * sqrt((1 + c) ** 2 - 1) for p, c in zip(self.spacing, crimps))
+        return warp, weft
+
+    @property
+    def gap(self) -> float:
+        """[m] between the splines of two yarns that cross, at rest."""
+        return CROSSING_HEIGHT * sum(self.amplitudes)
+
+    @property
+    def height_share(self) -> float:
+        """[-] s: height of the splines over that of the cell's cosines."""
+        return self.gap / sum(self.weave.h0)
+
+    @cached_property
+    def unit_stiffness(self) -> float:
+        """[N/m] EA / l0 of the softer family's segment."""
+        return min(2 * yarn.EA / S0 for yarn, S0 in zip(self.weave.yarns, self.weave.S0))
+
+    @property
+    def lateral_range(self) -> tuple[float, float]:
+        """(loose, packed) transverse modulus of the yarns over the one that is used."""
+        law = self._solid_laws[0]
+        return sqrt(law.K_r), 1 / sqrt(law.K_r)
+
+    @property
+    def _solid_laws(self):
+        return assumed.with_solid_laws(self.model.fabric).solid_laws
+
+    def _beside(self, family):
+        """(w1, k1, w2, k2) of `neighbour_kernels`, of a family."""
+        yarn = self.weave.yarns[family]
+        law = self._solid_laws[family]
+        apart = self.spacing[1 - family]
+        thickness = 0.5 * self.weave.thickness
+        width = self.model.fabric.yarn_width[family]
+        if width is None:  # of an ellipse that is half as high as the ply
+            width = 4 * yarn.A_s / law.Vf0 / (pi * thickness)
+        width = min(width, apart)
+        modulus = self.lateral * law.E_c * sqrt(law.K_r)
+        soft = modulus * thickness * self.spacing[family] / width
+        jammed = sqrt(3) * sqrt(4 * yarn.A_s / (pi * HEXAGONAL))
+        closest = min(jammed, MOST_CLOSEST * width)
+        return width, soft, closest, HARD * self.unit_stiffness
+
+    @cached_property
+    def beside(self) -> FloatArray:
+        """(2, 4) constants of neighbours of warp and weft."""
+        return np.array([self._beside(0), self._beside(1)])
+
+    @cached_property
+    def law(self) -> tuple[FloatArray, float]:
+        """((n, 3) force [N], energy [J] and stiffness [N/m] of a crossing at equal steps of its closure,
+        1 / step [1/m])."""
+        laws = self.model.used_laws
+        s = self.height_share
+        hardest = CROSSING * self.unit_stiffness
+
+        def compliance(F):
+            return sum(float(law.dd_dF(F)) for law in laws)
+
+        high = 1e-9
+        while compliance(high) * s > 1 / hardest:
+            high *= 2
+        forces = np.concatenate([[0.0], np.geomspace(1e-9, high, 4000)])
+        closures = np.sum([np.maximum(law.d(forces), 0.0) for law in laws], axis=0)
+        if not closures[-1] > 0:  # incompressible yarns
+            return np.array([[0.0, 0.0, hardest]]), 1.0
+        closure = np.linspace(0.0, closures[-1], LAW_SAMPLES)
+        force = np.interp(closure, closures, forces)
+        closure *= s
+        force[0] = 0.0
+        step = closure[1]
+        energy = np.concatenate([[0.0], np.cumsum(0.5 * step * (force[1:] + force[:-1]))])
+        slope = np.append(np.diff(force) / step, hardest)
+        return np.column_stack([force, energy, slope]), 1 / step
+
+    @cached_property
+    def critical_step(self) -> float:
+        """[s] bound on the time step with its viscosity: 2 / w of the stiffest node, all that acts on it added up."""
+        chains = self._chains()
+        unit = self.unit_stiffness
+        shortest = chains["rest_length"][chains["whole"]].min()
+        segment = max(yarn.EA for yarn in self.weave.yarns) / shortest
+        beside = (
+            self.beside[:, neighbour_kernels.SOFT] + self.beside[:, neighbour_kernels.HARD]
+        ).max()
+        hardest = max(CROSSING * unit, self.law[0][:, crossing_kernels.LAW_STIFFNESS].max())
+        stiffness = (
+            4 * segment + 1.2 * hardest + 1.2 * FRICTION * unit + 2 * NOSE * unit + 2 * beside
+        )
+        lightest = chains["mass"][chains["inverse_mass"] > 0].min()
+        damped = sqrt(1 + self.viscosity**2) - self.viscosity
+        return float(2 * sqrt(lightest / stiffness) * damped)
+
+    @cached_property
+    def layout(self) -> tuple[IntArray, IntArray, IntArray]:
+        """(first, yarns, nodes) of warp and weft: first node, number of yarns, nodes of a yarn."""
+        yarns = np.array(self.crossings[::-1])
+        nodes = 2 * np.array(self.crossings) + 3
+        return np.array([0, yarns[0] * nodes[0]]), yarns, nodes
+
+    def _chains(self):
+        """Arrays of the chains at rest, by name."""
+        first, yarns, nodes = self.layout
+        size = int(yarns @ nodes)
+        x = np.zeros((size, 3))
+        mass = np.zeros(size)
+        inverse = np.ones(size)
+        rest = np.ones(size)
+        whole = np.zeros(size, np.bool_)
+        tied = []
+        for family, yarn in enumerate(self.weave.yarns):
+            across = 1 - family
+            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            shape = (yarns[family], nodes[family])
+            k = np.arange(nodes[family])
+            number = np.arange(yarns[family])
+            place = np.zeros((*shape, 3))
+            place[..., family] = self.origin[family] + (0.5 * k - 1) * self.spacing[family]
+            place[..., across] = self.origin[across] + number[:, None] * self.spacing[across]
+            place[:, 2:-2:2, 2] = self.amplitudes[family] * self.up(family)
+            place[:, [1, -2], 2] = 0.5 * place[:, [2, -3], 2]
+            length = np.linalg.norm(np.diff(place, axis=1), axis=2)
+            own = np.zeros(shape)
+            own[:, :-1] += 0.5 * yarn.linear_density * length
+            own[:, 1:] += 0.5 * yarn.linear_density * length
+            x[span] = place.reshape(-1, 3)
+            mass[span] = own.ravel()
+            rest[span].reshape(shape)[:, :-1] = length
+            whole[span].reshape(shape)[:, :-1] = True
+            ends = np.arange(span.start, span.stop).reshape(shape)[:, [0, -1]]
+            tied.append(ends)
+            inverse[ends] = 0.0
+        free = inverse > 0
+        inverse[free] = 1 / mass[free]
+        return {
+            "x": x,
+            "mass": mass,
+            "inverse_mass": inverse,
+            "rest_length": rest,
+            "whole": whole,
+            "tied_node": np.concatenate([ends.ravel() for ends in tied]),
+        }
+
+    def up(self, family: int) -> FloatArray:
+        """(yarns, crossings of a yarn) 1 where a yarn of the family is on top, -1 where it is below."""
+        _, yarns, _ = self.layout
+        parity = np.add.outer(np.arange(yarns[family]), np.arange(yarns[1 - family])) % 2
+        top = 1.0 if self.warp_up == (family == 0) else -1.0
+        return top * (1.0 - 2.0 * parity)
+
+    def _failing(self, dt):
+        """Arrays of the failure criterion, by name."""
+        first, yarns, nodes = self.layout
+        fabric = self.model.fabric
+        weave = self.weave
+        size = int(yarns @ nodes)
+        strength = np.ones(size)
+        half = np.ones(size)
+        factors, firsts, weights = [], [], []
+        for family, (yarn, count) in enumerate(
+            zip(weave.yarns, (weave.warp_count, weave.weft_count))
+        ):
+            place = self.spacing[1 - family] * np.arange(yarns[family])
+            own_first, own_weights = failure.mean_weights(place, fabric.failure_length, False)
+            firsts.append(own_first)
+            weights.append(own_weights)
+            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            own = np.ones(yarns[family])
+            if self.strength_factors is not None:
+                own = np.asarray(self.strength_factors[family], float)
+            strength[span] = np.repeat(yarn.strength * own, nodes[family])
+            watched = failure.WATCHED
+            if self.rate_law is not None:
+                watched *= self.rate_law[family, 0, 0]
+            half[span] = watched * strength[span]
+            wave_speed = sqrt(yarn.EA * count / weave.areal_density)
+            time = 2 * max(fabric.failure_length, 0.5 * self.spacing[family]) / wave_speed
+            factors.append(-np.expm1(-dt / time))
+        if not self.failure:
+            strength[:] = half[:] = inf
+        return {
+            "strength": strength,
+            "half_strength": half,
+            "filtered": half.copy(),
+            "filter_factor": np.array(factors),
+            "mean_first": np.concatenate(firsts),
+            "mean_weights": _side_by_side(weights),
+            "rate_damage": np.zeros(size if self.rate_law is not None else 0),
+            "rate_law": np.zeros((2, 3, 0)) if self.rate_law is None else self.rate_law,
+            "peak_tension": np.zeros(2),
+            "peak_segment": np.zeros(2, np.int64),
+        }
+
+    def _crossings(self):
+        """Arrays of crossings and neighbours, by name."""
+        first, yarns, nodes = self.layout
+        shape = (int(yarns[0]), int(yarns[1]))
+        place = np.empty((*shape, 2))
+        place[..., 0] = 2.0 * (np.arange(shape[1])[None, :] + 1)
+        place[..., 1] = 2.0 * (np.arange(shape[0])[:, None] + 1)
+        pinned = np.full(shape, self.friction == inf)
+        if self.rim_rows:
+            rows = self.rim_rows
+            pinned[:rows] = pinned[-rows:] = pinned[:, :rows] = pinned[:, -rows:] = True
+        contact = np.zeros((*shape, 4))
+        contact[..., crossing_kernels.ONSET] = self.gap
+        foot = np.zeros((int(yarns @ nodes), 4))
+        for family in range(2):
+            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            foot[span, neighbour_kernels.PLACE] = np.tile(np.arange(nodes[family]), yarns[family])
+            foot[span, neighbour_kernels.ONSET] = self.beside[family, neighbour_kernels.TOUCH]
+        return {
+            "place": place,
+            "slider": np.zeros((*shape, 3)),
+            "touching": np.ones(shape, np.bool_),
+            "pinned": pinned,
+            "sign": self.up(0),
+            "contact": contact,
+            "foot": foot,
+            "gap": self.gap,
+        }
+
+    def arrays(
+        self,
+        dt: float,
+        corner: tuple[int, int] = (0, 0),
+        row_stride: int = 0,
+        nose_friction: float = 0.0,
+    ) -> Zone:
+        """The arrays of the patch at rest.
+
+        Parameters
+        ----------
+        dt : [s] time step
+        corner : (row, column) of the panel's node at the corner of the rim
+        row_stride : slots of a row of the panel
+        nose_friction : of the projectile, whose springs need room
+        """
+        first, yarns, nodes = self.layout
+        chains = self._chains()
+        size = chains["mass"].size
+        unit = self.unit_stiffness
+        law, scale = self.law
+        lightest = chains["mass"][chains["inverse_mass"] > 0].min()
+        rows, columns = self.crossings
+        column, row = np.arange(columns) + corner[1] + 1, np.arange(rows) + corner[0] + 1
+        warp = np.column_stack(
+            [corner[0] * row_stride + column, (corner[0] + rows + 1) * row_stride + column]
+        )
+        weft = np.column_stack(
+            [row * row_stride + corner[1], row * row_stride + corner[1] + columns + 1]
+        )
+        return Zone(
+            **chains,
+            **self._failing(dt),
+            **self._crossings(),
+            dt=dt,
+            first=first,
+            yarns=yarns,
+            nodes=nodes,
+            v=np.zeros((size, 3)),
+            f=np.zeros((size, 3)),
+            breaking=np.zeros(size, np.bool_),
+            torn=np.zeros((2, int(yarns.max())), np.bool_),
+            stiffness=np.array([yarn.EA for yarn in self.weave.yarns]),
+            drag=np.array(
+                [self.viscosity * sqrt(yarn.EA * yarn.linear_density) for yarn in self.weave.yarns]
+            ),
+            tension=np.zeros(size),
+            viscous_force=np.zeros(size),
+            law=law,
+            law_scale=scale,
+            friction=0.0 if self.friction == inf else float(self.friction),
+            friction_stiffness=FRICTION * unit,
+            damping=CROSSING_DAMPING * sqrt(CROSSING * unit * lightest),
+            beside=self.beside,
+            rod=0.25 * self.weave.thickness,
+            nose_stiffness=NOSE * unit,
+            nose_energy=np.zeros((size, 2)),
+            rubbed=np.zeros((size if nose_friction > 0 else 0, 2, 6)),
+            counter=np.zeros(2, np.int64),
+            tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),
+            tied_rest=chains["x"][chains["tied_node"]],
+            books=np.zeros(chain_kernels.BOOKS),
+        )
+
+
+def _side_by_side(weights):
+    """Rows of two arrays below each other, the shorter ones filled with zeros."""
+    longest = max(part.shape[1] for part in weights)
+    return np.concatenate(
+        [np.pad(part, ((0, 0), (0, longest - part.shape[1]))) for part in weights]
+    )
+
+
+def kinetic_energy(zone: Zone) -> float:
+    """[J] of the chains' own nodes at the present whole step, m v(n-1/2) v(n+1/2) / 2."""
+    after = zone.v + zone.dt * zone.inverse_mass[:, None] * zone.f
+    own = zone.inverse_mass > 0
+    return 0.5 * float((zone.mass[own, None] * zone.v[own] * after[own]).sum())
+
+
+def slipped(zone: Zone) -> FloatArray:
+    """(warp yarns, weft yarns) [crossings] the longer way of the two yarns through a crossing."""
+    rest = np.stack(
+        np.broadcast_arrays(
+            2.0 * (np.arange(zone.yarns[1])[None, :] + 1),
+            2.0 * (np.arange(zone.yarns[0])[:, None] + 1),
+        ),
+        axis=-1,
+    )
+    return 0.5 * np.abs(zone.place - rest).max(axis=-1)

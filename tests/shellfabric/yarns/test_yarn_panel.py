@@ -1,0 +1,186 @@
+"""A zone of resolved yarns in the membrane of a panel: energy, the tie, the end of a shot, checkpoints."""
+
+from dataclasses import replace
+from math import inf, radians
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.base.errors import InputError, UnstableError
+from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.output.checkpoint import Checkpoints
+from shellfabric.panel.model import Panel
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.yarns.model import YarnZone, aim, slip_at_rim
+
+SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
+SETUP = ImpactSetup(
+    catalogue.load("S-726"),
+    60.0,
+    projectile=SPHERE,
+    opening=0.04,
+    symmetry="whole",
+    impact_point=aim(catalogue.load("S-726").weave),
+    crossovers=YarnZone(8e-3, 0.2),
+    table_size=51,
+    end_time=40e-6,
+)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return SETUP.table(kept=True)
+
+
+def energies_hold(result, error=0.005):
+    return result.energy_error_max < error
+
+
+def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
+    result = run(SETUP, table=table)
+    assert energies_hold(result, 1e-3)
+    zone = result.target.plies[0].zone()
+    assert result.energies["crossover_friction"][-1] > 1e-3 * result.strike_energy
+    assert zone.books.max() == 0.0  # a run leaves the panel at rest
+    assert 1e-4 < result.max_deflection < 60.0 * 40e-6
+
+
+def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
+    panel = SETUP.panel(table)
+    state = panel.state(60.0)
+    zone = panel.zone()
+    own = zone.mass[zone.inverse_mass > 0].sum()
+    plain = Panel.state(panel, 60.0)
+    (i0, i1), (j0, j1) = panel.rim_rows
+    assert own + state.mass.sum() == pytest.approx(plain.mass.sum(), rel=2e-3)
+    assert own > 0.15 * plain.mass.sum()
+    assert i1 - i0 == j1 - j0 == 18
+    assert panel.spacing == tuple(2 * w for w in panel.weave.w)
+
+
+def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
+    """Time, deflection and tension of the straighter family; the warp gives up its crimp later than in the cell."""
+    base = replace(SETUP, strike_velocity=45.0, impact_point=(0.0, 0.0), end_time=250e-6)
+    zone = run(replace(base, crossovers=YarnZone(8e-3, inf)), table=table)
+    plain = run(replace(base, crossovers=None, elements_per_crossover=1), table=table)
+    assert energies_hold(zone, 1e-3)
+    assert (zone.outcome, plain.outcome) == ("stopped", "stopped")
+    assert zone.t[-1] == pytest.approx(plain.t[-1], rel=0.02)
+    assert zone.max_deflection == pytest.approx(plain.max_deflection, rel=0.05)
+    assert zone.peak_tension[1] == pytest.approx(plain.peak_tension[1], rel=0.03)
+
+
+def test_a_fast_nose_tears_yarns_and_perforates_and_the_energy_holds(table):
+    result = run(replace(SETUP, strike_velocity=250.0, end_time=80e-6), table=table)
+    assert result.outcome == "perforated"
+    assert result.cut_yarns[-1] >= 1
+    assert 150.0 < result.residual_velocity < 250.0
+    assert energies_hold(result)
+    assert result.energies["failure_dissipation"][-1] > 0.0
+
+
+def test_a_nose_passes_between_yarns_that_slip_freely(table):
+    result = run(
+        replace(SETUP, strike_velocity=120.0, crossovers=YarnZone(12e-3, 0.0), end_time=150e-6),
+        table=table,
+    )
+    assert result.outcome == "perforated"
+    assert result.cut_yarns[-1] == 0
+    assert energies_hold(result)
+
+
+def test_oblique_and_rough_noses_keep_the_energy(table):
+    chisel = Projectile(
+        mass=1.1e-3, radius=2.7e-3, shape="chisel", flat_width=2.5e-3, flat_angle=radians(35), edge_radius=0.2e-3,
+        obliquity=radians(20), friction=0.2,
+    )  # fmt: skip
+    result = run(
+        replace(SETUP, projectile=chisel, crossovers=YarnZone(12e-3, 0.2), end_time=30e-6),
+        table=table,
+    )
+    assert energies_hold(result, 2e-3)
+    assert result.energies["friction"][-1] > 0.0
+
+
+def test_a_resumed_run_is_the_same_to_the_last_bit(table, tmp_path):
+    path = tmp_path / "run.h5"
+    first = run(SETUP, table=table, hooks=[Checkpoints(path, 12e-6)])
+    again = run(SETUP, table=table, resume=path)
+    assert np.array_equal(first.step_history, again.step_history)
+    for name, energy in first.energies.items():
+        assert np.array_equal(energy, again.energies[name]), name
+
+
+def test_snapshots_and_the_deflection_have_the_yarns_of_the_zone(table):
+    """Places and tensions of the elements under the nose are those of the yarns, continuous across the rim."""
+    result = run(replace(SETUP, crossovers=YarnZone(8e-3, inf)), table=table)
+    last = result.last[0]
+    (i0, i1), (j0, j1) = result.panel.rim_rows
+    assert result.peak_tension[1] == pytest.approx(last.tension[..., 1].max(), rel=0.1)
+    middle = last.tension[(i0 + i1) // 2, :, 1]
+    assert middle[j0 - 1] == pytest.approx(middle[j0], rel=0.2)
+    assert last.nodes[i0 + 1 : i1, j0 + 1 : j1, 2].max() == result.deflection[-1]
+    assert not last.failed.any()
+
+
+def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
+    result = run(SETUP, table=table)
+    found = {check.name: check for check in result.checks}["slip at the rim"]
+    assert "panel.zone is 8 mm" in found.meaning
+    zone = result.target.plies[0].zone()
+    assert slip_at_rim(zone) == 0.0
+    zone.place[2, 5, 0] += 1.5
+    assert slip_at_rim(zone) == pytest.approx(0.75)
+
+
+def test_each_yarn_of_the_zone_has_the_strength_of_its_own_line(table):
+    panel = SETUP.panel(table)
+    factors = tuple(np.linspace(0.8, 1.2, count) for count in panel.yarn_counts)
+    drawn = replace(panel, strength_factors=factors)
+    zone = drawn.zone()
+    (i0, _), (j0, _) = drawn.rim_rows
+    for family, line in ((0, j0 + 3), (1, i0 + 3)):
+        n = zone.first[family] + 2 * zone.nodes[family]
+        expected = factors[family][line] * panel.weave.yarns[family].strength
+        assert zone.strength[n] == pytest.approx(expected)
+
+
+def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
+    solver = PackSolver(SETUP.target(table), 60.0, 1e-6)
+    solver.guard_model()
+    solver.state.projectile_position[1] = 4e-3
+    with pytest.raises(UnstableError, match="leaves the zone of resolved yarns"):
+        solver.guard_model()
+
+
+@pytest.mark.parametrize(
+    ("values", "key"),
+    [
+        ({"symmetry": "quarter", "impact_point": (0.0, 0.0)}, "symmetry"),
+        ({"elements_per_crossover": 2}, "elements_per_crossover"),
+        ({"grading": ((20, 1), (inf, 2))}, "grading"),
+        ({"bending": 1e-9}, "bending"),
+        ({"cell_formulation": "equilibrium"}, "cell_formulation"),
+        ({"crossovers": YarnZone(3e-3)}, "zone"),
+        ({"round": True, "crossovers": YarnZone(25e-3)}, "zone"),
+        ({"plies": 2}, "crossovers"),
+    ],
+)
+def test_what_a_zone_does_not_have_is_refused(table, values, key):
+    setup = replace(SETUP, **values)
+    with pytest.raises(InputError) as caught:
+        setup.target(table if "cell_formulation" not in values else None)
+    assert caught.value.key == key
+
+
+def test_a_random_aim_is_that_of_its_seed_within_a_cell_of_the_weave():
+    weave = SETUP.fabric.weave
+    aims = {aim(weave, seed) for seed in range(20)}
+    assert len(aims) == 20
+    assert aim(weave, 3) in aims
+    w1, w2 = weave.w
+    assert aim(weave) == (0.5 * w1, 0.5 * w2)
+    assert max(abs(x) for x, _ in aims) < 2 * w1
+    assert max(abs(y) for _, y in aims) < 2 * w2

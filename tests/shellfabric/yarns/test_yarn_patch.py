@@ -1,0 +1,176 @@
+"""Crossings and neighbours of a patch of yarns: gradients, invariants, and the unit cell."""
+
+import numpy as np
+import pytest
+from yarn_patches import energy, free_zone, march, patch
+
+from shellfabric.cell.model import CellModel
+from shellfabric.yarns import chain_kernels, crossing_kernels, neighbour_kernels, zone_kernels
+from shellfabric.yarns.patch import slipped
+
+
+def thrown(made, speed, seed=3):
+    """A free patch whose nodes have random velocities, smooth over a few nodes, without momentum."""
+    zone = free_zone(made)
+    rng = np.random.default_rng(seed)
+    wave = rng.normal(0, 2 * np.pi / 6e-3, (4, 2))
+    phase = rng.uniform(0, 2 * np.pi, 4)
+    size = rng.normal(0, speed, (4, 3))
+    for k in range(4):
+        zone.v[:] += np.cos(zone.x[:, :2] @ wave[k] + phase[k])[:, None] * size[k]
+    zone.v[:] -= (zone.mass[:, None] * zone.v).sum(axis=0) / zone.mass.sum()
+    return zone
+
+
+def pressed(made):
+    """A patch drawn taut, some of its yarns pushed together, at rest: all forces act."""
+    zone = free_zone(made)
+    rng = np.random.default_rng(1)
+    zone.x[:, :2] *= 1.02
+    zone.x[zone.first[0] : zone.first[1], 1] *= 0.7
+    zone.x[:] += rng.uniform(-3e-6, 3e-6, zone.x.shape)
+    for _ in range(60):  # indices come to their places
+        zone.f[:] = 0.0
+        zone_kernels.inner_forces(zone)
+    return zone
+
+
+def test_forces_are_the_gradient_of_the_energy():
+    """Whatever the feet do as nodes are moved: springs on points that run along a yarn would not pass."""
+    zone = pressed(patch((5, 5), friction=0.0, failure=False))
+    forces = zone.f.copy()
+    stored = slice(chain_kernels.STORED, chain_kernels.NEIGHBOURS + 1)
+    assert (zone.books[stored] > 0).all()
+    rng = np.random.default_rng(2)
+    worst = 0.0
+    step = 2e-9
+    for n in rng.choice(zone.mass.size, 12, replace=False):
+        for c in range(3):
+            found = []
+            for way in (step, -step):
+                zone.x[n, c] += way
+                for _ in range(3):
+                    zone_kernels.inner_forces(zone)
+                found.append(zone.books[stored].sum())
+                zone.x[n, c] -= way
+            slope = -(found[0] - found[1]) / (2 * step)
+            worst = max(worst, abs(slope - forces[n, c]))
+    assert worst < 2e-4 * np.abs(forces).max()
+
+
+def test_a_patch_at_rest_has_no_forces():
+    zone = free_zone(patch())
+    zone_kernels.inner_forces(zone)
+    assert np.abs(zone.f).max() < 1e-12
+    assert energy(zone) < 1e-24
+
+
+def test_a_free_patch_keeps_momentum_and_its_yarns_keep_their_order():
+    zone = thrown(patch((8, 8), friction=0.1), 8.0)
+    scale = (zone.mass[:, None] * np.abs(zone.v)).sum()
+    across = [1, 0]
+    worst = [np.inf]
+
+    def watch(zone):
+        for family in range(2):
+            last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
+            shape = (zone.yarns[family], zone.nodes[family], 3)
+            lines = zone.x[zone.first[family] : last].reshape(shape)[..., across[family]]
+            worst[0] = min(worst[0], np.diff(lines, axis=0).min())
+
+    start = energy(zone)
+    friction = [0.0]
+    for _ in range(5):
+        march(zone, 300, watch)
+        friction.append(zone.books[chain_kernels.FRICTION])
+    assert np.abs((zone.mass[:, None] * zone.v).sum(axis=0)).max() < 1e-12 * scale
+    assert worst[0] > 0.0
+    assert zone.books[chain_kernels.TANGLED] == 0
+    assert (np.diff(friction) >= 0).all()
+    assert friction[-1] > 0.01 * start
+    assert energy(zone) == pytest.approx(start, rel=5e-3)
+
+
+def test_a_patch_that_falls_apart_keeps_its_energy():
+    """Slack yarns whose ends leave their crossings: held at the ends crossings made 3 % of the energy, at any step."""
+    made = patch((5, 6))
+    zone = made.arrays(0.3 * made.critical_step)
+    zone.inverse_mass[:] = 1 / zone.mass
+    zone.v[:] = np.random.default_rng(1).normal(0, 10, zone.v.shape)
+    zone_kernels.inner_forces(zone)
+    start = energy(zone)
+    march(zone, 3000)
+    assert not zone.touching.all()
+    assert energy(zone) == pytest.approx(start, rel=3e-3)
+
+
+def test_tensions_of_a_patch_are_those_of_the_unit_cell():
+    """8 x 8 pinned crossings led apart along both families, against the cell at the stretches of the middle."""
+    made = patch((8, 8), friction=np.inf, failure=False, viscosity=0.3)
+    zone = made.arrays(0.5 * made.critical_step)
+    tied = zone.tied_node
+    steps = 6000
+    stretch = np.array([0.035, 0.012, 0.0])
+    zone.v[tied] = (zone.x[tied] - zone.x[tied].mean(axis=0)) * stretch / (steps * zone.dt)
+    march(zone, steps)
+    zone.v[tied] = 0.0
+    march(zone, 4000)
+    middle = slice(3, 5)
+    tensions = []
+    stretches = []
+    for family in range(2):
+        last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
+        shape = (zone.yarns[family], zone.nodes[family])
+        own = zone.tension[zone.first[family] : last].reshape(shape)[middle]
+        place = zone.x[zone.first[family] : last, family].reshape(shape)[middle]
+        tensions.append(own[:, 8:10].mean())
+        stretches.append(((place[:, 12] - place[:, 6]) / (3 * made.spacing[family])).mean())
+    cell = CellModel(made.model.fabric).solve(*stretches)
+    assert tensions[0] == pytest.approx(float(cell["T1"]), rel=0.05)
+    assert tensions[1] == pytest.approx(float(cell["T2"]), rel=0.05)
+
+
+def test_a_yarn_is_pulled_through_at_the_coefficient_times_the_sum_of_contact_forces():
+    """One warp drawn along between tensioned wefts: its ends differ by mu times the forces on it."""
+    mu = 0.1
+    made = patch((8, 3), friction=mu, failure=False, viscosity=0.3)
+    zone = made.arrays(0.5 * made.critical_step)
+    zone.foot[:] = -1.0
+    first = zone.first[0] + zone.nodes[0]  # the middle warp
+    last = first + zone.nodes[0] - 1
+    tied = zone.tied_node
+    zone.v[tied] = (
+        (zone.x[tied] - zone.x[tied].mean(axis=0)) * np.array([0.02, 0.015, 0.0]) / (3000 * zone.dt)
+    )
+    march(zone, 3000)
+    zone.v[tied] = 0.0
+    march(zone, 2000)
+    zone.v[last, 0] = zone.v[first, 0] = 2.0
+    pressing = []
+    difference = []
+
+    def watch(zone):
+        pressing.append(zone.contact[1, :, crossing_kernels.FORCE].sum())
+        difference.append(zone.tension[last - 1] - zone.tension[first])
+
+    march(zone, 10_000, watch)
+    assert slipped(zone)[1].min() > 0.2
+    assert np.mean(difference[4000:]) == pytest.approx(mu * np.mean(pressing[4000:]), rel=0.15)
+
+
+def test_neighbours_touch_at_their_width_and_stand_off_at_the_closest():
+    made = patch((4, 4))
+    zone = made.arrays(made.critical_step)
+    touch = zone.beside[0, neighbour_kernels.TOUCH]
+    start = zone.first[0]
+    n = start + 4
+    zone.x[zone.first[0] : zone.first[1], 2] = 0.0
+    span = start + np.arange(zone.nodes[0])
+    for share in (1.01, 0.95):
+        zone.x[span, 1] = zone.x[span + zone.nodes[0], 1] - share * touch
+        zone.f[:] = 0.0
+        neighbour_kernels.neighbour_force(zone, 0, start, n)
+        force = zone.f[span, 1].sum()
+        expected = -max(1 - share, 0.0) * touch * zone.beside[0, neighbour_kernels.SOFT]
+        assert force == pytest.approx(expected, rel=1e-6)
+        zone.foot[:, neighbour_kernels.WAIT] = 0.0
