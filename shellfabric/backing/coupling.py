@@ -175,10 +175,9 @@ class BackingCoupling:
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.const = const
         self.p = backing.points
+        self._turn = None
         if panel.weave_angle:
             self._turn = axes(panel.weave_angle)
-        else:
-            self._turn = None
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
         self.block = replace(backing, standoff=standoff, mirrors=panel.mirrors).block(const.dt)

@@ -45,7 +45,6 @@ from shellfabric.yarns.model import YarnPanel, YarnZone
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
-PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
 OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
@@ -235,15 +234,6 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
-    def _mesh_notes(self):
-        """A line where the default mesh is as coarse as the weave, since the projectile may leave a
-        finer zone."""
-        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
-        if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
-            return ()
-        why = "an oblique or yawed shot, or edges that are not clamped"
-        return (f"{why}: one element per crossover, energy up to 15 % too high",)
-
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
         """A line about each opening that differs from the given one by more than OPENING_ERROR,
@@ -275,10 +265,10 @@ class ImpactSetup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of opening and mesh, a line each; nothing of a set-up that is
-        refused when it is run."""
+        """What has to be known of the opening, a line each; nothing of a set-up that is refused when
+        it is run."""
         try:
-            return (*self.opening_notes, *self._mesh_notes())
+            return self.opening_notes
         except InputError:
             return ()
 
@@ -313,9 +303,8 @@ class ImpactSetup:
         As far as anything can come under the projectile an element is at most RESOLVED failure
         lengths long, and no longer than `resolved_elements_per_crossover` allows, with
         MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
-        to two crossovers. Where the projectile may leave the first zone (oblique or yawed, or with
-        edges that are not clamped) all elements are alike: one to a crossover, of packs
-        PACK_ELEMENTS.
+        to two crossovers. A yarn whose end is not clamped may be drawn under the projectile from
+        anywhere: then all elements are alike.
 
         Raises
         ------
@@ -324,16 +313,18 @@ class ImpactSetup:
         given = self.grading is not None or self.elements_per_crossover is not None
         if given or self.crossovers is not None:
             return self
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        if not clamped or self.projectile.roaming:
-            sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
-            if self.plies == 1:
-                return self
-            return replace(self, elements_per_crossover=sides)
         return self.graded()
 
+    def _resolving(self, resolved):
+        """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS at most."""
+        lengths = [
+            2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
+        ]
+        under_the_nose = [one.resolved_elements_per_crossover for one in self.kinds]
+        return min(max(ceil(max(lengths) - 1e-9), *under_the_nose), MOST_ELEMENTS)
+
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
-        """The set-up with the graded mesh that follows from the failure length.
+        """The set-up with the mesh that follows from the failure length: graded, or uniform if an edge is not clamped.
 
         Parameters
         ----------
@@ -344,13 +335,10 @@ class ImpactSetup:
         ------
         InputError : as `panel`
         """
-        wanted = (
-            2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
-        )
-        count = max(
-            ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds)
-        )
-        count = min(count, MOST_ELEMENTS)
+        count = self._resolving(resolved)
+        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+        if not clamped:
+            return replace(self, elements_per_crossover=count)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
             fine += [
@@ -363,10 +351,10 @@ class ImpactSetup:
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [
-            ceil((far - 2 * side) * count / (2 * w))
+            ceil((far + path - 2 * side) * count / (2 * w))
             + 3  # of elements that are a part of a crossover long
             for panel in plain
-            for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
+            for far, path, side, w in zip(panel.reach(), panel.path(), panel.spacing, panel.weave.w)
         ]
         near = ceil(max(reaches) / count)
         side = Fraction(1, count)
@@ -432,9 +420,8 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        # type: ignore[arg-type]
         if kept:
-            return table_cache.table(cell, self.table_size)
+            return table_cache.table(cell, self.table_size)  # type: ignore[arg-type]
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
@@ -732,7 +719,7 @@ def collect_result(
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock = solver.const.dt * np.arange(1, len(fine) + 1)
     bar = None
-    if solver.bar:
+    if solver.bar and setup.projectile.bar:
         bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
     backing = None
     if solver.backing:

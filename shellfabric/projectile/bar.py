@@ -86,10 +86,8 @@ class Bar:
                 key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg"
             )
         if depth > 0:
-            sections = ((length - depth, full), (depth, tube))
-        else:
-            sections = ((length, full),)
-        return cls(sections, material, **changes)
+            return cls(((length - depth, full), (depth, tube)), material, **changes)
+        return cls(((length, full),), material, **changes)
 
     @classmethod
     def full(cls, **changes: Any) -> Bar:

@@ -27,9 +27,9 @@ _CHILD = "from shellfabric.solver.compile_ahead import cells; [cell.fill() for c
 def cells(grid: int, several: bool) -> list[Cell]:
     """The cells of the units that each run calls of a ply, or of several, on a uniform or a graded
     grid."""
-    folders = OF_A_PLY
+    folders: tuple[str, ...] = OF_A_PLY
     if several:
-        folders = (*OF_A_PLY, OF_A_PACK)
+        folders += (OF_A_PACK,)
     usual = [unit for unit in UNITS if not unit.later]
     return [unit.cell(grid) for unit in usual if unit.py_func.__module__.startswith(folders)]
 

@@ -22,7 +22,7 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolv
 from shellfabric.jit import barrier
 from shellfabric.jit.compile import PythonCell, compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.panel import edges, forces, grading, quality
+from shellfabric.panel import edges, forces, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
@@ -468,17 +468,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone,
-        one that strikes resolved yarns to theirs; the guard of a pack holds."""
-        for ply, (panel, const, state) in enumerate(self.parts):
-            if panel.sides is None or not const.window_follows:
-                continue
-            nose = state.projectile_position
-            zone = panel.first_zone()
-            if not grading.covers(zone, panel.lines(), nose, panel.reach(), panel.mirrors):
-                x, y = 1e3 * nose[:2]
-                where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
-                self.stop("the projectile leaves the first zone of the grading", where)
+        """See ExplicitSolver. A projectile that strikes resolved yarns keeps to theirs; the guard of
+        a pack holds."""
         nose = self.state.projectile_position
         if self.zone is not None and not yarns.holds_nose(self.panel, nose):
             x, y = 1e3 * nose[:2]
