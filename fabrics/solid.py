@@ -1,4 +1,5 @@
-"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (thesis section 3.4.2).
+"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (thesis
+section 3.4.2).
 
 V_f <= Vf0          K_r E_c                  (eq. 3-10)
 Vf0 < V_f < V_c     a_E / (b_E - V_f)        (eqs. 3-11 .. 3-13)
@@ -25,7 +26,7 @@ class SolidLaw:
     E_a : [Pa] axial modulus of the solid, times V_f (eq. 3-2)
     E_c : [Pa] transverse modulus of the packed yarn
     K_r : [-] fraction of E_c left in a loose yarn
-    K_G : [-] shear modulus over E_c / 2 (eq. 3-16)
+    K_G : [-] shear modulus over E_c / 2
     V_c : [-] nominal fibre volume fraction at which the yarn is packed
     Vf0 : [-] initial fibre volume fraction
 

@@ -431,61 +431,40 @@ class Work(Row):
         "row_stride + 16, from two rows before the block",
     )
     B = array("3 x size", "-", "weft edge vectors over their length at rest")
-    stretch1 = array("size", "-", "stretch of the warp edges")
-    stretch2 = array("size", "-", "stretch of the weft edges")
-    inv_stretch1 = array("size", "-", "its inverse")
-    inv_stretch2 = array("size", "-", "its inverse")
-    mean_stretch1 = array("size", "-", "mean stretch of the warp edges that cross a weft edge")
-    mean_stretch2 = array("size", "-", "mean stretch of the weft edges that cross a warp edge")
-    T1 = array("size", "N", "warp tension (memory of dW_own1)")
-    T2 = array("size", "N", "weft tension (memory of dW_own2)")
-    N1 = array("size", "N", "force of the warp edges")
-    N2 = array("size", "N", "force of the weft edges")
-    dW_own1 = array(
-        "size", "N", "derivative of the potential of a warp edge with its own stretch, per yarn"
+    stretch = array("2 x size", "-", "stretch of the edges")
+    inv_stretch = array("2 x size", "-", "its inverse")
+    mean_stretch = array(
+        "2 x size", "-", "mean stretch of the edges of a family that cross an edge of the other one"
     )
-    dW_own2 = array(
-        "size", "N", "derivative of the potential of a weft edge with its own stretch, per yarn"
+    T = array("2 x size", "N", "tension (memory of dW_own)")
+    N = array("2 x size", "N", "force of the edges")
+    dW_own = array(
+        "2 x size", "N", "derivative of an edge's potential with its own stretch, per yarn"
     )
-    dW_crossing1 = array(
-        "size",
+    dW_crossing = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a warp edge with the mean stretch of the weft "
-        "edges that cross it, per weft yarn",
+        "derivative of an edge's potential with the mean stretch of the edges that "
+        "cross it, per crossing yarn",
     )
-    dW_crossing2 = array(
-        "size",
+    f_over_stretch = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a weft edge with the mean stretch of the warp "
-        "edges that cross it, per warp yarn",
+        "axial force of an edge over its stretch, times A or B the nodal force (memory "
+        "of dW_crossing)",
     )
-    f_over_stretch1 = array(
-        "size",
-        "N",
-        "axial force of a warp edge over its stretch, times A the nodal force (memory "
-        "of dW_crossing1)",
-    )
-    f_over_stretch2 = array(
-        "size", "N", "axial force of a weft edge over its stretch (memory of dW_crossing2)"
-    )
-    trellis_f1 = array(
-        "size",
+    trellis_turn = array(
+        "2 x size",
         "J",
-        "minus derivative of an element's shear energy with the stretch of each of its warp edges",
+        "minus derivative of an element's shear energy with the stretch of each of its edges",
     )
-    trellis_f2 = array(
-        "size",
-        "J",
-        "minus derivative of an element's shear energy with the stretch of each of its weft edges",
-    )
-    trellis_f12 = array(
+    trellis_cross = array(
         "size",
         "J",
         "derivative of an element's shear energy with the product a.b of its mean edges, over 4",
     )
     f_next_row = array("3 x size", "N", "force of a row of elements on the nodes of the next row")
     cell_index = array("256 int32", "-", "table cell of each edge of a piece")
-    barrier = array("32 int64", "-", "counter and stop flag of the thread barrier")
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 
@@ -550,6 +529,84 @@ class Stack(Row, kept=True):
         "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
     )
     after_stop = array("1", "s", "for which the run goes on after the projectile has turned back")
+
+
+class BlockRow(Row):
+    """The block behind the last ply: bricks, nodes, and what its contacts give in a step."""
+
+    nx = integer("-", "bricks along x; nodes and bricks are numbered with the last axis fastest")
+    ny = integer("-", "bricks along y")
+    nz = integer("-", "bricks along z")
+    gradient = array("bricks, 8, 3", "1/m", "mean gradients of the shape functions at rest")
+    volume = array("bricks", "m3", "at rest")
+    twist = array("bricks, 4, 3", "m", "hourglass patterns of the corners at rest")
+    control = array("bricks, 4, 3", "N/m3", "stiffness of the hourglass control")
+    edges = array("bricks, 3", "m", "lengths of the edges at rest")
+    law = array(
+        "8",
+        "Pa, -, 1/s, Pa s/m",
+        "K, G, sigma_y, H, erosion strain, rate exponent, reference rate, bulk viscosity over the "
+        "length of a brick",
+    )
+    mass = array("nodes", "kg", "of the nodes")
+    dashpot = array("nodes, 3", "N s/m", "of absorbing faces")
+    free = array("nodes, 3", "-", "1 where a node may move, 0 where it is held")
+    stiffness = array("nodes", "N/m", "contact springs with a projectile")
+    damping = array("nodes", "N s/m", "dampers of these")
+    x = array("nodes, 3", "m", "places", kept=True)
+    v = array("nodes, 3", "m/s", "velocities, at half steps", kept=True)
+    metric = array("bricks, 3, 3", "-", "inverse plastic metric", kept=True)
+    alpha = array("bricks", "-", "effective plastic strain", kept=True)
+    last = array("bricks", "-", "ln J of the last call", kept=True)
+    past = array("bricks, 2", "Pa", "viscous pressure and stress q of the last call", kept=True)
+    gone = array("bricks boolean", "-", "whether a brick has eroded", kept=True)
+    energy = array(
+        "bricks, 5",
+        "J",
+        "elastic, plastic, hourglass, viscous, lost by erosion",
+        kept=True,
+    )
+    own = array("bricks, 8, 3", "N", "internal forces of each brick on its nodes", kept=True)
+    outer = array("nodes, 3", "N", "forces of contacts, as internal forces", kept=True)
+    drags = array("nodes, 3", "N", "those of their damping", kept=True)
+    work = array(
+        "sheets, 4",
+        "J",
+        "of the nodes of one i: kinetic energy; what dashpots, and what contacts have taken; what "
+        "of the last is after this instant",
+        kept=True,
+    )
+    shot = array(
+        "7", "J, N", "contact with a projectile: stored; elastic and damping force", kept=True
+    )
+    points = array("7", "J, N", "contact with points: stored", kept=True)
+    substeps = array(
+        "2 int64", "-", "steps in one of the run, and steps since they were found", kept=True
+    )
+
+
+class BlockPoints(Row):
+    """Points that touch the face of the block, such as those of the last ply."""
+
+    x = array("points, 3", "m", "places")
+    v = array("points, 3", "m/s", "velocities")
+    stiffness = array("points", "N/m", "contact spring of each")
+    damping = array("points", "N s/m", "damper of each")
+    columns = array("points, 2 int64", "-", "column of bricks that each was over", kept=True)
+    memory = array(
+        "points, 2",
+        "m",
+        "how far each was inside the face, negative outside; what of it no motion has made",
+        kept=True,
+    )
+    feet = array("points, 4 int64", "-", "nodes of the facet that each bears on")
+    contacts = array(
+        "points, 9",
+        "m, N, -",
+        "depth, 0 where there is none; damping force; normal; weights of the nodes",
+    )
+    force = array("points, 3", "N", "elastic force on each")
+    drag = array("points, 3", "N", "damping force on each")
 
 
 class PackContact(Row):
@@ -864,6 +921,52 @@ class Zone(Row):
 
 
 # tables that parameters of kernels are named after
+class CellYarn(Row):
+    """A yarn of a crossover."""
+
+    w = number("m", "half length of the cell at rest")
+    S0 = number("m", "length of the yarn in it at rest")
+    EA = number("N", "axial stiffness")
+    h0 = number("m", "height at rest")
+    a = number("m", "law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); 0: none")
+    b = number("m N^(1/3)", "factor in it")
+    shift = number("N", "(b / a)^3 of a regularised law, 0 of the printed one")
+
+
+class Crossover(Row):
+    """Two yarns that cross."""
+
+    warp = row(CellYarn, "the warp yarn")
+    weft = row(CellYarn, "the weft yarn")
+    gap = number("m", "between the yarns at rest")
+    form = integer("-", "formulation, see `cell.crossover_kernels`")
+    coupled = flag("whether the yarns press on each other")
+
+
+class Segments(Row):
+    """What the forces of a coupon follow from, and their scratch; n segments of each family."""
+
+    nodes = array("2 x n, 2 int64", "-", "nodes at the ends of the segments")
+    cells = array("2 x n", "-", "crossovers that a segment stands for")
+    across = array("2 x n, 4 int64", "-", "segments that cross it at its ends; -1 without one")
+    quads = array("n, 4 int64", "-", "nodes of the quadrilaterals")
+    length = numbers(2, "m", "length at rest of warp and weft segments")
+    potential = array("n, 9", "J", "coefficients of the potential in each cell of the table")
+    grid = numbers(6, "-", "start, cells per stretch, number of the last cell, of both stretches")
+    half_width = numbers(2, "m", "half length w of a crossover along warp and weft")
+    yarn_length = numbers(2, "m", "length S0 of a yarn in a crossover at rest")
+    stiffness = numbers(2, "N", "axial stiffness E A of a yarn")
+    volume = number("m3", "volume of a quadrilateral for its shear energy; 0 without trellis")
+    G1 = number("Pa", "shear modulus of the trellis below gamma1")
+    G2 = number("Pa", "shear modulus above gamma2")
+    gamma1 = number("rad", "shear angle where stiffening begins")
+    gamma2 = number("rad", "shear angle where stiffening ends")
+    stretch = array("2 x n", "-", "scratch: stretch of the segments")
+    direction = array("2 x n, 2", "-", "scratch: their directions")
+    pull = array("2 x n", "J", "scratch: dE/dLambda")
+    row = array("2 x n", "J/m", "scratch: parts of the bound on a row of the stiffness")
+
+
 PARAMETERS = {
     "const": Constants,
     "state": State,

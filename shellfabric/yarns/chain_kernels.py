@@ -17,8 +17,9 @@ segment that snaps taut or goes slack within the step: SNAP has the rest, as "ya
 import math
 
 from shellfabric.cloth import strength_kernels
+from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.yarns.curve_kernels import dot, plus, row, scaled
+from shellfabric.yarns.curve_kernels import row
 
 # of zone.books [J]: energies at present, then works so far, then counts
 STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
@@ -61,10 +62,10 @@ def chain_forces(zone):
 @kernel(_nrt=False)
 def segment_force(zone, family, n):
     """Force of a segment; the energy [J] that it stores, and what its viscosity takes in the step."""
-    side = plus(row(zone.x, n + 1), -1.0, row(zone.x, n))
+    side = add_scaled(row(zone.x, n + 1), -1.0, row(zone.x, n))
     length = math.sqrt(dot(side, side))
     along = scaled(1.0 / length, side)
-    rate = dot(plus(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
+    rate = dot(add_scaled(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
     damping = zone.viscous_force[n]
     zone.viscous_force[n] = 0.0
     strain = length / zone.rest_length[n] - 1.0

@@ -1,9 +1,10 @@
 """Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
 
-The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
-[numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in
-SI units, an object for what a file names; everything else is written as in the file. `Keywords` names them for editors
-and type checkers; a test holds it against the schema.
+The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables
+[projectile], [history], [numerics] and [backing] are dicts; a projectile or a backing may be just
+its name. A number stands for a quantity in SI units, an object for what a file names; everything
+else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it
+against the schema.
 """
 
 from __future__ import annotations
@@ -97,10 +98,10 @@ class Keywords(TypedDict, total=False):
     ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
-    ply_gap : pack: clearance between plies at rest; where not given the gap of the fabric file,
-        else an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
-    ply_contact : pack: law of pressure against closure between two plies; where not given the law
-        in the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
+    ply_gap : pack: clearance between plies at rest; if not given the gap of the fabric file, else
+        an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
+    ply_contact : pack: law of pressure against closure between two plies; if not given the law in
+        the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; a number from 0 to 2
     yarn_failure : whether a yarn fails at its strength; true or false
@@ -114,18 +115,18 @@ class Keywords(TypedDict, total=False):
     crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
         one of "pinned", "yarns"
-    zone : resolved yarns: half width of the square zone about the nose; where not given 20 mm, or 3
-        mm over `crossover_friction` if that is more [m]; a length above 0, such as "20 mm"
+    zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
+        over `crossover_friction` if that is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; a whole number from 0 to 2147483647
-    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where
-        not given; a number from 0 to 2
+    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not
+        given; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
-    elements_per_crossover : elements along each side of a crossover; where not given, they follow
-        the failure length of the yarns under the projectile, and are longer further out; a whole
-        number from 1 to 8
+    elements_per_crossover : elements along each side of a crossover; if not given, they follow the
+        failure length of the yarns under the projectile, and are longer further out; a whole number
+        from 1 to 8
     snapshot_interval : time between the shapes kept for ParaView and the pictures [s]; a time above
         0, such as "10 us"
     history : the table [history] of the input file, as a dict
@@ -173,7 +174,8 @@ class Keywords(TypedDict, total=False):
 
 
 def explained(*kinds: type) -> Callable[[Function], Function]:
-    """Add to the docstring of a function what each keyword of these TypedDicts means, for help()."""
+    """Add to the docstring of a function what each keyword of these TypedDicts means, for
+    help()."""
     section = "\n    Other Parameters\n    ----------------\n"
     for kind in kinds:
         section += (kind.__doc__ or "").split("\n\n")[-1].split("--\n")[-1].rstrip() + "\n"
@@ -187,7 +189,8 @@ def explained(*kinds: type) -> Callable[[Function], Function]:
 
 
 def tables() -> dict[str, str]:
-    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
+    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has
+    them."""
     from weavecell.scenes.impact import Scene
 
     flat = {}
@@ -205,7 +208,7 @@ def scene(
 
     Parameters
     ----------
-    fabric : its name, for messages; None where every ply has its own
+    fabric : its name, for messages; None if every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
     **options : of `Keywords`
 
@@ -254,8 +257,8 @@ def scene(
 
 
 def plain(value: Any) -> Any:
-    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of paths; objects as they
-    are."""
+    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of
+    paths; objects as they are."""
     if isinstance(value, Mapping):
         return {key: plain(part) for key, part in value.items() if part is not None}
     if isinstance(value, (list, tuple)):
@@ -266,7 +269,8 @@ def plain(value: Any) -> Any:
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:
-    """The input file of a table of `scene`; "" where it has objects in it, or `fabric` is one, which no file can hold.
+    """The input file of a table of `scene`; "" if it has objects in it, or `fabric` is one, which
+    no file can hold.
 
     Parameters
     ----------
@@ -295,7 +299,8 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
 @contextmanager
 def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
-    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the value as given."""
+    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the
+    value as given."""
     try:
         yield
     except InputError as problem:
@@ -320,7 +325,8 @@ def _fields(entry):
 
 
 def _text(value, entry):
-    """A value of the field `entry` as it stands in a file: a number that is a quantity with the unit of its key."""
+    """A value of the field `entry` as it stands in a file: a number that is a quantity with the
+    unit of its key."""
     from fabrics.base.schema import unit_of
 
     if isinstance(value, dict):
@@ -344,7 +350,7 @@ def _unknown(key, value, known):
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(
-                f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
+                f'is not a keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
             )
     message, allowed = PanelTable.unknown(key, None)
     if message is None:
@@ -354,12 +360,15 @@ def _unknown(key, value, known):
     if near:
         hint = f", did you mean {near}?"
     return InputError(
-        f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
+        f"is not a keyword{hint} keywords: {', '.join(Keywords.__annotations__)}",
+        key=key,
+        value=value,
     )
 
 
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
-    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the
+    tables `flat`."""
     if isinstance(problem, InputErrors):
         return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""

@@ -1,4 +1,5 @@
-"""Scene files of coupons: one test on a piece of fabric, described in TOML as impacts are (`tables`)."""
+"""Scene files of coupons: one test on a piece of fabric, described in TOML as impacts are
+(`tables`)."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ TOLERANCE = 1e-3
 
 
 class BiasTable(Table):
-    """A strip cut at 45 degrees to its yarns, pulled by two clamps (thesis section 4.4.3).
+    """A strip cut at 45 degrees to its yarns, pulled by two clamps.
 
     [bias_extension]
     length = "143.5 mm"
@@ -57,7 +58,7 @@ class BiasTable(Table):
 
 
 class FrameTable(Table):
-    """A square of fabric sheared in a hinged frame (thesis Figure 4-24).
+    """A square of fabric sheared in a hinged frame.
 
     [picture_frame]
     shear_angle = "35 deg"
@@ -81,11 +82,11 @@ class UniaxialTable(Table):
     length: quantity("length of the strip between the clamps", "m", "100 mm", most="5 m")
     width: quantity("width of the strip", "m", "30 mm", most="5 m")
     strain: quantity("nominal strain at the end", "", "5 %")
-    failure: flag("whether the run ends where a yarn reaches its strength") = True
+    failure: flag("whether the run ends when a yarn reaches its strength") = True
 
 
 class BiaxialTable(Table):
-    """A cross pulled by its four arms (thesis section 5.3).
+    """A cross pulled by its four arms.
 
     [biaxial]
     strain = ["2 %", "1 %"]
@@ -102,7 +103,7 @@ class BiaxialTable(Table):
     cross_yarns_removed: flag(
         "whether the transverse yarns of the arms are removed, so that the arms carry no transverse load"
     ) = True
-    failure: flag("whether the run ends where a yarn reaches its strength") = True
+    failure: flag("whether the run ends when a yarn reaches its strength") = True
 
     @model_validator(mode="after")
     def _of_two_strains(self):
@@ -112,7 +113,8 @@ class BiaxialTable(Table):
 
 
 class PullOutTable(Table):
-    """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in tension.
+    """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in
+    tension.
 
     [pull_out]
     displacement = "5 mm"
@@ -231,5 +233,6 @@ def check(
     refused: honoured.Keys | None = None,
     context: Any = None,
 ) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
+    """Turn a scene's table into a checked CouponScene; its parameters are those of
+    `scenes.impact.check`."""
     return checked(CouponScene, table, file, refused, context)

@@ -1,4 +1,5 @@
-"""Scene files: one impact, described in TOML with units as text, checked before anything is computed or written."""
+"""Scene files: one impact, described in TOML with units as text, checked before anything is
+computed or written."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 
 
 def _name_or_size(schema):
-    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
+    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not
+    required."""
     schema["required"] = ["strike_velocity"]
     schema["anyOf"] = [
         {"required": ["name"]},
@@ -49,8 +51,8 @@ def _name_or_size(schema):
 
 
 class ProjectileTable(Table):
-    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the panel. It is rigid
-    unless `body` says otherwise.
+    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
+    panel. It is rigid unless `body` says otherwise.
 
     [projectile]
     name = "FSP 1.10 g"
@@ -229,7 +231,7 @@ class RunTable(Table):
         most="10 ms",
     ) = 800e-6
     elements_per_crossover: whole(
-        "elements along each side of a crossover; where not given, they follow the failure length of the yarns under "
+        "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
         "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
@@ -253,6 +255,7 @@ class RunTable(Table):
     @model_validator(mode="after")
     def _within_the_run(self):
         for key in ("snapshot_interval", "checkpoint_interval"):
+            # the defaults may be longer than a short run; a value that is given may not
             if key in self.model_fields_set and getattr(self, key) > self.end_time:
                 raise InputError(key=key, allowed="at most run.end_time")
         return self
@@ -308,7 +311,8 @@ class AccuracyTable(Table):
 
 
 class NumericsTable(Table):
-    """Parameters of the time integration and of the contact with the projectile. The defaults fit all fabrics.
+    """Parameters of the time integration and of the contact with the projectile. The defaults fit
+    all fabrics.
 
     [numerics]
     cfl = 0.8
@@ -329,15 +333,15 @@ class NumericsTable(Table):
         "damping ratio of the contact between projectile and fabric", 0.6, ge=0.0
     ) = None
     contact_points: whole(
-        "contact points along each side of a crossover; where not given 8, and more under a sharp nose",
+        "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
         1,
         64,
     ) = None
     threads: Annotated[
         int | None,
         described(
-            "threads of the time integration; where not given, chosen by the size of the model. Results do not depend "
-            "on it",
+            "threads that share the plies of a pack, at most one for each ply; a single ply has one. If not given, "
+            "chosen by the size of the model. Results do not depend on it",
             "a number of threads",
             example=1,
             ge=1,
@@ -366,33 +370,37 @@ class Scene(Table):
         fabric = self.fabric
         shot = self.projectile
         panel = self.panel
+        # [fabric] may be missing only if every ply names its own fabric
         if not (
             panel.ply
             and all(ply.name or ply.file for ply in panel.ply)
             and fabric.name is fabric.file is None
         ):
             if "fabric" not in self.model_fields_set or not fabric.model_fields_set:
-                allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
+                allowed = "a table [fabric], which may be left out if every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
         if isinstance(panel.opening, tuple):
             smallest = min(panel.opening)
         else:
             smallest = panel.opening
+        # a nose as wide as the opening would strike the clamp
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
+        # the mass of a body from a file is checked against its volume there
         if shot.shape != "stl":
             stl_file.check_mass(shot)
         if self.accuracy is not None and panel.crossovers != "pinned":
             words = '"pinned" where the mesh is chosen by [accuracy]'
             raise InputError(key="panel.crossovers", allowed=words)
+        # a response surface belongs to one fabric with one modulus, all yarns alike
         if fabric.surface is None:
             return self
         if panel.ply:
             raise InputError(key="fabric.surface", allowed="left out with [[panel.ply]]")
         for key, words in (
             ("rate_dependence", "left out with fabric.surface, whose yarns have one modulus"),
-            ("stacking", "aligned where the cell is a response surface"),
+            ("stacking", "aligned if the cell is a response surface"),
         ):
             if panel.sets(key):
                 raise InputError(key=f"panel.{key}", allowed=words)
@@ -405,7 +413,7 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
     Parameters
     ----------
     path : of the file
-    refused : keys that what reads it does not honour (`honoured`); None where any key may be set
+    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
 
     Returns
     -------

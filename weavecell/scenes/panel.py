@@ -30,7 +30,7 @@ from weavecell.scenes.fabric_table import LAW, Law
 
 
 class SlipTable(Table):
-    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
+    """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
     `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
     [panel.boundary]
@@ -47,7 +47,7 @@ class SlipTable(Table):
     start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
     end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
     zone: quantity(
-        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given",
+        "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
         "m",
         "60 mm",
     ) = None
@@ -55,6 +55,7 @@ class SlipTable(Table):
     @model_validator(mode="after")
     def _clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        # [panel.boundary] has these keys too, and may have none of them
         if given == {"clamp_force"} or (
             type(self) is not SlipTable and not given & set(SlipTable.model_fields)
         ):
@@ -90,8 +91,8 @@ Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discrimina
 
 
 class BoundaryTable(SlipTable):
-    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys of a slipping side,
-    which then holds for all four: `boundary = { clamp_force = "5 N" }`.
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys
+    of a slipping side, which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
     [panel.boundary]
     warp = "clamped"
@@ -103,7 +104,8 @@ class BoundaryTable(SlipTable):
 
     @property
     def sides(self) -> dict[str, Any]:
-        """{"warp": side, "weft": side} in the forms of these keys; where all four slip alike, this table itself."""
+        """{"warp": side, "weft": side} in the forms of these keys; if all four slip alike, this
+        table itself."""
         alike = bool(self.model_fields_set & set(SlipTable.model_fields))
         return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
 
@@ -149,6 +151,7 @@ def _ply_angle(text, read):
     degrees = round(math.degrees(read(text, "rad")), 6)
     if not -180 <= degrees <= 180:
         raise ValueError("out of range")
+    # half a turn leaves a weave as it is
     least = math.remainder(degrees, 180)
     return math.radians(90 if least == -90 else least)
 
@@ -170,6 +173,7 @@ def _crossovers(value):
     """A number of crossovers, or a fraction of one such as "1/3"."""
     if not isinstance(value, str):
         return float(value)
+    # a third has no finite decimal, so fractions are read as such
     over, _, under = value.partition("/")
     if int(under) == 0:
         raise ValueError("divided by 0")
@@ -177,8 +181,9 @@ def _crossovers(value):
 
 
 class StrengthTable(Table):
-    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull distribution. The whole
-    panel is modelled. `weavecell sweep` over seeds gives the scatter of a result ([studies](../studies.md)).
+    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull
+    distribution. The whole panel is modelled. `weavecell sweep` over seeds gives the scatter of a
+    result ([studies](../studies.md)).
 
     [panel.strength]
     weibull_shape = 14.3
@@ -199,12 +204,12 @@ class StrengthTable(Table):
 
 
 MOST_PLIES = 100
-BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
+BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
-    """One table for each group of plies that are alike, from the struck side to the back. `panel.plies` and
-    `panel.stacking` are then left out.
+    """One table for each group of plies that are alike, from the struck side to the back.
+    `panel.plies` and `panel.stacking` are then left out.
 
     [[panel.ply]]
     count = 2
@@ -225,7 +230,7 @@ class PlyTable(Table):
     law: Annotated[
         Law | None,
         described(
-            "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`",
+            "compression law of the ply; if not given `published`, for plies of [fabric] the law of `fabric.law`",
             LAW,
         ),
     ] = None
@@ -239,7 +244,7 @@ class PlyTable(Table):
         "45 deg",
     ) = 0.0
     gap: quantity(
-        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
+        "clearance to the next ply at rest; if not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
         "m",
         "0.12 mm",
         zero=True,
@@ -254,7 +259,8 @@ class PlyTable(Table):
 
 
 class PanelTable(Table):
-    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
+    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
+    `[[panel.ply]]`.
 
     [panel]
     opening = "150 mm"
@@ -303,7 +309,7 @@ class PanelTable(Table):
         "pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating"
     ) = "aligned"
     ply_gap: quantity(
-        "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
+        "pack: clearance between plies at rest; if not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))",
         "m",
         "0.12 mm",
@@ -314,7 +320,7 @@ class PanelTable(Table):
         BeforeValidator(_ply_contact),
         WithJsonSchema(TEXT),
         described(
-            "pack: law of pressure against closure between two plies; where not given the law in the file of "
+            "pack: law of pressure against closure between two plies; if not given the law in the file of "
             "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
             _PLY_CONTACT,
         ),
@@ -344,7 +350,7 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; where not given 20 mm, or 3 mm over "
+        "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm over "
         "`crossover_friction` if that is more",
         "m",
         "20 mm",
@@ -355,7 +361,7 @@ class PanelTable(Table):
         2**31 - 1,
     ) = None
     crossover_friction: number(
-        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
+        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not given",
         0.2,
         ge=0.0,
         le=2.0,
@@ -369,6 +375,7 @@ class PanelTable(Table):
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
         """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
+        # earlier versions had sliding crossovers with a cohesion
         if key == "crossover_cohesion":
             return None, 'left out: resolved yarns (crossovers = "yarns") have a friction alone'
         return super().unknown(key, near)
@@ -378,6 +385,7 @@ class PanelTable(Table):
         """The panel with the number of the plies of its tables [[panel.ply]]."""
         if not self.ply:
             return self
+        # a number that contradicts the tables would be wrong in silence
         for key in {"plies", "stacking"} & self.model_fields_set:
             raise InputError(key=key, allowed="left out beside [[panel.ply]]")
         self.refuse("weave_angle", "left out with [[panel.ply]]")
@@ -390,17 +398,18 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_one_or_more_plies(self):
         if not self.yarn_failure:
-            self.refuse("rate_dependence strength", "left out where yarns do not fail")
+            self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
         if self.crossovers == "yarns":
             self._check_resolved()
         else:
             self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
+        # a key of packs that changes nothing is a misunderstanding
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
-            self.refuse("stacking", "aligned where the weave is oblique")
+            self.refuse("stacking", "aligned if the weave is oblique")
         return self
 
     def _check_resolved(self):
@@ -413,12 +422,14 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
         """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
+        # these panels have no plane of symmetry; a symmetry that is given is not overruled in
+        # silence
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
         drawn = self.strength is not None
         if drawn and given and self.symmetry != "whole":
-            allowed = "whole, or left out, where yarns differ in strength"
+            allowed = "whole, or left out, if yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
         resolved = self.crossovers == "yarns"
         if resolved and given and self.symmetry != "whole":
