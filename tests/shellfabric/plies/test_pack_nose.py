@@ -66,11 +66,11 @@ def radius(stiffness, before, foreseen=True):
 
     rest = step(np.zeros(ROW), np.zeros(ROW))
     columns = [step(*e.reshape(2, ROW)) - rest for e in np.eye(2 * ROW)]
-    return np.abs(np.linalg.eigvals(np.array(columns).T)).max()
+    return abs(np.linalg.eigvals(np.array(columns).T)).max()
 
 
 COUNT = (ROW - 3) * PER
-MIDDLE = np.abs(np.arange(COUNT) - COUNT // 2)
+MIDDLE = abs(np.arange(COUNT) - COUNT // 2)
 # forces of a step ago: alike, on a rim, on one point, at random
 PATTERNS = {
     "flat": np.ones(COUNT),
@@ -133,8 +133,8 @@ def test_it_foresees_what_all_other_forces_do(ply):
     ]
     advance(march, 1)
     for v, old, new in zip(state.v, before, change):
-        assert np.abs(new).max() > 0.1
-        assert_allclose(v[near] - old, new, rtol=0, atol=1e-9 * np.abs(v[near]).max())
+        assert abs(new).max() > 0.1
+        assert_allclose(v[near] - old, new, rtol=0, atol=1e-9 * abs(v[near]).max())
 
 
 def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
