@@ -26,6 +26,7 @@ from shell import machine, one_core, publish
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
+from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.compile import entry
 from shellfabric.panel.element_kernels import element_forces
 from shellfabric.panel.model import Panel
@@ -259,7 +260,7 @@ def elements_only(state, const, work, times):
 @entry(_nrt=False)
 def nose_only(state, const, work, times):
     for _ in range(times):
-        contact_kernels.apply_contact_impulse(state, const)
+        give_impulses(state, const, state.f_contact, state.nose_window)
         contact_kernels.contact_forces(state, const, work.contact_scratch)
 
 

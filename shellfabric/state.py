@@ -252,13 +252,6 @@ class Constants(Row):
         "-",
         "how warp and weft yarns end at their lower and upper end: free, symmetric or clamped",
     )
-    bar_mass = array(
-        "n + 1", "kg", "nodal masses of the bar along the projectile's axis; empty if it is rigid"
-    )
-    bar_h = array("n", "m", "lengths of the bar's elements at rest")
-    bar_area = array("n", "m2", "cross sections of the bar's elements")
-    bar_law = array("3", "Pa", "Young's modulus, yield stress and hardening modulus of the bar")
-    bar_substeps = integer("-", "time steps of the bar in one of the fabric")
     has_backing = flag("whether a backing block is coupled to the ply")
 
 
@@ -409,6 +402,7 @@ class State(Row, kept=True):
         "and the step (counted by the ply)",
     )
     contact_window = array("4 int64", "-", "present contact window (i0, i1, j0, j1)")
+    nose_window = array("4 int64", "-", "rows and columns of nodes with forces of `f_contact`")
     friction_state = array(
         "elements, points, 6",
         "m, N",
@@ -425,11 +419,6 @@ class State(Row, kept=True):
     f_block_cloth = array(
         "3 x slots", "N", "force of the backing block on the nodes; empty without one"
     )
-    bar_u = array("n + 1", "m", "displacement of the bar's nodes along the axis")
-    bar_v = array("n + 1", "m/s", "velocity of the bar's nodes along the axis")
-    bar_plastic = array("n", "-", "plastic (logarithmic) strain of the bar's elements")
-    bar_stress = array("n", "Pa", "Kirchhoff stress of the bar's elements, positive in tension")
-    bar_energy = array("2", "J", "work of the force at the tip, plastic work")
 
 
 class Work(Row):
@@ -500,8 +489,42 @@ class Work(Row):
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 
+class Body(Row):
+    """What moves a projectile along its axis that is not rigid: a unit with a row of its own."""
+
+    cell = array("1 int64", "-", "address of the cell of the unit; 0 of a rigid projectile")
+    own = array("1 int64", "-", "address of the row of the unit; 0 of a rigid projectile")
+    force = array("1", "N", "force on the projectile along its axis in this step")
+    motion = array(
+        "6",
+        "m/s, m",
+        "along the axis: velocities of tip, tail and centre of mass, and how far they have come",
+    )
+
+
+class BarRow(Row):
+    """The bar along the axis of a projectile; masses and sections are its share of the model."""
+
+    mass = array("nodes", "kg", "lumped masses")
+    h = array("elements", "m", "lengths at rest")
+    area = array("elements", "m2", "cross sections at rest")
+    modulus = number("Pa", "Young's modulus")
+    yield_stress = number("Pa", "stress at which it first yields; infinite of an elastic bar")
+    hardening = number("Pa", "slope of the yield stress over the plastic strain")
+    substeps = integer("-", "time steps of the bar in one of the fabric")
+    u = array("nodes", "m", "displacements along the axis", kept=True)
+    v = array("nodes", "m/s", "velocities along the axis", kept=True)
+    plastic = array("elements", "-", "plastic (logarithmic) strain", kept=True)
+    stress = array("elements", "Pa", "Kirchhoff stress, positive in tension", kept=True)
+    energy = array("2", "J", "work of the force at the tip, plastic work", kept=True)
+    force = array("1", "N", "as of Body", kept=True)
+    motion = array("6", "m/s, m", "as of Body", kept=True)
+
+
 class Stack(Row, kept=True):
     """What the plies of a run share: the projectile, steps, who is awake."""
+
+    body = row(Body, "what moves the projectile along its axis, unless it is rigid")
 
     awake = array("plies boolean", "-", "whether anything has acted on the ply yet")
     waits_for_plies = array(
@@ -682,7 +705,7 @@ class PackContact(Row):
     )
     open = array("tiles int64", "-", "step in which one of these last had a hole")
     pressed = array(
-        "n, 2 int64",
+        "presses, 2 int64",
         "-",
         "tiles whose points may touch, with a tile of the ply that they may touch",
     )
@@ -699,8 +722,8 @@ class PackContact(Row):
     entry_due = array(
         "entries", "m", "sum of the travels of their tiles with which they can be near"
     )
-    facets = array("2, n, 3 int64", "-", "scratch: facets of two tiles")
-    facet_box = array("2, n, 6", "m", "scratch: their boxes")
+    facets = array("2, facets, 3 int64", "-", "scratch: facets of two tiles")
+    facet_box = array("2, facets, 6", "m", "scratch: their boxes")
     row_nodes = array(
         "rows, 6 int32",
         "-",

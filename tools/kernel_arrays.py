@@ -85,10 +85,8 @@ TERMS = {
 
 def tables():
     """The tables, in the order of their file."""
-    classes = vars(state).values()
-    return [
-        kind for kind in classes if inspect.isclass(kind) and issubclass(kind, Row) and kind.fields
-    ]
+    classes = [kind for kind in vars(state).values() if inspect.isclass(kind)]
+    return [kind for kind in classes if issubclass(kind, Row) and kind.fields]
 
 
 def page():

@@ -1,1 +1,2 @@
-"""The deformable block behind a panel: explicit hexahedra, contact with the fabric, coupling to its time steps."""
+"""The deformable block behind a panel: explicit hexahedra, contact with the fabric, coupling to its
+time steps."""

@@ -1,9 +1,10 @@
 """The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1).
 
-A quarter of it, or the whole, x and y from the axis of the shot, its face at z = 0 or at `standoff`, z into it, along
-the flight. The elements are smallest under the shot and grow outwards by equal factors. The thesis gives size, modulus,
-density, yield stress and erosion strain, but neither Poisson's ratio, hardening, mesh nor outer faces
-(`materials.toml`). The outer faces are fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
+A quarter of it, or the whole, x and y from the axis of the shot, its face at z = 0 or at
+`standoff`, z into it, along the flight. The elements are smallest under the shot and grow outwards
+by equal factors. The thesis gives size, modulus, density, yield stress and erosion strain, but
+neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). The outer faces are
+fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
 
 A solver calls, in each step:
 
@@ -12,9 +13,9 @@ A solver calls, in each step:
     push = block.strike(position, speed)                     # force on a rigid projectile [N]
     block.advance()
 
-Bricks that are flattened bear shorter steps. Where they need them the block makes several of its own in each step. The
-contact forces act as one impulse at its beginning (Verlet-I / r-RESPA), which makes no energy; held over the step they
-would.
+Bricks that are flattened bear shorter steps. Where they need them the block makes several of its
+own in each step. The contact forces act as one impulse at its beginning (Verlet-I / r-RESPA), which
+makes no energy; held over the step they would.
 """
 
 from __future__ import annotations
@@ -77,14 +78,18 @@ class Backing:
     refined_depth : [m] extent of these from the axis, and from the face
     growth : factor from brick to brick beyond, at most
     outer_boundary : "fixed", "absorbing" or "free" outer faces
-    standoff : [m] of the face from z = 0; behind a panel (`backing.coupling`) from the back of its last ply
-    hourglass : factor on the hourglass stiffness of the full rule, which would stand in for strength lost in flow
+    standoff : [m] of the face from z = 0; behind a panel (`backing.coupling`) from the back of its
+        last ply
+    hourglass : factor on the hourglass stiffness of the full rule, which would stand in for
+        strength lost in flow
     viscosity : damping ratio of the highest mode
     penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
-    contact_damping : ratio to critical of a node on that spring, and of a point of the fabric on its own
+    contact_damping : ratio to critical of a node on that spring, and of a point of the fabric on
+        its own
     ply_penalty : stiffness of the contact with fabric, in units of the fabric's mass / dt^2
     points : of contact along each side of an element of fabric
-    after_stop : [s] for which a run goes on after the projectile has turned back, while the block comes to rest
+    after_stop : [s] for which a run goes on after the projectile has turned back, while the block
+        comes to rest
     mirrors : whether x = 0 and y = 0 are planes of symmetry that bound the modelled part
     name : of the backing (`fabrics.backings`) that the material is of, or ""
 
@@ -137,10 +142,10 @@ class Backing:
         """x, y, z [m] of the mesh planes of the modelled part."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
         found = [graded(length, self.min_size, self.refined_depth, self.growth) for length in half]
-        return tuple(
-            x if bound else np.append(-x[:0:-1], x)
-            for x, bound in zip(found, (*self.mirrors, True))
-        )
+        for axis, mirrored in enumerate(self.mirrors):
+            if not mirrored:
+                found[axis] = np.append(-found[axis][:0:-1], found[axis])
+        return tuple(found)
 
     @property
     def count(self) -> tuple[int, ...]:
@@ -149,7 +154,8 @@ class Backing:
 
     @property
     def longest_step(self) -> float:
-        """[s] bound of the step at rest, 1 / c (sum over the finest edges of 1 / h^2)^(1/2), and less for viscosity."""
+        """[s] bound of the step at rest, 1 / c (sum over the finest edges of 1 / h^2)^(1/2), and
+        less for viscosity."""
         least = np.array([np.diff(line).min() for line in self.lines])
         damped = np.sqrt(1 + self.viscosity**2) - self.viscosity
         return float(damped / self.material.wave_speed / np.sqrt(np.sum(1 / least**2)))
@@ -165,7 +171,8 @@ class Backing:
 
 
 def graded(length: float, min_size: float, refined_depth: float, growth: float) -> FloatArray:
-    """(n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by `growth` at most."""
+    """(n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by `growth`
+    at most."""
     from scipy.optimize import brentq
 
     even = min(max(1, round(refined_depth / min_size)), max(1, round(length / min_size)))
@@ -192,8 +199,8 @@ class Block:
     Attributes
     ----------
     x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
-    metric, alpha, last, past, gone, energy : of the bricks, see `block_kernels.forces`; alpha is effective plastic
-        strain
+    metric, alpha, last, past, gone, energy : of the bricks, see `block_kernels.forces`; alpha is
+        effective plastic strain
     time : [s]
     """
 
@@ -292,7 +299,8 @@ class Block:
         self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
 
     def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
-        """Contact with a rigid projectile in this step; force (3,) [N] on the part of it that is modelled.
+        """Contact with a rigid projectile in this step; force (3,) [N] on the part of it that is
+        modelled.
 
         Parameters
         ----------
@@ -300,14 +308,10 @@ class Block:
         projectile : Projectile, along z
         """
         shot = projectile
-        numbers = np.array(
-            [
-                shot.number,
-                shot.radius,
-                shot.edge_radius,
-                np.inf if shot.length is None else shot.length,
-            ]
-        )
+        length = np.inf
+        if shot.length is not None:
+            length = shot.length
+        numbers = np.array([shot.number, shot.radius, shot.edge_radius, length])
         touch.nose_forces(
             self.shape,
             self.x,
@@ -332,7 +336,8 @@ class Block:
         damping: FloatArray | None = None,
         thickness: float = 0.0,
     ) -> np.ndarray:
-        """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in the same order.
+        """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in
+        the same order.
 
         Parameters
         ----------
@@ -356,12 +361,13 @@ class Block:
             )  # as against the face at rest
         forces = np.empty_like(places)
         drags = np.empty_like(places)
-        none = np.zeros(len(places))
+        if damping is None:
+            damping = np.zeros(len(places))
         points = (
             places,
             np.ascontiguousarray(velocities, float),
             np.ascontiguousarray(stiffness, float),
-            none if damping is None else np.ascontiguousarray(damping, float),
+            np.ascontiguousarray(damping, float),
         )
         touch.point_forces(
             self.shape,
@@ -378,8 +384,8 @@ class Block:
         return self._take("points", forces + drags, velocities)
 
     def _take(self, who, force, speed):
-        """Add what contact takes from a partner that moves at `speed` in half a step before now, by its force of now,
-        and by that of a step ago; the force."""
+        """Add what contact takes from a partner that moves at `speed` in half a step before now, by
+        its force of now, and by that of a step ago; the force."""
         both = self._before.get(who, 0.0) + force
         self._taken -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
         self._before[who] = force
@@ -395,17 +401,22 @@ class Block:
         count, since = self._substeps
         if since % CHECK_INTERVAL == 0:
             # at first a step may take all of its bound, which is that of the block at rest
-            count = 1 if since == 0 else max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
+            if since == 0:
+                count = 1
+            else:
+                count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
         self._substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:
             raise self._unstable(
                 f"a brick is flattened: the block needs {count} steps in one of the run"
             )
         step = self.dt / count
-        if (
-            self._kick not in (0.0, step) or count > 1
-        ):  # the impulse of a whole step of the run, in the first of these
-            whole = (self.dt if self._kick else 0.5 * self.dt) / (0.5 * (self._kick + step))
+        if self._kick not in (0.0, step) or count > 1:
+            # the impulse of a whole step of the run, in the first of these; of half a step at first
+            duration = self.dt
+            if not self._kick:
+                duration = 0.5 * self.dt
+            whole = duration / (0.5 * (self._kick + step))
             self._outer *= whole
             self._drags *= whole
         for _ in range(count):
@@ -446,20 +457,22 @@ class Block:
 
     def _unstable(self, what, brick=None):
         """The error of a brick; without one, of that which bears the shortest step."""
-        brick = int(np.argmin(self._bounds())) if brick is None else brick
+        if brick is None:
+            brick = int(np.argmin(self._bounds()))
         places = 1e3 * self.x[self.bricks[brick]].mean(axis=0)
         where = "the block's brick at ({:.3g}, {:.3g}, {:.3g}) mm".format(*places)
         return UnstableError(what, where=where, when=f"after {1e6 * self.time:.4g} us")
 
     def stable_step(self) -> float:
-        """[s] bound of the step for the bricks as they are now: 1 / (c (2 sum |grad N_a|^2)^(1/2)), the sum over the
-        corners of a brick with the gradients where it is, which is `Backing.longest_step` at rest (Flanagan and
-        Belytschko 1981), and less for viscosity."""
+        """[s] bound of the step for the bricks as they are now: 1 / (c (2 sum |grad N_a|^2)^(1/2)),
+        the sum over the corners of a brick with the gradients where it is, which is
+        `Backing.longest_step` at rest (Flanagan and Belytschko 1981), and less for viscosity."""
         damped = np.sqrt(1 + self.backing.viscosity**2) - self.backing.viscosity
         return float(damped / self.backing.material.wave_speed * self._bounds().min())
 
     def _bounds(self):
-        """(m,) [m] step of each brick times the speed of its waves; infinite of those that are gone."""
+        """(m,) [m] step of each brick times the speed of its waves; infinite of those that are
+        gone."""
         f, g, h = np.moveaxis(
             self.x[self.bricks].transpose(0, 2, 1) @ self._gradient, 1, 0
         )  # rows of F
@@ -473,8 +486,9 @@ class Block:
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
-        """ENERGIES [J] of the modelled part, at the last forces; "damped" is the work that contacts have taken and no
-        spring stores: what damping takes, and what springs held that their face has left."""
+        """ENERGIES [J] of the modelled part, at the last forces; "damped" is the work that contacts
+        have taken and no spring stores: what damping takes, and what springs held that their face
+        has left."""
         bricks = self.energy.sum(axis=0)
         held = self._shot[touch.CONTACT] + self._points[touch.CONTACT]
         values = (
@@ -496,16 +510,23 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis: int = 0) -> FloatArray:
-        """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x (axis 0) or y."""
+        """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x
+        (axis 0) or y."""
         face = self.depth_map()
-        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
-        line = face[i:, j] if axis == 0 else face[i, j:]
-        return line[:, [axis, 2]]
+        middle = [n // 2 for n in self.shape[:2]]
+        for along, mirrored in enumerate(self.backing.mirrors):
+            if mirrored:
+                middle[along] = 0
+        i, j = middle
+        if axis == 0:
+            return face[i:, j][:, [axis, 2]]
+        return face[i, j:][:, [axis, 2]]
 
     def depth_map(self) -> FloatArray:
         """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face.
 
-        The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
+        The depth at a node is that of the first brick beside it below all that are gone, from where
+        the face was.
         """
         gone = self.gone.reshape(self.shape)
         nz = self.shape[2]

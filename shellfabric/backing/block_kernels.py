@@ -1,22 +1,25 @@
 """A block of eight-node bricks with one point, elastic-plastic with erosion, in explicit dynamics.
 
-Elasticity is Hencky's, so that what is stored is a function of the state at any strain: with F the mean deformation of
-a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal logarithmic strains,
+Elasticity is Hencky's, so that what is stored is a function of the state at any strain: with F the
+mean deformation of a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal
+logarithmic strains,
 
     b = F C F^T = sum exp(2 e_i) n_i n_i^T,     tau_i = K tr e + 2 G dev e_i,     W = K/2 (tr e)^2 + G |dev e|^2
     P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= (sigma_y + H alpha) (1 + rate of alpha / reference)^m
 
-(J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and 9). m = 0 is without
-rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick
-whose effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had
-stored goes to a term of its own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear
-bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it is: with the one
-at rest, flattened bricks would bear far shorter steps than their waves allow.
+(J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and
+9). m = 0 is without rate. The return is exact along the trial; the rate is that of the step,
+implicit and so without a bound on it. A brick whose effective plastic strain alpha reaches the
+erosion strain is taken out; its mass stays on its nodes, what it had stored goes to a term of its
+own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear bulk
+viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it
+is: with the one at rest, flattened bricks would bear far shorter steps than their waves allow.
 
-Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
-do: a brick that begins to flow in it was below its strength before.
+Plastic and viscous work of a step are those of the mean of the stresses before and after it, which
+is what its forces do: a brick that begins to flow in it was below its strength before.
 
-Forces are written for each brick and gathered at each node in a fixed order: threads change no bit of the result.
+Forces are written for each brick and gathered at each node in a fixed order: threads change no bit
+of the result.
 """
 
 import math
@@ -39,10 +42,14 @@ CORNER_OFFSETS = np.array(
 
 @kernel()
 def principal(A, n):
-    """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes diagonal."""
+    """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes
+    diagonal."""
     for c in range(3):
         for d in range(3):
-            n[c, d] = 1.0 if c == d else 0.0
+            if c == d:
+                n[c, d] = 1.0
+            else:
+                n[c, d] = 0.0
     for _ in range(SWEEPS):
         off = A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2
         if off <= 1e-30 * (A[0, 0] ** 2 + A[1, 1] ** 2 + A[2, 2] ** 2):
@@ -68,7 +75,8 @@ def principal(A, n):
                 for k in range(3):
                     a = n[k, p]
                     b = n[k, q]
-                    n[k, p], n[k, q] = cos * a - sin * b, sin * a + cos * b
+                    n[k, p] = cos * a - sin * b
+                    n[k, q] = sin * a + cos * b
 
 
 @kernel()
@@ -100,7 +108,8 @@ def push_forward(F, C, b):
 
 @kernel()
 def flow_increment(q, G, hard, law, dt):
-    """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q [Pa] above `hard` [Pa]:
+    """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q
+    [Pa] above `hard` [Pa]:
 
     q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
     above: from the increment without rate, or from the rate at which q itself is the flow stress.
@@ -165,11 +174,10 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     inverse(F, Fi)
     if q > yields + H * alpha:
         step = flow_increment(q, G, yields + H * alpha, law, dt)
-        work = (
-            (yields + H * (alpha + 0.5 * step)) * step
-            if law[5] == 0.0
-            else (q - 3.0 * G * step) * step
-        )
+        if law[5] == 0.0:
+            work = (yields + H * (alpha + 0.5 * step)) * step
+        else:
+            work = (q - 3.0 * G * step) * step
         alpha += step
         keep = 1.0 - 3.0 * G * step / q
         d0 = keep * d0
@@ -203,7 +211,8 @@ def hencky(F, C, alpha, law, viscous, dt, P):
 
 @kernel()
 def least_height(inverse, edges):
-    """[m] least distance between opposite faces of a brick of these edges at rest : (3,), of the inverse of F."""
+    """[m] least distance between opposite faces of a brick of these edges at rest : (3,), of the
+    inverse of F."""
     least = np.inf
     for i in range(3):
         square = inverse[i, 0] ** 2 + inverse[i, 1] ** 2 + inverse[i, 2] ** 2
@@ -214,7 +223,8 @@ def least_height(inverse, edges):
 @kernel()
 def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     """Forces of the bricks i along x: see `forces`."""
-    (_, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
+    _, ny, nz = counts
+    gradient, volume, twist, control, edges = rest
     metric, alpha, last, past, gone = history
     nodes = np.empty(8, np.int64)
     places = np.empty((8, 3))
@@ -222,7 +232,9 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     P = np.empty((3, 3))
     D = np.empty((3, 3))
     H = np.empty((4, 3))
-    per_time = 1.0 / dt if dt > 0.0 else 0.0
+    per_time = 0.0
+    if dt > 0.0:
+        per_time = 1.0 / dt
     for j in range(ny):
         for k in range(nz):
             m = (i * ny + j) * nz + k
@@ -291,7 +303,8 @@ def forces(counts, x, rest, law, dt, history, own, energy):
         past : (m, 2) [Pa] viscous pressure and stress q of the last call
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
-    (nx, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
+    nx, ny, nz = counts
+    gradient, volume, twist, control, edges = rest
     metric, alpha, last, past, gone = history
     for i in prange(nx):
         forces_slice(
@@ -310,7 +323,8 @@ def forces(counts, x, rest, law, dt, history, own, energy):
 @kernel()
 def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
-    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
+    nx, ny, nz = counts
+    mass, dashpot, free = nodes
     kinetic = lost = taken = ahead = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
@@ -349,12 +363,15 @@ def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
 
     Parameters
     ----------
-    own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts, and of their damping
+    own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts,
+        and of their damping
     nodes : mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
-    work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what contacts,
-        took from the nodes, added to; and what of the last that is after this instant, overwritten
+    work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots,
+        and what contacts, took from the nodes, added to; and what of the last that is after this
+        instant, overwritten
     """
-    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
+    nx, ny, nz = counts
+    mass, dashpot, free = nodes
     for i in prange(nx + 1):
         move_slice(
             i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work

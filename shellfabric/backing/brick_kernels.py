@@ -1,13 +1,14 @@
-"""The eight-node brick with one integration point in explicit dynamics: mean deformation and hourglass control.
+"""The eight-node brick with one integration point in explicit dynamics: mean deformation and
+hourglass control.
 
-F is the mean over the element, f_i = F e_i = sum_a x_a b_ai with b the mean gradients of the shape functions (Flanagan
-and Belytschko 1981), so that every patch test is met. Hourglass control, with the patterns h of the four modes over
-the corners and c_mi = sum_a h_ma X_a . e_i at rest:
+F is the mean over the element, f_i = F e_i = sum_a x_a b_ai with b the mean gradients of the shape
+functions (Flanagan and Belytschko 1981), so that every patch test is met. Hourglass control, with
+the patterns h of the four modes over the corners and c_mi = sum_a h_ma X_a . e_i at rest:
 
     q_m = sum_a h_ma x_a - sum_i c_mi f_i,      W = 1/2 sum_mi K_mi (q_m . f_i)^2
 
-q vanishes in every linear motion, and W is blind to rotation. K makes W at rest the energy of the 2 x 2 x 2 rule in
-the same mode (`hex8.py`), times a factor.
+q vanishes in every linear motion, and W is blind to rotation. K makes W at rest the energy of the 2
+x 2 x 2 rule in the same mode (`hex8.py`), times a factor.
 """
 
 from shellfabric.jit.compile import kernel
@@ -31,7 +32,8 @@ def brick_nodes(first, i, j, k, ny, nz, nodes):
 
 @kernel(fastmath={"contract"})
 def patterns(x, H):
-    """H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x : (8, 3)."""
+    """H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x : (8,
+    3)."""
     for c in range(3):
         s0 = x[0, c] + x[4, c]
         s1 = x[1, c] + x[5, c]

@@ -1,22 +1,26 @@
-"""Contact of a block (`block_kernels`) with a rigid projectile, and with points such as those of a ply.
+"""Contact of a block (`block_kernels`) with a rigid projectile, and with points such as those of a
+ply.
 
-Both are penalties with damping, never less than nothing together; what one side gets the other gives. Damping is kept
-apart: what it takes is its force times velocities in the middle of the step, which are not known yet.
+Both are penalties with damping, never less than nothing together; what one side gets the other
+gives. Damping is kept apart: what it takes is its force times velocities in the middle of the step,
+which are not known yet.
 
     shot      signed distance (`sdf_kernels`) of the block's nodes that still have a brick
     points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
-              brick of its column below all that are gone, found from the column it was over before; on it, or on its
-              continuation, against the place that is nearest, and where there is none, as high above the wall of a
-              crater, not at all
+              brick of its column below all that are gone, found from the column it was over before;
+              on it, or on its continuation, against the place that is nearest, and where there is
+              none, as high above the wall of a crater, not at all
 
-What pushes a point acts on the block at its foot, along the line between them: a face that turns under the thickness
-of the fabric has to be turned. With the forces straight below the point instead, energy comes from nowhere.
+What pushes a point acts on the block at its foot, along the line between them: a face that turns
+under the thickness of the fabric has to be turned. With the forces straight below the point
+instead, energy comes from nowhere.
 
-The face of a block that erodes has steps. A point that comes over a higher column is all at once inside the block by as
-much as a brick, and a spring would throw it out at thousands of m/s. So what a point has gone in by counts from where
-it came: it grows by motion alone, and what came by a step is put into an offset, which shrinks again as the point comes
-out. Where the face drops away under a point, or a facet turns away, what its spring held is lost: the audit books the
-work of the contacts, and what of it no spring stores is damped (`block.Block.energies`).
+The face of a block that erodes has steps. A point that comes over a higher column is all at once
+inside the block by as much as a brick, and a spring would throw it out at thousands of m/s. So what
+a point has gone in by counts from where it came: it grows by motion alone, and what came by a step
+is put into an offset, which shrinks again as the point comes out. Where the face drops away under a
+point, or a facet turns away, what its spring held is lost: the audit books the work of the
+contacts, and what of it no spring stores is damped (`block.Block.energies`).
 """
 
 import math
@@ -53,16 +57,16 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sum
     counts : bricks along x, y and z
     springs : stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
-    shape : form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius, length
+    shape : form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge
+        radius, length
     forces : outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
-    sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
+    sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile
+        [N]; overwritten
     """
-    (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = (
-        counts,
-        springs,
-        shape,
-        forces,
-    )
+    nx, ny, nz = counts
+    stiffness, damping = springs
+    form, numbers = shape
+    outer, drags = forces
     sums[:] = 0.0
     widest = numbers[1] * numbers[1]
     for i in range(nx + 1):
@@ -99,7 +103,8 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sum
 
 @kernel()
 def top_brick(p, q, ny, nz, gone):
-    """First brick of the column (p, q) below all that are gone; nz where there is none. Above it there is debris."""
+    """First brick of the column (p, q) below all that are gone; nz where there is none. Above it
+    there is debris."""
     for r in range(nz - 1, -1, -1):
         if gone[(p * ny + q) * nz + r]:
             return r + 1
@@ -117,7 +122,8 @@ def weights(a, b, w):
 
 @kernel()
 def beyond(px, py, x, nodes):
-    """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along z."""
+    """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along
+    z."""
     p = q = 0
     for m, (go_p, go_q) in enumerate(((0, -1), (1, 0), (0, 1), (-1, 0))):
         n = nodes[m]
@@ -132,8 +138,8 @@ def beyond(px, py, x, nodes):
 def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """Facet under a point, from the column it was last over.
 
-    Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it even: then its sides
-    decide which facet is next.
+    Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it
+    even: then its sides decide which facet is next.
 
     Parameters
     ----------
@@ -142,7 +148,8 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
 
     Returns
     -------
-    found : False beyond the block, where a column has no brick left, or under a fold that hides what is below
+    found : False beyond the block, where a column has no brick left, or under a fold that hides
+        what is below
     """
     w = np.empty(4)
     for _ in range(MAX_COLUMNS):
@@ -220,9 +227,11 @@ def tangents(a, b, x, nodes, A, B):
 
 @kernel()
 def closest_point(p, x, nodes, place, A, B):
-    """Move `place` from the point of the facet that is straight below p : (3,) to the one that is nearest to it.
+    """Move `place` from the point of the facet that is straight below p : (3,) to the one that is
+    nearest to it.
 
-    Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as `tangents`, filled.
+    Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as
+    `tangents`, filled.
 
     Returns
     -------
@@ -264,7 +273,8 @@ def closest_point(p, x, nodes, place, A, B):
 
 @kernel()
 def outward_normal(A, B, normal):
-    """Unit normal : (3,) of a facet with the slopes A, B, out of the block: against z at rest; filled."""
+    """Unit normal : (3,) of a facet with the slopes A, B, out of the block: against z at rest;
+    filled."""
     normal[0] = A[2] * B[1] - A[1] * B[2]
     normal[1] = A[0] * B[2] - A[2] * B[0]
     normal[2] = A[1] * B[0] - A[0] * B[1]
@@ -273,7 +283,8 @@ def outward_normal(A, B, normal):
 
 @kernel()
 def depth_and_opening(p, speed, x, v, nodes, w, normal, thickness):
-    """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w of the facet."""
+    """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w
+    of the facet."""
     inside = thickness
     opening = 0.0
     for c in range(3):
@@ -295,7 +306,8 @@ def at_points(values, rest, weights, nj, found):
     ----------
     values : three arrays of the nodes, row after row, as state.u
     rest : (3, nodes) added to them
-    weights : (p, 4) of the corners (0, 0), (1, 0), (0, 1), (1, 1) of an element, for each of its points
+    weights : (p, 4) of the corners (0, 0), (1, 0), (0, 1), (1, 1) of an element, for each of its
+        points
     nj : elements along a row of nodes
     found : (elements p, 3), overwritten
     """
@@ -315,7 +327,8 @@ def at_points(values, rest, weights, nj, found):
 
 @entry()
 def to_nodes(forces, weights, nj, found):
-    """Forces (elements p, 3) at points of elements to the nodes: three arrays `found`, overwritten; see `at_points`."""
+    """Forces (elements p, 3) at points of elements to the nodes: three arrays `found`, overwritten;
+    see `at_points`."""
     stride = nj + 1
     for total in found:
         total[:] = 0.0
@@ -331,16 +344,20 @@ def to_nodes(forces, weights, nj, found):
 
 @kernel()
 def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts):
-    """Contacts of the points from the first to before the last of `ends` with the face of the block.
+    """Contacts of the points from the first to before the last of `ends` with the face of the
+    block.
 
     Parameters
     ----------
     counts, columns, memory, thickness, dt, points : as for `point_forces`
     block : x, v, gone
     feet : (s, 4) int, nodes of the facet that each bears on; overwritten
-    contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the nodes; overwritten
+    contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the
+        nodes; overwritten
     """
-    (nx, ny, nz), (x, v, gone), (px, pv, stiffness, damping) = counts, block, points
+    nx, ny, nz = counts
+    x, v, gone = block
+    px, pv, stiffness, damping = points
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)
@@ -382,16 +399,20 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
     ----------
     counts : bricks along x, y and z
     block : x, v, gone of it
-    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of each
+    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of
+        each
     thickness : [m] distance that points keep from the face: half of what they stand for
     dt : [s] since the last call
     columns : (s, 2) int, where each was; overwritten
-    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
+    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset;
+        overwritten
     forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
     on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
     sums : (7,) CONTACT [J], overwritten
     """
-    (outer, drags), (force, drag_force), count = forces, on_points, columns.shape[0]
+    outer, drags = forces
+    force, drag_force = on_points
+    count = columns.shape[0]
     feet = np.empty((count, 4), np.int64)
     contacts = np.empty((count, 9))
     size = (count + SLICES - 1) // SLICES

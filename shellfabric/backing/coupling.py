@@ -1,14 +1,15 @@
 """Coupling of the backing block to the last ply and to the projectile.
 
-After every step of the fabric the block takes its contacts with fabric and projectile at the same instant and then its
-own step, so that it is one step ahead and its energies are those of the fabric's instant. What the contacts give to
-fabric and projectile waits in state.f_block_cloth and state.f_block_nose for the fabric's next step
-(`solver.ply_kernels.apply_backing_impulse`).
+After every step of the fabric the block takes its contacts with fabric and projectile at the same
+instant and then its own step, so that it is one step ahead and its energies are those of the
+fabric's instant. What the contacts give to fabric and projectile waits in state.f_block_cloth and
+state.f_block_nose for the fabric's next step (`solver.ply_kernels.apply_backing_impulse`).
 
-The fabric bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
-and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do
-not touch, nor those of fabric in the clamp; where single yarns have failed the rest bears whole. The block lies along
-the sides of the opening, whatever the angle of the last ply.
+The fabric bears on the block at p x p points of each element, like on a projectile: x = sum N_i
+x_i, with the penalty and damping of the point's own mass. They keep half of the ply's thickness
+from the face. Points of eroded elements do not touch, nor those of fabric in the clamp; where
+single yarns have failed the rest bears whole. The block lies along the sides of the opening,
+whatever the angle of the last ply.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ class BackingResult:
     Parameters
     ----------
     face : [m] where the face stood
-    crater : (k, 2) [m] radius and depth of the remaining face, along the first side of the opening: the warp of a ply
-        at no angle
+    crater : (k, 2) [m] radius and depth of the remaining face, along the first side of the opening:
+        the warp of a ply at no angle
     crater_weft : (k, 2) [m] the same along the second side
     depth_map : (nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face
     nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
@@ -62,7 +63,8 @@ class BackingResult:
 
     @property
     def back_face_signature(self) -> float:
-        """[m] depth of the deepest point of the face, wherever it is; what is measured in clay after a shot."""
+        """[m] depth of the deepest point of the face, wherever it is; what is measured in clay
+        after a shot."""
         return max(float(self.depth_map[..., 2].max()), 0.0)
 
     @property
@@ -72,7 +74,8 @@ class BackingResult:
 
     @property
     def steepness(self) -> float:
-        """[rad] angle of the crater's wall against the face, as a mean along both yarns; see `wall_angle`."""
+        """[rad] angle of the crater's wall against the face, as a mean along both yarns; see
+        `wall_angle`."""
         return 0.5 * (wall_angle(self.crater) + wall_angle(self.crater_weft))
 
     @property
@@ -107,9 +110,11 @@ def radius_at(crater: FloatArray, share: float) -> float:
 
 
 def dent_volume(face: FloatArray) -> float:
-    """[m3] between the plane of depth 0 and a face (nx, ny, 3) [m] of nodes x, y, depth, where it is below the plane.
+    """[m3] between the plane of depth 0 and a face (nx, ny, 3) [m] of nodes x, y, depth, where it
+    is below the plane.
 
-    The sum over facets of their area seen along z times the mean depth of their corners, what rises above counting 0.
+    The sum over facets of their area seen along z times the mean depth of their corners, what rises
+    above counting 0.
     """
     depth = np.maximum(face[..., 2], 0.0)
     across = face[1:, 1:, :2] - face[:-1, :-1, :2]
@@ -120,7 +125,8 @@ def dent_volume(face: FloatArray) -> float:
 
 
 def wall_angle(crater: FloatArray) -> float:
-    """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of its depth."""
+    """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of
+    its depth."""
     inner = radius_at(crater, 0.8)
     outer = radius_at(crater, 0.2)
     return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
@@ -169,7 +175,9 @@ class BackingCoupling:
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.const = const
         self.p = backing.points
-        self._turn = axes(panel.weave_angle) if panel.weave_angle else None
+        self._turn = None
+        if panel.weave_angle:
+            self._turn = axes(panel.weave_angle)
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
         self.block = replace(backing, standoff=standoff, mirrors=panel.mirrors).block(const.dt)
@@ -192,12 +200,15 @@ class BackingCoupling:
         )
 
     def step(self, state: Any) -> None:
-        """One step of the block under its contacts with fabric and projectile; stores the contact forces [N] in
-        state.f_block_cloth and state.f_block_nose."""
+        """One step of the block under its contacts with fabric and projectile; stores the contact
+        forces [N] in state.f_block_cloth and state.f_block_nose."""
         const = self.const
         block = self.block
         to = self._turn
-        back = None if self._turn is None else self._turn.T
+        if self._turn is None:
+            back = None
+        else:
+            back = self._turn.T
         position, velocity = (
             turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity)
         )
@@ -227,7 +238,8 @@ class BackingCoupling:
         return values[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
     def _spread(self, forces, state):
-        """Forces (s, 3) at points to the nodes, each by its weights; none across planes of symmetry."""
+        """Forces (s, 3) at points to the nodes, each by its weights; none across planes of
+        symmetry."""
         touched = np.flatnonzero(forces.reshape(self.const.ni, -1).any(axis=1))
         if touched.size:  # where nothing has moved yet, nothing is worked on
             state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 1, 0))

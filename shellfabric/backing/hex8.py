@@ -1,4 +1,5 @@
-"""Geometry of eight-node bricks with one integration point, once, at rest: what `brick_kernels` needs of each."""
+"""Geometry of eight-node bricks with one integration point, once, at rest: what `brick_kernels`
+needs of each."""
 
 from __future__ import annotations
 
@@ -46,9 +47,11 @@ class Bricks:
 
     @classmethod
     def of(cls, corners: FloatArray) -> Bricks:
-        """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either hand.
+        """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either
+        hand.
 
-        The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which is exact for them.
+        The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which
+        is exact for them.
         """
         volume = np.zeros(len(corners))
         gradient = np.zeros((len(corners), 8, 3))
@@ -79,9 +82,12 @@ class Bricks:
         found = np.empty((len(self.volume), 4, 3))
         for mode, (directions, square) in enumerate(SLOPES):
             for i in range(3):
-                stiff = sum(
-                    (moduli[i] if i == c else shear) / self.edges[:, c] ** 2 for c in directions
-                )
+                stiff = np.zeros(len(self.volume))
+                for c in directions:
+                    modulus = shear
+                    if c == i:
+                        modulus = moduli[i]
+                    stiff = stiff + modulus / self.edges[:, c] ** 2
                 found[:, mode, i] = self.volume * stiff * square / 16
         return found
 

@@ -18,6 +18,7 @@ be left that no yarn joins to the others: then it is straight along both, within
 
 import numpy as np
 
+from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import fma, load
 from shellfabric.state import unit
@@ -29,7 +30,9 @@ WARP, WEFT = 0, 1
 def mirror_index(n, last, mirrored):
     """Index of the line that line n mirrors, and the sign; beyond an edge the last line, which has no weight."""
     if n < 0:
-        return (-n, -1.0) if mirrored else (0, 1.0)
+        if mirrored:
+            return (-n, -1.0)
+        return (0, 1.0)
     return min(n, last), 1.0
 
 
@@ -41,33 +44,21 @@ def node_position(state, const, i, j):
     k = np.uint64(i * const.row_stride + j)
     x = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.projectile_position[0]
     y = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.projectile_position[1]
-    return to_projectile_frame(const, x, y, state.u[2][k] - state.projectile_position[2])
+    return to_projectile_frame(const, (x, y, state.u[2][k] - state.projectile_position[2]))
 
 
 @kernel()
-def to_projectile_frame(const, x, y, z):
+def to_projectile_frame(const, x):
     """A vector in the frame of the panel, in that of the projectile."""
     if not const.tilted:
-        return x, y, z
-    frame = const.frame
-    return (
-        frame[0, 0] * x + frame[0, 1] * y + frame[0, 2] * z,
-        frame[1, 0] * x + frame[1, 1] * y + frame[1, 2] * z,
-        frame[2, 0] * x + frame[2, 1] * y + frame[2, 2] * z,
-    )
+        return x
+    return dot(const.frame[0], x), dot(const.frame[1], x), dot(const.frame[2], x)
 
 
 @kernel()
 def relative_velocity(state, const, i, j):
     """Velocity of node (i, j) relative to the projectile, in the frame of the panel."""
-    i, sign_x = mirror_index(i, const.ni, const.mirror_x)
-    j, sign_y = mirror_index(j, const.nj, const.mirror_y)
-    k, speed = np.uint64(i * const.row_stride + j), state.projectile_velocity
-    return (
-        sign_x * state.v[0][k] - speed[0],
-        sign_y * state.v[1][k] - speed[1],
-        state.v[2][k] - speed[2],
-    )
+    return subtract(nodal_vector(state.v, const, i, j), state.projectile_velocity)
 
 
 @kernel()
@@ -83,26 +74,36 @@ def nodal_vector(x, const, i, j):
 def row_positions(state, const, i, first, last, x):
     """Positions [m] of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
     row, sign = mirror_index(i, const.ni, const.mirror_x)
-    start, shift = const.x0 + row * const.dx, row * const.row_stride
+    start = const.x0 + row * const.dx
+    shift = row * const.row_stride
     for j in range(max(first, 0), min(last, const.nj) + 1):
-        k, m = np.uint64(shift + j), j - first
+        k = np.uint64(shift + j)
+        m = j - first
         x[0, m] = sign * (start + state.u[0][k]) - state.projectile_position[0]
         x[1, m] = const.y0 + j * const.dy + state.u[1][k] - state.projectile_position[1]
         x[2, m] = state.u[2][k] - state.projectile_position[2]
     if const.tilted:
         for m in range(max(-first, 0), min(last, const.nj) - first + 1):
-            x[0, m], x[1, m], x[2, m] = to_projectile_frame(const, x[0, m], x[1, m], x[2, m])
+            x[0, m], x[1, m], x[2, m] = to_projectile_frame(const, column(x, 0, m))
     for j in range(first, 0):
         x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
     for j in range(const.nj + 1, last + 1):
         x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
 
 
+@kernel(_nrt=False, forceinline=True)
+def quadratic_weights(r):
+    """The weights B of a node and its two neighbours, at r elements from it."""
+    low = 0.5 - r
+    high = 0.5 + r
+    return 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
+
+
 @kernel()
 def node_weights(s, quadratic):
     """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; `quadratic` or linear."""
     if quadratic:
-        return 0.5 * (0.5 - s) ** 2, 0.75 - s * s, 0.5 * (0.5 + s) ** 2
+        return quadratic_weights(s)
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
 
 
@@ -129,7 +130,9 @@ def shape_functions(p, room):
 @kernel()
 def quadrant(a, p):
     """Whether the nearer node of point number a of p along an element is the one behind (0) or before it (1)."""
-    return 0 if 2 * a < p else 1
+    if 2 * a < p:
+        return 0
+    return 1
 
 
 @unit(later=True, found="8, points")
@@ -139,18 +142,19 @@ def torn_shape_functions(state, const, i, j, found):
     Each point has those of the corner next to it; one midway between two corners, their mean.
     """
     p = const.points_per_side
-    low, high = p // 2, (p + 1) // 2  # points before the middle, and with one that is on it
+    # points before the middle, and with one that is on it
+    low = p // 2
+    high = (p + 1) // 2
     found[:, : p * p] = 0.0
     for q in range(2):
         for r in range(2):
             quadratic1, quadratic2 = quadratic_directions(state, const, i, j, q, r)
-            warp, weft = (
-                const.shape_functions[1 if quadratic1 else 0],
-                const.shape_functions[1 if quadratic2 else 0],
-            )
+            warp = const.shape_functions[1 if quadratic1 else 0]
+            weft = const.shape_functions[1 if quadratic2 else 0]
             for a in range(q * low, high + q * low):
                 for b in range(r * low, high + r * low):
-                    k, part = a * p + b, 1.0
+                    k = a * p + b
+                    part = 1.0
                     if low < high:
                         part = (0.5 if a == low else 1.0) * (0.5 if b == low else 1.0)
                     for m in range(4):
@@ -161,12 +165,12 @@ def torn_shape_functions(state, const, i, j, found):
 @kernel(forceinline=True)
 def interpolate(shares, k, x):
     """Interpolate nodal values x (16, 3) at the eight points k .. k + 7: three components."""
-    a0, a1, a2, a3 = load_shape_functions(shares, 0, k)
-    b0, b1, b2, b3 = load_shape_functions(shares, 4, k)
+    along = load_shape_functions(shares, 0, k)
+    across = load_shape_functions(shares, 4, k)
     return (
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 0),
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 1),
-        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 2),
+        interpolate_component(along, across, x, 0),
+        interpolate_component(along, across, x, 1),
+        interpolate_component(along, across, x, 2),
     )
 
 
@@ -182,38 +186,41 @@ def load_shape_functions(shares, row, k):
 
 
 @kernel(forceinline=True)
-def interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
+def interpolate_component(a, b, x, c):
     """Interpolate component c at eight points."""
-    y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
-    y1 = fma(a0, x[1, c], fma(a1, x[5, c], fma(a2, x[9, c], a3 * x[13, c])))
-    y2 = fma(a0, x[2, c], fma(a1, x[6, c], fma(a2, x[10, c], a3 * x[14, c])))
-    y3 = fma(a0, x[3, c], fma(a1, x[7, c], fma(a2, x[11, c], a3 * x[15, c])))
-    return fma(b0, y0, fma(b1, y1, fma(b2, y2, b3 * y3)))
+    y0 = weighted_sum(a, x[0, c], x[4, c], x[8, c], x[12, c])
+    y1 = weighted_sum(a, x[1, c], x[5, c], x[9, c], x[13, c])
+    y2 = weighted_sum(a, x[2, c], x[6, c], x[10, c], x[14, c])
+    y3 = weighted_sum(a, x[3, c], x[7, c], x[11, c], x[15, c])
+    return weighted_sum(b, y0, y1, y2, y3)
 
 
 @kernel(forceinline=True)
-def scatter_force(shares, k, push, f_x, f_y, f_z):
+def weighted_sum(w, a, b, c, d):
+    """w0 a + w1 b + w2 c + w3 d of eight points."""
+    return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
+
+
+@kernel(forceinline=True)
+def scatter_force(shares, k, push, force):
     """Scatter the force on point k to the sixteen nodes, push (3, 16) [N]."""
     for m in range(4):
         for n in range(4):
             weight = shares[m, k] * shares[4 + n, k]
-            push[0, 4 * m + n] += weight * f_x
-            push[1, 4 * m + n] += weight * f_y
-            push[2, 4 * m + n] += weight * f_z
+            for c in range(3):
+                push[c, 4 * m + n] += weight * force[c]
 
 
 @kernel()
 def column_boxes(lines, count, low, high):
     """Bounding box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
-        x0, x1, x2, x3, below, above = (
-            lines[0, c],
-            lines[1, c],
-            lines[2, c],
-            lines[3, c],
-            low[c],
-            high[c],
-        )
+        x0 = lines[0, c]
+        x1 = lines[1, c]
+        x2 = lines[2, c]
+        x3 = lines[3, c]
+        below = low[c]
+        above = high[c]
         for m in range(count):
             below[m] = min(min(x0[m], x1[m]), min(x2[m], x3[m]))
             above[m] = max(max(x0[m], x1[m]), max(x2[m], x3[m]))
@@ -253,12 +260,14 @@ def neighbourhood_intact(state, const, i, j):
 @kernel()
 def quadratic_directions(state, const, i, j, q, r):
     """Whether the surface about the corner (q, r) of element (i, j) is quadratic along the warp and along the weft."""
-    m, n = i + q, j + r
+    m = i + q
+    n = j + r
     along1 = edge_intact(state, const, WARP, m - 1, n) and edge_intact(state, const, WARP, m, n)
     along2 = edge_intact(state, const, WEFT, m, n - 1) and edge_intact(state, const, WEFT, m, n)
     for a in (-1, 1):
         for b in (-1, 1):
-            own1, own2 = a == 1 - 2 * q, b == 1 - 2 * r
+            own1 = a == 1 - 2 * q
+            own2 = b == 1 - 2 * r
             if (own1 and own2) or not (own1 or along1) or not (own2 or along2):
                 continue
             # what holds a node that is next to the corner along neither family
@@ -281,7 +290,13 @@ def edge_intact(state, const, family, i, j):
     ):
         return False
     if i < 0:
-        i = -1 - i if family == WARP else -i
+        if family == WARP:
+            i = -1 - i
+        else:
+            i = -i
     if j < 0:
-        j = -1 - j if family == WEFT else -j
+        if family == WEFT:
+            j = -1 - j
+        else:
+            j = -j
     return state.intact_fraction[family][np.uint64(i * const.row_stride + j)] > 0.0

@@ -45,7 +45,6 @@ from shellfabric.yarns.model import YarnPanel, YarnZone
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
-PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
 OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
@@ -80,28 +79,35 @@ class ImpactSetup:
     strike_velocity : [m/s] along the projectile's line of flight
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
-    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique
+        weave
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
+        `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
     impact_point : [m] from the middle of the opening, along its two sides
     symmetry : "quarter", "half" or "whole"
-    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
+    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or
+        None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
-    elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
-        as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
+    elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is
+        none 1, or as many as put an element's longer side within ELEMENT_SIDE of the projectile's
+        radius, at most MOST_ELEMENTS
     cell_model, cell_formulation, crossover_gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
-    surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
-    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
-        strength of the cell's
+    surface : ResponseSurface to make the cell from instead of laws, or None; see
+        surface_cell.SurfaceCell
+    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 %
+        of the yarn's strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
-    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
-        rate of the fabric's `strain_rate`
-    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
+    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is
+        that of the highest rate of the fabric's `strain_rate`
+    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their
+        failure strain
     backing : Backing, the block behind the fabric, or None
-    history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
+    history : histories.HistoryRequest, what to record along yarns and at the edges; None for
+        nothing
     numerics : Numerics
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     plies : number of plies, all of this fabric
@@ -109,14 +115,16 @@ class ImpactSetup:
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
-    contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes its defaults
-    lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and `laws`, `plies` is their
-        number, and stacking and ply_gap are not used. Empty for plies that are
+    contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes
+        its defaults
+    lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and
+        `laws`, `plies` is their number, and stacking and ply_gap are not used. Empty for plies that
+        are
 
     Raises
     ------
-    InputError : a lay-up of another number of plies, or of cells from a response surface; yarns that differ in strength
-        and do not fail, or of a part of the panel
+    InputError : a lay-up of another number of plies, or of cells from a response surface; yarns
+        that differ in strength and do not fail, or of a part of the panel
     """
 
     fabric: Fabric
@@ -175,7 +183,9 @@ class ImpactSetup:
     @property
     def title(self) -> str:
         """The fabric with the number of its plies, or what the lay-up is made of."""
-        return f"{self.plies} x {self.name}" if self.plies > 1 and not self.lay_up else self.name
+        if self.plies > 1 and not self.lay_up:
+            return f"{self.plies} x {self.name}"
+        return self.name
 
     @property
     def name(self) -> str:
@@ -183,9 +193,12 @@ class ImpactSetup:
         if not self.lay_up:
             return self.fabric.name
         same = groupby((ply.fabric.name, ply.angle) for ply in self.lay_up)
-        at = lambda angle: f" at {degrees(angle):g} deg" if angle else ""  # noqa: E731
-        parts = [(len(list(plies)), f"{name}{at(angle)}") for (name, angle), plies in same]
-        return " + ".join(f"{count} x {name}" for count, name in parts)
+        parts = []
+        for (name, angle), plies in same:
+            if angle:
+                name += f" at {degrees(angle):g} deg"
+            parts.append(f"{len(list(plies))} x {name}")
+        return " + ".join(parts)
 
     @property
     def fabrics(self) -> tuple[Fabric, ...]:
@@ -199,16 +212,21 @@ class ImpactSetup:
 
     def fabric_of(self, ply: int) -> Fabric:
         """The fabric of a ply, the first is 0."""
-        return self.lay_up[ply].fabric if self.lay_up else self.fabric
+        if self.lay_up:
+            return self.lay_up[ply].fabric
+        return self.fabric
 
     def angle_of(self, ply: int) -> float:
         """[rad] by which a ply, the first is 0, is turned."""
         if self.lay_up:
             return self.lay_up[ply].angle
-        return pi / 2 if self.stacking == "alternating" and ply % 2 == 1 else 0.0
+        if self.stacking == "alternating" and ply % 2 == 1:
+            return pi / 2
+        return 0.0
 
     def is_turned(self, ply: int) -> bool:
-        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its panel."""
+        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its
+        panel."""
         return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
 
     @property
@@ -216,19 +234,12 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
-    def _mesh_notes(self):
-        """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
-        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
-        if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
-            return ()
-        why = "an oblique or yawed shot, or edges that are not clamped"
-        return (f"{why}: one element per crossover, energy up to 15 % too high",)
-
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
-        """A line about each opening that differs from the given one by more than OPENING_ERROR, since its edges follow
-        yarns."""
-        asked, found = np.broadcast_to(self.opening, 2), []
+        """A line about each opening that differs from the given one by more than OPENING_ERROR,
+        since its edges follow yarns."""
+        asked = np.broadcast_to(self.opening, 2)
+        found = []
         for name, held in self._held_openings():
             if np.abs(held / asked - 1).max() > OPENING_ERROR:
                 made, given = (
@@ -247,20 +258,24 @@ class ImpactSetup:
         for one in used.kinds:
             flat = one.panel(one.plain_table())
             for angle in sorted(angles):
-                panel = at_angle(flat, angle) if angle else flat
+                panel = flat
+                if angle:
+                    panel = at_angle(flat, angle)
                 yield panel.fabric.name, np.array(panel.held_opening)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of opening and mesh, a line each; nothing of a set-up that is refused when it is run."""
+        """What has to be known of the opening, a line each; nothing of a set-up that is refused when
+        it is run."""
         try:
-            return (*self.opening_notes, *self._mesh_notes())
+            return self.opening_notes
         except InputError:
             return ()
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
-        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
+        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply
+        first."""
         found = [replace(self, plies=1, lay_up=())]
         for ply in self.lay_up:
             one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
@@ -276,17 +291,20 @@ class ImpactSetup:
         if self.crossovers is not None:
             return 1
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
-        return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
+        if self.grading is not None:
+            return 1
+        return min(max(1, ceil(needed)), MOST_ELEMENTS)
 
     @cached_property
     def meshed(self) -> ImpactSetup:
-        """The set-up with the mesh that is used: the given one, or the default, which follows from the failure length.
+        """The set-up with the mesh that is used: the given one, or the default, which follows from
+        the failure length.
 
-        As far as anything can come under the projectile an element is at most RESOLVED failure lengths long, and no
-        longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
-        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone
-        (oblique or yawed, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
-        PACK_ELEMENTS.
+        As far as anything can come under the projectile an element is at most RESOLVED failure
+        lengths long, and no longer than `resolved_elements_per_crossover` allows, with
+        MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
+        to two crossovers. A yarn whose end is not clamped may be drawn under the projectile from
+        anywhere: then all elements are alike.
 
         Raises
         ------
@@ -295,14 +313,18 @@ class ImpactSetup:
         given = self.grading is not None or self.elements_per_crossover is not None
         if given or self.crossovers is not None:
             return self
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        if not clamped or self.projectile.roaming:
-            sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
-            return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
         return self.graded()
 
+    def _resolving(self, resolved):
+        """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS at most."""
+        lengths = [
+            2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
+        ]
+        under_the_nose = [one.resolved_elements_per_crossover for one in self.kinds]
+        return min(max(ceil(max(lengths) - 1e-9), *under_the_nose), MOST_ELEMENTS)
+
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
-        """The set-up with the graded mesh that follows from the failure length.
+        """The set-up with the mesh that follows from the failure length: graded, or uniform if an edge is not clamped.
 
         Parameters
         ----------
@@ -313,13 +335,10 @@ class ImpactSetup:
         ------
         InputError : as `panel`
         """
-        wanted = (
-            2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
-        )
-        count = max(
-            ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds)
-        )
-        count = min(count, MOST_ELEMENTS)
+        count = self._resolving(resolved)
+        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+        if not clamped:
+            return replace(self, elements_per_crossover=count)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
             fine += [
@@ -332,38 +351,51 @@ class ImpactSetup:
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [
-            ceil((far - 2 * side) * count / (2 * w))
+            ceil((far + path - 2 * side) * count / (2 * w))
             + 3  # of elements that are a part of a crossover long
             for panel in plain
-            for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
+            for far, path, side, w in zip(panel.reach(), panel.path(), panel.spacing, panel.weave.w)
         ]
-        near, side = ceil(max(reaches) / count), Fraction(1, count)
+        near = ceil(max(reaches) / count)
+        side = Fraction(1, count)
         zones = []
         while side < longest:
             zones.append((float(near), float(side)))
-            near = ceil(1.5 * near if side < 1 else 2 * near)
-            side = Fraction(1) if side < 1 and side.denominator % 2 else 2 * side
+            wider = Fraction(3, 2)
+            if side >= 1:
+                wider = Fraction(2)
+            near = ceil(wider * near)
+            if side < 1 and side.denominator % 2:
+                side = Fraction(1)
+            else:
+                side = 2 * side
         return replace(self, grading=(*zones, (inf, float(longest))))
 
     @property
     def snapshots(self) -> int:
         """Snapshots of a run to the end time."""
-        return 0 if not self.snapshot_interval else round(self.end_time / self.snapshot_interval)
+        if not self.snapshot_interval:
+            return 0
+        return round(self.end_time / self.snapshot_interval)
 
     @property
     def sample_interval(self) -> float:
         """[s] between samples, which are as frequent as what is recorded."""
-        return (
-            min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
-        )
+        if self.history:
+            return min(self.audit_interval, self.history.interval)
+        return self.audit_interval
 
     def cell(self) -> CellModel | SurfaceCell:
         """The crossover's cell."""
         if self.surface is not None:
             return SurfaceCell(self.fabric, self.surface, self.cell_formulation)
-        reach, fabric = 1.0 if self.yarn_failure else UNFAILING, self.fabric
+        reach = UNFAILING
+        if self.yarn_failure:
+            reach = 1.0
+        fabric = self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
-            reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
+            reach = max(reach, *fabric.strain_rate.strength)
+            fabric = fabric.at_high_rate()
         return CellModel(
             fabric,
             self.laws,
@@ -378,7 +410,8 @@ class ImpactSetup:
 
         Parameters
         ----------
-        kept : whether to take it from the user's cache folder, and to keep it there (`cell.table_cache`)
+        kept : whether to take it from the user's cache folder, and to keep it there
+            (`cell.table_cache`)
 
         Raises
         ------
@@ -387,12 +420,17 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)  # type: ignore[arg-type]
+        if kept:
+            return table_cache.table(cell, self.table_size)  # type: ignore[arg-type]
+        return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
-        """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
+        """A coarse table, of straight yarns where it is no response surface's: for the geometry of
+        a panel alone."""
         cell = self.cell()
-        return cell.table(11) if isinstance(cell, SurfaceCell) else CellTable.straight(cell)
+        if isinstance(cell, SurfaceCell):
+            return cell.table(11)
+        return CellTable.straight(cell)
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """One ply, of several the first, with its own table or one that a like set-up has filled.
@@ -425,7 +463,9 @@ class ImpactSetup:
         InputError : as `panel`, Pack and Pack.stacked
         """
         pack = self._pack(self.panel(table))
-        return pack if self.strength is None else with_strengths(pack, self.strength)
+        if self.strength is None:
+            return pack
+        return with_strengths(pack, self.strength)
 
     def _pack(self, panel):
         """The plies, of which `panel` is the first, with yarns that are all alike."""
@@ -460,32 +500,39 @@ class ImpactSetup:
 
 @dataclass(frozen=True)
 class ImpactResult:
-    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
+    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever
+    the symmetry.
 
     Parameters
     ----------
     setup : what was run
     target : Pack, of one ply or several
-    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
-        longer moves along the panel's normal, though it may slide on
-    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile
+        has stopped when it no longer moves along the panel's normal, though it may slide on
+    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has
+        stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
-    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (PackSolver)
+    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point
+        of the projectile
+    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
+        (PackSolver)
     deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
-    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less the energy at the
-        start
+    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
+        the energy at the start
     plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
-    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time [s], and its place at
-        rest along warp and weft from the impact point [m]; NaN but for the tension where there was none
+    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
+        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
+        tension where there was none
     deepest, held_apart : (plies - 1,) and [-] see PackSolver
-    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
+        the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
     projectile_position : (3,) [m] position of its nose at the end
     last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
     snapshots : tuple of such tuples
-    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing was to be recorded
+    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing
+        was to be recorded
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
@@ -566,7 +613,8 @@ class ImpactResult:
 
     @property
     def reactions(self) -> dict[str, FloatArray]:
-        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point, of all plies."""
+        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact
+        point, of all plies."""
         return {family: self.plies[f"reaction_{family}"].sum(axis=1) for family in ("warp", "weft")}
 
 
@@ -578,16 +626,18 @@ def run(
     table: CellTable | None = None,
     target: Pack | None = None,
 ) -> ImpactResult:
-    """Run an impact; once more with a shorter step if the first run loses too much to its length (`guards`).
+    """Run an impact; once more with a shorter step if the first run loses too much to its length
+    (`guards`).
 
     Parameters
     ----------
     setup : ImpactSetup
     hooks : called as hook(solver) after every audit
-    resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
-        for bit
+    resume : path of a checkpoint of the same set-up to go on from; the result is that of the
+        uninterrupted run, bit for bit
     table : CellTable that a set-up of the same cell has filled, or None
-    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes it
+    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes
+        it
 
     Raises
     ------
@@ -598,7 +648,9 @@ def run(
     memory.check(made.plies, setup.snapshots)
     if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:
         raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-    solver, factor, kept = _solver(setup, made), 1.0, tuple(hooks)
+    solver = _solver(setup, made)
+    factor = 1.0
+    kept = tuple(hooks)
     if resume is not None:
         solver, factor = _resumed(setup, solver, resume)
     result = _followed(setup, solver, factor, kept)
@@ -610,14 +662,16 @@ def run(
 
 def _solver(setup, target):
     """The solver of a shot at `target`."""
-    velocity, interval = setup.strike_velocity, setup.sample_interval
+    velocity = setup.strike_velocity
+    interval = setup.sample_interval
     solver = PackSolver(target, velocity, setup.end_time, interval=interval)
     solver.history_request = setup.history
     return solver
 
 
 def _resumed(setup, solver, path):
-    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step that follows it."""
+    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step
+    that follows it."""
     try:
         checkpoint.read(solver, path)
     except InputError as problem:
@@ -641,7 +695,8 @@ def _followed(setup, solver, factor, hooks):
 
 
 def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
-    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had computed.
+    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had
+    computed.
 
     Raises
     ------
@@ -662,9 +717,19 @@ def collect_result(
     panels = [panel for panel, _, _ in solver.parts]
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
-    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), setup.projectile.bar
+    clock = solver.const.dt * np.arange(1, len(fine) + 1)
+    bar = None
+    if solver.bar and setup.projectile.bar:
+        bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
+    backing = None
+    if solver.backing:
+        backing = solver.backing.result()
+    recorded: tuple[histories.Histories, ...] = ()
+    if setup.history and solver.histories:
+        recorded = histories.unpack(solver.histories, panels, setup.history)
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
-    deflection, speed = plies["deflection"][:, -1], dynamics.velocity(solver.state, solver.const)
+    deflection = plies["deflection"][:, -1]
+    speed = dynamics.velocity(solver.state, solver.const, solver.bar)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
@@ -683,14 +748,12 @@ def collect_result(
         deepest=solver.deepest,
         held_apart=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
-        bar=None if bar is None else dynamics.history(clock, fine, solver.state, bar),
-        backing=solver.backing.result() if solver.backing else None,
+        bar=bar,
+        backing=backing,
         projectile_position=last[0].projectile_position.copy(),
         last=last,
         snapshots=tuple(solver.snapshots),
-        histories=histories.unpack(solver.histories, panels, setup.history)
-        if setup.history and solver.histories
-        else (),
+        histories=recorded,
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),

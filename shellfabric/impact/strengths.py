@@ -4,14 +4,15 @@ A yarn has one strength T_u all along, of a Weibull distribution of shape m,
 
     F(T) = 1 - exp(-(L / L0) (T / T0)^m)
 
-over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of the fabric's yarn,
-so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of the weakest place of the whole yarn,
-is held against its tension everywhere, the yarn is taken as weak where the projectile strikes: the limit is on the safe
-side. Every yarn of every ply is drawn: panels are whole.
+over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of
+the fabric's yarn, so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of
+the weakest place of the whole yarn, is held against its tension everywhere, the yarn is taken as
+weak where the projectile strikes: the limit is on the safe side. Every yarn of every ply is drawn:
+panels are whole.
 
-On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line that stands for
-several yarns has the strength of the weakest of them. Yarns of an oblique weave have the length of the panel's sides,
-which is the most that they can have.
+On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line
+that stands for several yarns has the strength of the weakest of them. Yarns of an oblique weave
+have the length of the panel's sides, which is the most that they can have.
 """
 
 from __future__ import annotations

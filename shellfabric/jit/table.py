@@ -231,7 +231,7 @@ class Row:
 
     def __reduce__(self):
         """A copy, also in another process, has memory of its own."""
-        return self.__dict__.get("_made_by", (_made, (type(self), self._asdict())))
+        return self.__dict__.get("_remake", (_made, (type(self), self._asdict())))
 
     def _asdict(self) -> dict[str, Any]:
         return {name: self.__dict__[name] for name in self._fields}

@@ -1,8 +1,9 @@
-"""Checkpoints of a run as HDF5, written whole or not at all; a resumed run goes on bit for bit. Needs h5py.
+"""Checkpoints of a run as HDF5, written whole or not at all; a resumed run goes on bit for bit.
+Needs h5py.
 
-What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`, `checkpoint_extra` and
-`counters`, its step history and its snapshots. A checkpoint carries digests of all that determines the run and its
-records, the code among it, and is refused by any other run.
+What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`,
+`checkpoint_extra` and `counters`, its step history and its snapshots. A checkpoint carries digests
+of all that determines the run and its records, the code among it, and is refused by any other run.
 """
 
 from __future__ import annotations
@@ -33,12 +34,14 @@ class Checkpoints(Every):
     Parameters
     ----------
     path, interval : of the file, and [s]
-    least_wall : [s] of wall time from the first sample, and from each checkpoint, in which no other is written
+    least_wall : [s] of wall time from the first sample, and from each checkpoint, in which no other
+        is written
     """
 
     def __init__(self, path: FilePath, interval: float, least_wall: float = 0.0) -> None:
         super().__init__(interval)
-        self.path, self.least_wall = path, least_wall
+        self.path = path
+        self.least_wall = least_wall
         self._next: float | None = None  # [s] of the clock
 
     def __call__(self, solver: ExplicitSolver) -> None:
@@ -94,12 +97,16 @@ def _restore(solver, file):
     for name in solver.counters:
         setattr(solver, name, file.attrs[name].item())
     ends = np.cumsum(file["chunks"][()])
-    solver.step_history[:] = np.split(file["steps"][()], ends[:-1]) if ends.size else []
+    if ends.size:
+        solver.step_history[:] = np.split(file["steps"][()], ends[:-1])
+    else:
+        solver.step_history[:] = []
     solver.snapshots[:] = [_snapshot(part) for _, part in sorted(file.get("snapshots", {}).items())]
 
 
 def _arrays(solver):
-    """(name, array) of the arrays that are kept: of a row what its table says, the rest follows from the run."""
+    """(name, array) of the arrays that are kept: of a row what its table says, the rest follows
+    from the run."""
     for group, value in solver.checkpoint_arrays().items():
         if isinstance(value, Row):
             for name in value.kept():

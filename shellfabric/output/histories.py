@@ -1,12 +1,15 @@
-"""Histories along chosen yarns and at the edges: recorded while a run goes on, nothing else being kept.
+"""Histories along chosen yarns and at the edges: recorded while a run goes on, nothing else being
+kept.
 
-A yarn is one row of elements along warp or weft, chosen by its distance from the impact point. Recorded at every
-instant are the tension in its elements, where its nodes are along its own direction, and how far they are deflected;
-at each edge of the panel the force of the fabric on the nodes there, which where they are held is the reaction; of a
-ply in a pack, with the force of its neighbours on these nodes.
+A yarn is one row of elements along warp or weft, chosen by its distance from the impact point.
+Recorded at every instant are the tension in its elements, where its nodes are along its own
+direction, and how far they are deflected; at each edge of the panel the force of the fabric on the
+nodes there, which where they are held is the reaction; of a ply in a pack, with the force of its
+neighbours on these nodes.
 
-A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it; `unpack` gives it back
-its names. Of a pack the same is recorded of every ply, or of the plies that are named.
+A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it;
+`unpack` gives it back its names. Of a pack the same is recorded of every ply, or of the plies that
+are named.
 """
 
 from __future__ import annotations
@@ -49,7 +52,8 @@ class HistoryRequest:
 
     Raises
     ------
-    InputError : an interval that is not positive, a distance that is not a number, plies that are no numbers of plies
+    InputError : an interval that is not positive, a distance that is not a number, plies that are
+        no numbers of plies
     """
 
     interval: float = 1e-6
@@ -71,10 +75,13 @@ class HistoryRequest:
             )
 
     def chosen(self, count: int) -> Sequence[int]:
-        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
+        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has
+        not."""
         if self.plies is not None and max(self.plies) > count:
             raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
-        return range(count) if self.plies is None else [ply - 1 for ply in self.plies]
+        if self.plies is None:
+            return range(count)
+        return [ply - 1 for ply in self.plies]
 
 
 @dataclass(frozen=True)
@@ -121,8 +128,8 @@ class Histories:
     ----------
     t : (samples,) [s]
     yarns : tuple of YarnHistory
-    edges : {name of EDGES: (samples, 2)} [N] force of the fabric on an edge of the whole panel: pull inwards, and lift
-        along the flight of the projectile
+    edges : {name of EDGES: (samples, 2)} [N] force of the fabric on an edge of the whole panel:
+        pull inwards, and lift along the flight of the projectile
     """
 
     t: np.ndarray
@@ -179,7 +186,9 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
         count = lines.size - 1
         slack = 1e-9 * (lines[-1] - lines[0])
         for distance in getattr(measure, family):
-            place = abs(distance) if mirrored else distance
+            place = distance
+            if mirrored:
+                place = abs(distance)
             if not lines[0] - slack <= place <= lines[-1] + slack:
                 allowed = f"at most {1e3 * lines[-1]:.4g} mm from the impact point"
                 raise InputError(key=family, value=distance, allowed=allowed)
@@ -197,15 +206,22 @@ def _record(panel, c, state, chosen, sides, neighbours):
     ]
     parts = []
     for family, element, node in chosen:
-        along = np.s_[:, node] if family == "warp" else np.s_[node, :]
-        pulled = tension[:, element, 0] if family == "warp" else tension[element, :, 1]
+        if family == "warp":
+            along = np.s_[:, node]
+        else:
+            along = np.s_[node, :]
+        if family == "warp":
+            pulled = tension[:, element, 0]
+        else:
+            pulled = tension[element, :, 1]
         rest = panel.lines()[FAMILIES.index(family)]
         parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
     return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
 
 
 def _edge_forces(state, sides, neighbours):
-    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other plies add there."""
+    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other
+    plies add there."""
     forces = np.empty((4, 2))
     for number, (nodes, weights, normal) in enumerate(sides):
         nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
@@ -219,9 +235,9 @@ def _edge_forces(state, sides, neighbours):
 def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
-    A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
-    Where the edge is a staircase (`PanelGrid.stepped`) its sides are the held nodes, each with the side of the opening
-    that it is nearest to.
+    A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to
+    each of its sides. Where the edge is a staircase (`PanelGrid.stepped`) its sides are the held
+    nodes, each with the side of the opening that it is nearest to.
     """
     shape = tuple(n + 1 for n in panel.counts)
     numbers = np.arange(shape[0] * shape[1]).reshape(shape)
@@ -237,13 +253,19 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
             side[line] = not missing
     share = np.where(on, 1 / panel.share / np.maximum(on.sum(axis=0), 1), 0.0)
     # a side whose opposite is its mirror stands for both: half of what its weight completes
-    share *= np.array([0.5 if panel.mirrors[k // 2] else 1.0 for k in range(4)])[:, None, None]
+    for k in range(4):
+        if panel.mirrors[k // 2]:
+            share[k] *= 0.5
     sides = [(numbers[side], part[side], normal) for side, part, normal in zip(on, share, normals)]
-    return [sides[k - 1] if mirrored[k] else side for k, side in enumerate(sides)]
+    for k in range(4):
+        if mirrored[k]:
+            sides[k] = sides[k - 1]
+    return sides
 
 
 def _stepped_sides(panel):
-    """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase for an edge."""
+    """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase
+    for an edge."""
     c, s = axes(panel.weave_angle)[0]
     x, y = panel.in_frame() / (0.5 * np.array(panel.opening))[:, None, None]
     nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
@@ -255,7 +277,8 @@ def _stepped_sides(panel):
 def unpack(
     recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest
 ) -> tuple[Histories, ...]:
-    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
+    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been
+    followed."""
     table = np.array(recording)
     at = 1
 
@@ -278,7 +301,10 @@ def _unpacked(
     yarns = []
     for family, element, _ in rows(panel, measure):
         yarn = weave.yarns[FAMILIES.index(family)]
-        own, other = lines if family == "warp" else lines[::-1]
+        if family == "warp":
+            own, other = lines
+        else:
+            own, other = lines[::-1]
         offset = 0.5 * (other[element] + other[element + 1])
         X = 0.5 * (own[:-1] + own[1:])
         known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X

@@ -27,7 +27,9 @@ class Every:
 
         It depends on the run alone, so that a resumed run acts at the same instants.
         """
-        before = solver.samples[-2][0] if len(solver.samples) > 1 else 0.0
+        before = 0.0
+        if len(solver.samples) > 1:
+            before = solver.samples[-2][0]
         numbers = [
             int((t + 0.5 * solver.sample_spacing) / self.interval) for t in (before, solver.time)
         ]

@@ -1,4 +1,5 @@
-"""What is read off a panel: its shape, tensions, failed yarns, contact pressures, and the pyramid of its back face."""
+"""What is read off a panel: its shape, tensions, failed yarns, contact pressures, and the pyramid
+of its back face."""
 
 from __future__ import annotations
 
@@ -26,15 +27,16 @@ class Snapshot:
     t : [s]
     nose_position : [m] foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
-    nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is in; those beyond the
-        edge of the opening on it (`edges.shown`)
+    nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is
+        in; those beyond the edge of the opening on it (`edges.shown`)
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
-    pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
-        (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
-        positive where pressed
+    pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`:
+        from the projectile (k = 1); in a pack or before a block (k = 3) also from the ply in front
+        and from the ply or block behind, all positive where pressed
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
-    failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn segments
+    failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn
+        segments
     """
 
     t: float
@@ -92,12 +94,16 @@ def _stacked(panel, arrays):
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
-    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at rest."""
+    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
+    rest."""
     found: list[Snapshot] = []
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
-        nose = found[0].projectile_position if found else one.projectile_position
+        if found:
+            nose = found[0].projectile_position
+        else:
+            nose = one.projectile_position
         found.append(
             replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy())
         )
@@ -105,7 +111,8 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
 
 
 def failures(c: Any, state: Any) -> BoolArray:
-    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
+    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
+    constants."""
 
     def nodes(slots):
         return slots[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
@@ -118,7 +125,8 @@ def failures(c: Any, state: Any) -> BoolArray:
 
 
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
-    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of whole yarn."""
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
+    whole yarn."""
     warp, weft = (
         ((failed == 0) * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
         for failed, T in zip(state.failed, state.T)
@@ -131,20 +139,22 @@ def yarn_tensions(c: Any, state: Any) -> FloatArray:
 def deflection_profile(
     panel: Panel, shot: Snapshot
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
+    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z))
+    [m]."""
     i, j = panel.nearest_lines
-    warp, weft = shot.nodes[:, j], shot.nodes[i, :]
+    warp = shot.nodes[:, j]
+    weft = shot.nodes[i, :]
     return (warp[:, :2] @ panel.axes[0], warp[:, 2]), (weft[:, :2] @ panel.axes[1], weft[:, 2])
 
 
 def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:
-    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
+    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share`
+    of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
-    return tuple(
-        float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0
-        for x, z in profiles
-    )
+    if not highest > 0:
+        return 0.0, 0.0
+    return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) for x, z in profiles)
 
 
 def quads(panel: Panel) -> IntArray:

@@ -13,7 +13,7 @@ from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import edges, failure, forces, grading
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
-from shellfabric.projectile import contact, dynamics, window_kernels
+from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, State, Work
 
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
@@ -149,7 +149,6 @@ def _constants(panel):
         packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
         yarn_ends=edges.yarn_ends(panel),
         has_backing=panel.backing is not None,
-        **dynamics.constants(shot, panel.share, dt),
     )
 
 
@@ -204,8 +203,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["counter"][0] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
-    found |= dynamics.state(panel.shot, strike_velocity)
-    found["modules"] = forces.table(panel.force_modules(), panel.sides is not None)
+    found["modules"] = forces.make_table(panel.force_modules(), panel.sides is not None)
     return State(**found)
 
 

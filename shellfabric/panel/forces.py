@@ -68,12 +68,12 @@ def packing(panel: Any) -> Module:
 USUAL = bending, packing  # of every panel
 
 
-def of(panel: Any) -> tuple[Module, ...]:
+def make_modules(panel: Any) -> tuple[Module, ...]:
     """The modules of a panel, each with a row of its own."""
     return tuple(make(panel) for make in (*USUAL, *panel.modules))
 
 
-def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
+def make_table(modules: Iterable[Module], graded: bool) -> ModuleTable:
     """What the kernels of a uniform or a graded panel take of modules; in another process a copy has
     the addresses of that process."""
     listed = tuple(modules)
@@ -89,11 +89,11 @@ def table(modules: Iterable[Module], graded: bool) -> ModuleTable:
         behind=np.zeros(1, np.int64),
         nose=nose,
     )
-    found.__dict__["_made_by"] = table, (listed, graded)
+    found.__dict__["_remake"] = make_table, (listed, graded)
     return found
 
 
-def given(found: ModuleTable) -> tuple[Module, ...]:
+def modules_of(found: ModuleTable) -> tuple[Module, ...]:
     """The modules of which a table was made."""
-    modules: tuple[Module, ...] = found._made_by[1][0]
+    modules: tuple[Module, ...] = found._remake[1][0]
     return modules

@@ -148,29 +148,6 @@ def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
     return np.array([given[a : b + 1].min() for a, b in zip(low, high)])
 
 
-def covers(
-    zone: Sequence[int],
-    lines: Sequence[FloatArray],
-    nose: FloatArray,
-    reach: Sequence[float],
-    mirrors: Sequence[bool],
-) -> bool:
-    """Whether a zone of elements holds all fabric within `reach` of the nose.
-
-    Parameters
-    ----------
-    zone : (i0, i1, j0, j1) rows and columns of elements
-    lines : ((ni+1,), (nj+1,)) [m] places of the grid lines at rest
-    nose : (3,) [m]
-    reach : (along warp, along weft) [m]
-    mirrors : (x, y) whether the zone begins at a plane of symmetry
-    """
-    for x, low, high, at, far, mirrored in zip(lines, zone[::2], zone[1::2], nose, reach, mirrors):
-        if at + far > x[high] or (at - far < x[low] and not mirrored):
-            return False
-    return True
-
-
 def tributary(sides: FloatArray) -> FloatArray:
     """(n+1,) half of the elements on either side of each line."""
     return 0.5 * (np.append(sides, 0.0) + np.insert(sides, 0, 0.0))

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf
+from math import inf, sqrt
 from operator import ge
 
 import numpy as np
@@ -374,14 +374,14 @@ class PanelGrid:
 
     def force_modules(self) -> tuple[forces.Module, ...]:
         """What acts on it besides membrane and nose, each with a row of its own."""
-        return forces.of(self)
+        return forces.make_modules(self)
 
     @property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
         mass = self.weave.areal_density
         membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
-        return (membrane + sum(module.stiffness for module in forces.of(self))) ** -0.5
+        return (membrane + sum(module.stiffness for module in forces.make_modules(self))) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:
@@ -586,3 +586,26 @@ class PanelGrid:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)
         return tuple(found)
+
+    def path(self) -> tuple[float, ...]:
+        """(along warp, along weft) [m] that the projectile may move sideways before it is through.
+
+        A yarn that is held a apart from the nose on either side and lengthens by e = crimp + failure strain lets the
+        nose go a sqrt(e (2 + e)) deep; the projectile is through a diameter deeper. It moves sideways by that depth
+        times the tangent of its obliquity, or is pushed so by a flat nose that leans.
+        """
+        depths = []
+        for length, yarn in zip(self.extent, self.weave.yarns):
+            longer = yarn.crimp + yarn.failure_strain
+            depths.append(0.5 * length * sqrt(longer * (2 + longer)))
+        depth = min(depths) + 2 * self.projectile.radius
+        flight, axis = self.shot.flight, self.shot.frame[2]
+        sideways = np.maximum(np.abs(flight[:2] / flight[2]), np.abs(axis[:2] / axis[2]))
+        return tuple(depth * sideways)
+
+    def share_of_first_zone(self, nose: FloatArray) -> float:
+        """[-] how far the fabric that can be under a nose (3,) [m] reaches, over the half width of the first zone."""
+        shares = []
+        for place, far, fine, step in zip(nose, self.reach(), self._fine(), self.spacing):
+            shares.append((abs(place) + far) / ((fine - 1) * step))
+        return max(shares)

@@ -36,14 +36,16 @@ def held(state: State, const: Constants) -> BoolArray:
     outer += [] if const.mirror_x else [piece[0]]
     outer += [] if const.mirror_y else [piece[:, 0]]
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
-    cloth = (by_element(state.element_flag, const) & ERODED) == 0
-    return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
+    left = (by_element(state.element_flag, const) & ERODED) == 0
+    return left & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
-def passed(state: State, const: Constants, cloth: BoolArray | None = None) -> bool:
-    """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is known."""
+def passed(state: State, const: Constants, held_elements: BoolArray | None = None) -> bool:
+    """Whether no held element is ahead of the nose; `held_elements` is `held` of the state, if it is known."""
     flag = state.element_flag.copy()
-    by_element(flag, const)[~(held(state, const) if cloth is None else cloth)] |= ERODED
+    if held_elements is None:
+        held_elements = held(state, const)
+    by_element(flag, const)[~held_elements] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 
 

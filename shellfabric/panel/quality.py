@@ -151,6 +151,12 @@ LIMITS = {
         "",
         "where yarns fail, element side over the failure length",
     ),
+    "path over fine mesh": (
+        1.0,
+        "",
+        "distance from the impact point to the furthest fabric under the projectile at the end, over the half width of "
+        "the fine mesh, beyond which fabric does not touch the projectile",
+    ),
     "yarns an element": (1.0, "", "yarns per element side under the projectile"),
     "tension over cell table": (
         1.0,
@@ -321,6 +327,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
             broken * max(panel.spacing) / panel.fabric.failure_length,
         ),
         indicator("yarns an element", float(panel.finest)),
+        *_path(solver),
         *_extrapolation(solver),
     ]
     if solver.zone is not None:
@@ -330,6 +337,16 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         collided = float(energies["ply_collisions"][-1])
         found.append(indicator("ply collisions", max(collided, 0.0) / strike))
     return tuple(found)
+
+
+def _path(solver):
+    """The indicator of a projectile that moves sideways over a graded panel."""
+    shares = [
+        panel.share_of_first_zone(state.projectile_position)
+        for panel, const, state in solver.parts
+        if panel.sides is not None and const.window_follows
+    ]
+    return [indicator("path over fine mesh", max(shares))] if shares else []
 
 
 def _extrapolation(solver):

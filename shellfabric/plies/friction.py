@@ -1,14 +1,15 @@
 """Coulomb friction between plies: what the kernels need of it (`plies.pressure_kernels`).
 
-Below the limit mu f a point yields slowly: friction is a damper c_t there, of which nothing is remembered. With the
-Courant factor C of the plies, the highest mode of a ply in its own plane has (w dt)^2 = 4 C^2; in a stack of plies of
-the mass m a point, dampers between neighbours, which lag by half a step, add 8 c_t dt / m to that. Central differences
-are stable up to a sum of 4:
+Below the limit mu f a point yields slowly: friction is a damper c_t there, of which nothing is
+remembered. With the Courant factor C of the plies, the highest mode of a ply in its own plane has
+(w dt)^2 = 4 C^2; in a stack of plies of the mass m a point, dampers between neighbours, which lag
+by half a step, add 8 c_t dt / m to that. Central differences are stable up to a sum of 4:
 
     c_t = (1 - C^2) m / (2 dt)
 
-Plies of the areal density A that are pressed by p and should stick slip at up to 2 mu p dt / ((1 - C^2) A): 0.2 m/s at
-1 MPa, mu = 0.2, A = 0.2 kg/m2, C = 0.9 and dt = 0.02 us. In slip the force is bounded, whatever the step.
+Plies of the areal density A that are pressed by p and should stick slip at up to 2 mu p dt / ((1 -
+C^2) A): 0.2 m/s at 1 MPa, mu = 0.2, A = 0.2 kg/m2, C = 0.9 and dt = 0.02 us. In slip the force is
+bounded, whatever the step.
 """
 
 from __future__ import annotations

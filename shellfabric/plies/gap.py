@@ -1,9 +1,11 @@
-"""The gap between plies at rest: what a test closes between neighbouring plies and the law of their contact does not.
+"""The gap between plies at rest: what a test closes between neighbouring plies and the law of their
+contact does not.
 
-The thesis takes as the gap all that two neighbouring plies of a pack close up to the highest pressure of its test
-(eqs. 5-1 to 5-4, erratum E-02): the flattening of the weave and the nesting of plies together, since its contact is
-stiff. A law of the contact with a travel of its own (`fabrics.ply_law`) holds the flattening; the rest of the
-closure is nesting, and that is the gap. The pressure law of packs holds all of it and leaves none.
+The thesis takes as the gap all that two neighbouring plies of a pack close up to the highest
+pressure of its test (eqs. 5-1 to 5-4, erratum E-02): the flattening of the weave and the nesting of
+plies together, since its contact is stiff. A law of the contact with a travel of its own
+(`fabrics.ply_law`) holds the flattening; the rest of the closure is nesting, and that is the gap.
+The pressure law of packs holds all of it and leaves none.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ from fabrics.ply_laws import TESTED, between_plies
 
 
 def compression_gap(areal_density: float, plies: int = TESTED) -> float:
-    """[m] all that neighbouring plies close in the tests of packs; parameters as `fabrics.ply_law.between_plies`."""
+    """[m] all that neighbouring plies close in the tests of packs; parameters as
+    `fabrics.ply_law.between_plies`."""
     return float(between_plies(areal_density, plies)[1][-1])
 
 
@@ -30,7 +33,8 @@ class PlyGap:
 
     Parameters
     ----------
-    value, low, high : [m] and the range in which it is taken to lie; all one value where it is given
+    value, low, high : [m] and the range in which it is taken to lie; all one value where it is
+        given
     source : where it comes from
     """
 
@@ -41,10 +45,12 @@ class PlyGap:
 
 
 def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
-    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness, less what `law` closes of it.
+    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness, less what
+    `law` closes of it.
 
-    The pressure law is that of Kevlar 129 and needs the areal density that was measured with it. Any other fabric, and
-    one below the areal density at which that law ends, has the share of `data_sheet.toml`, whose range goes for both.
+    The pressure law is that of Kevlar 129 and needs the areal density that was measured with it.
+    Any other fabric, and one below the areal density at which that law ends, has the share of
+    `data_sheet.toml`, whose range goes for both.
 
     Parameters
     ----------
@@ -65,11 +71,10 @@ def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
     value, low, high = (
         0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high")
     )
-    source = (
-        one.source
-        if one.source == other.source
-        else f"mean of two fabrics: {one.source}; {other.source}"
-    )
+    if one.source == other.source:
+        source = one.source
+    else:
+        source = f"mean of two fabrics: {one.source}; {other.source}"
     return PlyGap(value, low, high, source)
 
 
@@ -78,18 +83,23 @@ def _closure(fabric):
     one = entries()["ply_gap"]
     if fabric.interlayer_gap is not None:
         gap = fabric.interlayer_gap
+        origin = "of the fabric"
         source = fabric.sources.get("interlayer_gap", {}).get("source", "")
-        return PlyGap(
-            gap, gap, gap, f"of the fabric file ({source})" if source else "of the fabric"
-        )
+        if source:
+            origin += f" file ({source})"
+        return PlyGap(gap, gap, gap, origin)
     try:
         if fabric.areal_density_measured is not None:
             gap = compression_gap(fabric.areal_density_measured)
-            low, high = one.low / one.value * gap, one.high / one.value * gap
+            low = one.low / one.value * gap
+            high = one.high / one.value * gap
             return PlyGap(gap, low, high, "assumed: pressure law of packs, thesis eqs. 5-1 to 5-4")
     except InputError:  # K'' of eq. 2-6 is not positive
         pass
-    thickness = fabric.weave.thickness if fabric.thickness is None else fabric.thickness
+    if fabric.thickness is None:
+        thickness = fabric.weave.thickness
+    else:
+        thickness = fabric.thickness
     gap, low, high = (share * thickness for share in (one.value, one.low, one.high))
     return PlyGap(
         gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm"

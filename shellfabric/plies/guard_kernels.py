@@ -1,34 +1,38 @@
-"""The guard: facets of different plies that are near each other stay on their sides of a plane between them.
+"""The guard: facets of different plies that are near each other stay on their sides of a plane
+between them.
 
-A row of the guard has two facets A and B, with the distance d [m] at the beginning of a step and the direction n from A
-to B. With x the places of their nodes and y those after the step by all forces, and t the thickness,
+A row of the guard has two facets A and B, with the distance d [m] at the beginning of a step and
+the direction n from A to B. With x the places of their nodes and y those after the step by all
+forces, and t the thickness,
 
     min n.y_b - max n.y_a >= need,      need = max(0.2 d, min(d, 0.05 t))
 
-A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as large as stops
-them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or SWEEPS times. The nodes of rows
-that do not hold then move as one, with the mean of their momentum, and so do those of rows that this violates. An
-impulse that left no more than `need` would leave every row of a stack at its limit, which the next impulse violates:
-sweeps would not end, and whole stacks would move as one, which takes energy that no two facets have had between them.
+A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as
+large as stops them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or
+SWEEPS times. The nodes of rows that do not hold then move as one, with the mean of their momentum,
+and so do those of rows that this violates. An impulse that left no more than `need` would leave
+every row of a stack at its limit, which the next impulse violates: sweeps would not end, and whole
+stacks would move as one, which takes energy that no two facets have had between them.
 
-At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end on those of a slab
-of width `need`: in between too, as nodes move straight. No motion satisfies every row. So each impulse, and each
-cluster, is a projection, in the norm of the kinetic energy, on a set that holds it: the energy never grows, and a
-solution exists. Impulses are equal and opposite, but for those of planes of symmetry.
+At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end
+on those of a slab of width `need`: in between too, as nodes move straight. No motion satisfies
+every row. So each impulse, and each cluster, is a projection, in the norm of the kinetic energy, on
+a set that holds it: the energy never grows, and a solution exists. Impulses are equal and opposite,
+but for those of planes of symmetry.
 
-A plane of symmetry, beyond which are the images of the plies, is a row with PLANE_X or PLANE_Y for the nodes of A. A
-node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
+A plane of symmetry, beyond which are the images of the plies, is a row with PLANE_X or PLANE_Y for
+the nodes of A. A node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
 """
 
+from shellfabric.cloth.vector_kernels import dot, nodal
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-PLANE_X, PLANE_Y = -1, -2
+PLANE_X = -1
+PLANE_Y = -2
 SWEEPS = 30
-KEPT, NEAREST = (
-    0.2,
-    0.05,
-)  # share of the distance that stays, thicknesses within which all of it does
+KEPT = 0.2  # share of the distance that stays
+NEAREST = 0.05  # thicknesses within which all of it does
 _SLACK = 1e-3  # share of the distance by which a row may be missed
 _MASS, _MOMENTUM, _FIXED = 0, 1, 4  # of the sums of a cluster
 
@@ -42,29 +46,36 @@ def needed(distance, thickness):
 @kernel(_nrt=False, forceinline=True)
 def worst(y, nodes, n):
     """What is left between the facets of a row, and the two nodes that are to blame."""
-    low, high, a, b = 1e30, -1e30, nodes[0], nodes[3]
+    low = 1e30
+    high = -1e30
+    a = nodes[0]
+    b = nodes[3]
     for i in range(3):
         k = nodes[i]
-        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k] if k >= 0 else 0.0
+        along = 0.0  # of a plane of symmetry
+        if k >= 0:
+            along = dot(n, nodal(y, k))
         if along > high:
-            high, a = along, k
+            high = along
+            a = k
         k = nodes[3 + i]
-        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k]
+        along = dot(n, nodal(y, k))
         if along < low:
-            low, b = along, k
+            low = along
+            b = k
     return low - high, a, b
 
 
 @kernel(_nrt=False, forceinline=True)
 def mobility(contact, k, n):
-    """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is held."""
+    """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is
+    held."""
     if k < 0:
         return 0.0
-    free = (
-        1.0
-        - (n[0] * n[0] if contact.mirror[k] & 1 else 0.0)
-        - (n[1] * n[1] if contact.mirror[k] & 2 else 0.0)
-    )
+    free = 1.0
+    for c in range(2):
+        if contact.mirror[k] >> c & 1:
+            free -= n[c] * n[c]
     return contact.kick[k] * max(free, 0.0)
 
 
@@ -81,9 +92,11 @@ def push(contact, k, n, impulse):
 
 @unit("integer; flag")
 def project(contact, rows, nodes):
-    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them, in contact.y.
+    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them,
+    in contact.y.
 
-    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether all rows hold)
+    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether
+        all rows hold)
     """
     given = 0
     for _ in range(SWEEPS):
@@ -92,6 +105,7 @@ def project(contact, rows, nodes):
             n = contact.row_normal[row]
             left, a, b = worst(contact.y, contact.row_nodes[row], n)
             missing = contact.row_need[row] - left
+            # an impulse leaves the distance, not the least that is needed (see the head of this file)
             if missing > _SLACK * contact.row_need[row]:
                 give = mobility(contact, a, n) + mobility(contact, b, n)
                 missing = max(missing, contact.row_distance[row] - left)
@@ -102,9 +116,11 @@ def project(contact, rows, nodes):
         given += held
         if held == 0:
             return given, True
+    # the sweeps have not resolved all: what is violated moves as one from here on
     for m in range(nodes):
         contact.root[contact.node_list[m]] = contact.node_list[m]
         contact.cluster[contact.node_list[m], _FIXED] = contact.mirror[contact.node_list[m]]
+    # each round joins two clusters at least, or one and a plane
     for _ in range(nodes + 3):
         if not join_violated(contact, rows):
             return given, True
@@ -135,9 +151,10 @@ def join_violated(contact, rows):
         first = root_of(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
-                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | (
-                    1 if nodes[i] == PLANE_X else 2
-                )
+                plane = 2
+                if nodes[i] == PLANE_X:
+                    plane = 1
+                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | plane
                 continue
             other = root_of(contact, nodes[i])
             if other != first:
@@ -150,7 +167,8 @@ def join_violated(contact, rows):
 
 @kernel(_nrt=False)
 def move_clusters(contact, nodes):
-    """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot move along."""
+    """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot
+    move along."""
     for m in range(nodes):
         for c in range(_FIXED):
             contact.cluster[contact.node_list[m], c] = 0.0
@@ -162,16 +180,16 @@ def move_clusters(contact, nodes):
             continue
         contact.cluster[r, _MASS] += 1.0 / contact.kick[k]
         for c in range(3):
-            contact.cluster[r, _MOMENTUM + c] += (contact.y[c, k] - contact.x[c, k]) / contact.kick[
-                k
-            ]
+            way = contact.y[c, k] - contact.x[c, k]
+            contact.cluster[r, _MOMENTUM + c] += way / contact.kick[k]
     for m in range(nodes):
         k = contact.node_list[m]
         r = root_of(contact, k)
         if contact.kick[k] == 0.0:
             continue
         for c in range(3):
-            fixed = int(contact.cluster[r, _FIXED]) >> c & 1
-            way = 0.0 if fixed else contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
+            way = 0.0
+            if not int(contact.cluster[r, _FIXED]) >> c & 1:
+                way = contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
             contact.impulse[c, k] += (way + contact.x[c, k] - contact.y[c, k]) / contact.kick[k]
             contact.y[c, k] = contact.x[c, k] + way

@@ -1,13 +1,15 @@
-"""Force, damping and energy of a contact point between plies, from its closure (`fabrics.ply_law.PlyLaw`).
+"""Force, damping and energy of a contact point between plies, from its closure
+(`fabrics.ply_law.PlyLaw`).
 
-A table of PackContact.laws has a row for each of the equal cells of the closure up to the travel, and a last one for
-all beyond: force [N] at its beginning, stiffness [N/m] in it, damping [N s/m], and energy [J] at its beginning; those
-of a point of the smallest element. With the pressure p, its slope k and the area A and mass m of a point
-(`numerics.law_tables`)
+A table of PackContact.laws has a row for each of the equal cells of the closure up to the travel,
+and a last one for all beyond: force [N] at its beginning, stiffness [N/m] in it, damping [N s/m],
+and energy [J] at its beginning; those of a point of the smallest element. With the pressure p, its
+slope k and the area A and mass m of a point (`numerics.law_tables`)
 
     f = A (p(d) + c v),     c = zeta sqrt(k m / A)
 
-so that the damping is the same part of critical damping in the soft weave and in solid fibre, on any mesh.
+so that the damping is the same part of critical damping in the soft weave and in solid fibre, on
+any mesh.
 """
 
 from shellfabric.jit.compile import kernel
@@ -18,7 +20,8 @@ from shellfabric.jit.simd import floor, gather_rows4, maximum, minimum, to_int32
 def law_at(table, step, closure):
     """(force [N], damping [N s/m], energy [J]) of a point at a closure [m], 0 or above."""
     cell = int(min(closure / step, table.shape[0] - 1.0))
-    rest, row = closure - cell * step, table[cell]
+    rest = closure - cell * step
+    row = table[cell]
     return row[0] + row[1] * rest, row[2], row[3] + (row[0] + 0.5 * row[1] * rest) * rest
 
 

@@ -1,13 +1,16 @@
-"""Memory of a run of one ply or several, estimated from the numbers of its elements before any of its arrays is made.
+"""Memory of a run of one ply or several, estimated from the numbers of its elements before any of
+its arrays is made.
 
-The bytes are of resident memory: growth of the peak beyond that of a small panel, per element, of whole panels of S-720
-of two sizes in each case (tests/shellfabric/impact/test_memory.py repeats one of them).
+The bytes are of resident memory: growth of the peak beyond that of a small panel, per element, of
+whole panels of S-720 of two sizes in each case (tests/shellfabric/impact/test_memory.py repeats one
+of them).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import prod
+from typing import Any
 
 from shellfabric.driver import memory
 from shellfabric.panel.model import Panel
@@ -30,13 +33,17 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     snapshots : how many are kept
     written : whether pictures and files are made of the results
     """
-    counts, backing = [ply.elements for ply in plies], plies[0].backing
+    counts = [ply.elements for ply in plies]
+    backing = plies[0].backing
     element = ELEMENT
     if len(plies) > 1:
         element = PACK
-    run = sum(counts) * element + (BRICK * prod(backing.count) if backing else 0.0)
-    run += CROSSING * crossings_of(plies[0])
-    return max(run, WRITTEN * max(counts) if written else 0.0) + SNAPSHOT * snapshots * sum(counts)
+    run = sum(counts) * element + CROSSING * crossings_of(plies[0])
+    if backing:
+        run += BRICK * prod(backing.count)
+    if written:
+        run = max(run, WRITTEN * max(counts))
+    return run + SNAPSHOT * snapshots * sum(counts)
 
 
 def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> None:
@@ -46,9 +53,14 @@ def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> 
     ------
     InputError : with the numbers of elements and both amounts of memory
     """
-    opening, backing = plies[0].opening, plies[0].backing
+    opening = plies[0].opening
+    backing = plies[0].backing
     content = f"{sum(ply.elements for ply in plies):,} elements"
-    content += f" with a block of {prod(backing.count):,}" if backing else ""
-    content += f" and {snapshots:,} snapshots" if snapshots else ""
-    value = opening if opening[0] != opening[1] else opening[0]
+    if backing:
+        content += f" with a block of {prod(backing.count):,}"
+    if snapshots:
+        content += f" and {snapshots:,} snapshots"
+    value: Any = opening
+    if opening[0] == opening[1]:
+        value = opening[0]
     memory.check(needed(plies, snapshots, written), content, "opening", value)

@@ -1,17 +1,21 @@
 """A pack: plies behind each other in one opening, with a gap between each two.
 
-Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
-section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp called weft: the shell does not see
-which yarn is on top, and each ply has its own grid. A ply at any other angle has its grid in a frame of its own, in
-which the opening is oblique (`panel.boundary`) and the projectile comes from elsewhere.
+Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a
+right angle (thesis section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp
+called weft: the shell does not see which yarn is on top, and each ply has its own grid. A ply at
+any other angle has its grid in a frame of its own, in which the opening is oblique
+(`panel.boundary`) and the projectile comes from elsewhere.
 
-Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
+Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the
+gap apart (erratum E-35). By default it is what tests of packs close and the law of the contact does
+not (`gap.ply_gap`).
 
-Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the same on every mesh.
-The nose presses on half a ply of solid fibre: twice the stiffness of two half plies.
+Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the
+same on every mesh. The nose presses on half a ply of solid fibre: twice the stiffness of two half
+plies.
 
-Time step. All plies share the shortest of their steps, or a shorter one for the contact (`PlyContact`).
+Time step. All plies share the shortest of their steps, or a shorter one for the contact
+(`PlyContact`).
 """
 
 from __future__ import annotations
@@ -32,14 +36,14 @@ from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import AT_REST
+from shellfabric.panel.motion_kernels import AT_REST, STEP
 from shellfabric.plies import friction
 from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.projectile import dynamics, frames
+from shellfabric.projectile import frames
 from shellfabric.projectile.contact import PREDICTED
-from shellfabric.state import Constants, PackContact, Stack, State, Work
+from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
 STACKINGS = ("aligned", "alternating")
@@ -51,15 +55,18 @@ class Pack:
 
     Parameters
     ----------
-    plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see `stacked`
+    plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see
+        `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
     friction : [-] Coulomb's coefficient between plies
-    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
+    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of
+        their fabrics
 
     Raises
     ------
-    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or as `friction.check`
+    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or
+        as `friction.check`
     """
 
     plies: tuple[Panel, ...]
@@ -79,11 +86,10 @@ class Pack:
             if not 0 <= gap < inf:
                 raise InputError(key="ply_gap", value=gap, allowed="at least 0")
         if not self.laws:
-            own = {
-                id(ply): ply_laws.default(ply.fabric)
-                for ply in self.plies[: len(self.plies) if self.gaps else 0]
-            }
-            laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
+            own = ()
+            if self.gaps:
+                own = self._each(lambda ply: ply_laws.default(ply.fabric))
+            laws = tuple(front.between(rear) for front, rear in pairwise(own))
             object.__setattr__(self, "laws", laws)
         if len(self.laws) != len(self.gaps):
             raise InputError(
@@ -143,11 +149,19 @@ class Pack:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
-        law = law or (ply_laws.default(ply.fabric) if plies > 1 else None)
+        if law is None and plies > 1:
+            law = ply_laws.default(ply.fabric)
         if gap is None:
-            gap = ply_gap(ply.fabric, law).value if plies > 1 else 0.0
-        both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        laws = (law,) * (plies - 1) if law else ()
+            gap = 0.0
+            if plies > 1:
+                gap = ply_gap(ply.fabric, law).value
+        both = ply, ply
+        if stacking == "alternating" and plies > 1:
+            both = ply, turned(ply)
+        if law:
+            laws = (law,) * (plies - 1)
+        else:
+            laws = ()
         stack = tuple(both[n % 2] for n in range(plies))
         return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
 
@@ -164,7 +178,8 @@ class Pack:
 
         Parameters
         ----------
-        plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is turned
+        plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is
+            turned
         gaps : [m] between each two; None takes that of `gap.gap_between`
         contact, friction : as of a Pack
 
@@ -176,13 +191,14 @@ class Pack:
         for panel, angle in plies:
             if (id(panel), angle) not in made:
                 made[id(panel), angle] = at_angle(panel, angle)
-        chosen = tuple(
-            gap_between(front.fabric, rear.fabric).value if gap is None else gap
-            for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:])
-        )
+        chosen = []
+        for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:]):
+            if gap is None:
+                gap = gap_between(front.fabric, rear.fabric).value
+            chosen.append(gap)
         return cls(
             tuple(made[id(panel), angle] for panel, angle in plies),
-            chosen,
+            tuple(chosen),
             contact or PlyContact(),
             friction,
         )
@@ -190,7 +206,9 @@ class Pack:
     @classmethod
     def of(cls, target: Panel | Pack) -> Pack:
         """The pack itself, or that of a single ply."""
-        return target if isinstance(target, Pack) else cls((target,))
+        if isinstance(target, Pack):
+            return target
+        return cls((target,))
 
     @property
     def angles(self) -> tuple[float, ...]:
@@ -199,7 +217,8 @@ class Pack:
 
     @cached_property
     def turns(self) -> FloatArray:
-        """(plies, 2) cosine and sine of the angles from the frame of the first ply to those of the plies."""
+        """(plies, 2) cosine and sine of the angles from the frame of the first ply to those of the
+        plies."""
         angles = np.array(self.angles) - self.angles[0]
         return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -237,7 +256,8 @@ class Pack:
 
     def _foreseen(self, slots):
         """Room for what firm springs foresee; a nose of explicit ones has none."""
-        slots = slots if len(self.plies) > 1 else 0
+        if len(self.plies) == 1:
+            slots = 0
         return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
     @cached_property
@@ -259,18 +279,11 @@ class Pack:
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
-        count, shot = len(self.plies), self.plies[0].shot
-        stack = Stack(
-            awake=np.zeros(count, np.bool_),
-            waits_for_plies=np.zeros(count, np.bool_),
-            counter=np.zeros(3, np.int64),
-            projectile_position=np.zeros((count, 3)),
-            f_contact_nose=np.zeros((count, 3)),
-            ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
-            projectile_velocity=strike_velocity * shot.flight,
-            turns=self.turns,
-            after_stop=np.zeros(1),
-        )
+        found = Stack.zeros(plies=len(self.plies))
+        found["ply_counters"][:, STEP] = AT_REST
+        found["projectile_velocity"][:] = strike_velocity * self.plies[0].shot.flight
+        found["turns"][:] = self.turns
+        stack = Stack(body=Body(**Body.zeros()), **found)
         states = []
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)
@@ -278,20 +291,14 @@ class Pack:
             stack.projectile_position[p, 2] -= self.places[p]
             # rims move from the start, whether anything touches them or not
             stack.awake[p] = p == 0 or state.slip_force.size > 0
-            states.append(
-                state._replace(
-                    projectile_position=stack.projectile_position[p],
-                    f_contact_nose=stack.f_contact_nose[p],
-                    counter=stack.ply_counters[p],
-                    projectile_velocity=stack.projectile_velocity
-                    if p == 0
-                    else state.projectile_velocity,
-                    **self._foreseen(state.mass.size),
-                )
-            )
-            states[p] = states[p]._replace(
-                **{name: getattr(states[0], name) for name in dynamics.STATE}
-            )
+            shared = {
+                "projectile_position": stack.projectile_position[p],
+                "f_contact_nose": stack.f_contact_nose[p],
+                "counter": stack.ply_counters[p],
+            }
+            if p == 0:
+                shared["projectile_velocity"] = stack.projectile_velocity
+            states.append(state._replace(**shared, **self._foreseen(state.mass.size)))
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:
@@ -305,7 +312,9 @@ class Pack:
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
-        rest, points, knobs = [], self.contact.points, self.contact
+        rest = []
+        points = self.contact.points
+        knobs = self.contact
         for ply, z in zip(self.plies, self.places):
             x, y = ply.coordinates()
             nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
@@ -347,7 +356,9 @@ class Pack:
 
     def _in_step(self, ply):
         """A ply with the Courant factor that gives it the pack's time step."""
-        return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
+        if ply.time_step == self.time_step:
+            return ply
+        return _slower(ply, self.time_step)
 
     def _stick_damping(self, mass):
         """[N s/m] of a contact point."""
@@ -356,12 +367,15 @@ class Pack:
         )
 
     def _first_places(self, p):
-        """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie on the next at rest.
+        """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie
+        on the next at rest.
 
-        Near the borders of zones, where the spline's places are not in proportion to distances, a guess; of points
-        beside that ply the nearest place on its rim.
+        Near the borders of zones, where the spline's places are not in proportion to distances, a
+        guess; of points beside that ply the nearest place on its rim.
         """
-        front, rear, n = self.plies[p], self.plies[p + 1], self.contact.points
+        front = self.plies[p]
+        rear = self.plies[p + 1]
+        n = self.contact.points
         sub = (np.arange(n) + 0.5) / n
         along, across = (np.arange(count)[:, None] + sub for count in front.counts)
         lines = [
@@ -376,9 +390,9 @@ class Pack:
         )
 
     def _areas(self, p, places):
-        """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its smallest: its own, or
-        what its points have where elements of another grid behind it are smaller, whose nodes' mass would bear no
-        stiffer spring.
+        """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its
+        smallest: its own, or what its points have where elements of another grid behind it are
+        smaller, whose nodes' mass would bear no stiffer spring.
 
         places : of `_first_places`
         """
@@ -393,7 +407,8 @@ class Pack:
         ):
             return own / np.prod(front.spacing)
         wide = np.pad(other, 1, mode="edge")
-        (m, n), shifts = other.shape, [(a, b) for a in range(3) for b in range(3)]
+        m, n = other.shape
+        shifts = [(a, b) for a in range(3) for b in range(3)]
         least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)
         at = np.minimum(
             places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1
@@ -410,7 +425,8 @@ def _slower(ply, step):
 
 
 def turned(panel: Panel) -> Panel:
-    """The same panel with its fabric turned by a right angle; opening and edges stay where they are.
+    """The same panel with its fabric turned by a right angle; opening and edges stay where they
+    are.
 
     Raises
     ------
@@ -442,12 +458,13 @@ def turned(panel: Panel) -> Panel:
 
 
 def at_angle(panel: Panel, angle: float) -> Panel:
-    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges stay.
+    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges
+    stay.
 
     Raises
     ------
-    InputError : as `turned`; an angle that is not one of half a turn; edges that are not clamped, or a model that is
-        not whole, of any but a right angle
+    InputError : as `turned`; an angle that is not one of half a turn; edges that are not clamped,
+        or a model that is not whole, of any but a right angle
     """
     if not -pi / 2 < angle <= pi / 2:
         raise InputError(key="angle", value=angle, allowed="above -pi/2 and at most pi/2")

@@ -1,27 +1,39 @@
-"""Which tiles and facets of different plies are near each other, in lists that are remade after a motion.
+"""Which tiles and facets of different plies are near each other, in lists that are remade after a
+motion.
 
-A tile is TALL by WIDE elements of a ply. Its travel is the sum over steps of the largest way of its nodes, with the way
-that they would make in the coming step. What is `gap` [m] apart is looked at again when the travels of both its tiles
-have grown by gap - near [m] together: it cannot have come nearer than `near` before. That holds of pairs of tiles, of
-pairs of facets of these, and of a tile and a plane of symmetry; and with the thickness for `near`, of tiles whose
-points may press on each other (`plies.pressure_kernels`).
+A tile is TALL by WIDE elements of a ply. Its travel is the sum over steps of the largest way of its
+nodes, with the way that they would make in the coming step. What is `gap` [m] apart is looked at
+again when the travels of both its tiles have grown by gap - near [m] together: it cannot have come
+nearer than `near` before. That holds of pairs of tiles, of pairs of facets of these, and of a tile
+and a plane of symmetry; and with the thickness for `near`, of tiles whose points may press on each
+other (`plies.pressure_kernels`).
 
     pairs of tiles   all whose boxes are within _TILE_REACH thicknesses; found anew when a tile has come that far
     pairs of facets  of tiles that no plane divides: all whose boxes are within _REACH thicknesses; found anew likewise
     rows             those that are nearer than `near`, or could meet in the coming step, for the guard
                      (`plies.guard_kernels`)
 
-An element is two triangles where it has yarns of both families and has not eroded, and, once torn, is not drawn out to
-more than twice its size. What has ceased to be one never is one again. Yarns beside no such element are bare.
+An element is two triangles where it has yarns of both families and has not eroded, and, once torn,
+is not drawn out to more than twice its size. What has ceased to be one never is one again. Yarns
+beside no such element are bare.
 """
 
 import math
 
+from shellfabric.cloth.vector_kernels import cross, difference, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.panel.motion_kernels import FAILURES
-from shellfabric.plies.frame_kernels import MIRROR_X, NI, NJ, STRIDE, TALL, WIDE
+from shellfabric.plies.frame_kernels import (
+    MIRROR_X,
+    NI,
+    NJ,
+    STRIDE,
+    TALL,
+    WIDE,
+    mean_thickness,
+)
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, needed
-from shellfabric.plies.separation_kernels import cross, difference, dot, lower_bound, separation
+from shellfabric.plies.separation_kernels import lower_bound, separation
 from shellfabric.state import unit
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
@@ -38,7 +50,8 @@ def tile_bounds(contact, t):
     """Ply of a tile, and its first and last rows and columns of nodes."""
     p = contact.tile_ply[t]
     i, j = divmod(t - contact.first_tile[p], contact.tiles_across[p])
-    ni, nj = contact.shape[p, NI], contact.shape[p, NJ]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
     return p, i * TALL, min((i + 1) * TALL, ni), j * WIDE, min((j + 1) * WIDE, nj)
 
 
@@ -47,12 +60,15 @@ def set_box(contact, t):
     """The box of a tile, into contact.box."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     for c in range(3):
-        low, high = 1e30, -1e30
+        low = 1e30
+        high = -1e30
         for i in range(i0, i1 + 1):
             k = contact.base[p] + i * contact.shape[p, STRIDE]
             for x in contact.x[c, k + j0 : k + j1 + 1]:
-                low, high = min(low, x), max(high, x)
-        contact.box[t, c], contact.box[t, 3 + c] = low, high
+                low = min(low, x)
+                high = max(high, x)
+        contact.box[t, c] = low
+        contact.box[t, 3 + c] = high
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -74,19 +90,25 @@ def boxes_apart(box, other):
 
 @unit()
 def list_tiles(contact):
-    """Pairs of tiles of different plies that are within reach, and the order of the tiles along x."""
-    tiles, order = contact.travel.size, contact.order
-    for n in range(1, tiles):  # nearly in order already
-        t, m = order[n], n - 1
+    """Pairs of tiles of different plies that are within reach, and the order of the tiles along
+    x."""
+    tiles = contact.travel.size
+    order = contact.order
+    # insertion sort: tiles are nearly in order already
+    for n in range(1, tiles):
+        t = order[n]
+        m = n - 1
         while m >= 0 and contact.box[order[m], 0] > contact.box[t, 0]:
             order[m + 1] = order[m]
             m -= 1
         order[m + 1] = t
-    reach, found = _TILE_REACH * contact.thickest, 0
+    reach = _TILE_REACH * contact.thickest
+    found = 0
     for n in range(tiles):
         a = order[n]
         for m in range(n + 1, tiles):
             b = order[m]
+            # sorted by their lower ends: all further ones are beyond reach too
             if contact.box[b, 0] > contact.box[a, 3] + reach:
                 break
             if (
@@ -96,26 +118,34 @@ def list_tiles(contact):
                 if found == contact.pair_due.size:
                     contact.guard[FAILED] = NO_ROOM
                     break
-                contact.pair_tiles[found, 0], contact.pair_tiles[found, 1] = a, b
+                contact.pair_tiles[found, 0] = a
+                contact.pair_tiles[found, 1] = b
                 contact.pair_due[found] = contact.pair_seen[found] = -1e30
                 found += 1
-    contact.count[PAIRS], contact.count[ENTRIES] = found, 0
+    contact.count[PAIRS] = found
+    contact.count[ENTRIES] = 0
     for t in range(tiles):
         contact.travel_then[t] = contact.travel[t]
 
 
 @kernel(_nrt=False, forceinline=True)
+def tiles_thickness(contact, a, b):
+    """[m] mean thickness of the plies of two tiles."""
+    return mean_thickness(contact, contact.tile_ply[a], contact.tile_ply[b])
+
+
+@kernel(_nrt=False, forceinline=True)
 def guarded_distance(contact, a, b):
-    """[m] within which facets of two tiles have to stay on their sides: they could meet in the coming step."""
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
+    """[m] within which facets of two tiles have to stay on their sides: they could meet in the
+    coming step."""
+    thickness = tiles_thickness(contact, a, b)
     return max(NEAR * thickness, _FASTER * (contact.way[a] + contact.way[b]))
 
 
 @kernel(_nrt=False, forceinline=True)
 def tiles_have_moved(contact):
-    """Whether a tile has come so far that pairs may have come within reach that are not in the list."""
+    """Whether a tile has come so far that pairs may have come within reach that are not in the
+    list."""
     furthest = 0.0
     for t in range(contact.travel.size):
         furthest = max(furthest, contact.travel[t] + contact.way[t] - contact.travel_then[t])
@@ -126,24 +156,29 @@ def tiles_have_moved(contact):
 def mean_normal(contact, t):
     """Unit vector across the diagonals of a tile; 0 of one without any."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    s, k = contact.shape[p, STRIDE], contact.base[p]
+    s = contact.shape[p, STRIDE]
+    k = contact.base[p]
     u = difference(contact.x, k + i0 * s + j0, k + i1 * s + j1)
     v = difference(contact.x, k + i1 * s + j0, k + i0 * s + j1)
     n = cross(u, v)
     size = math.sqrt(dot(n, n))
-    return (n[0] / size, n[1] / size, n[2] / size) if size > 0.0 else (0.0, 0.0, 0.0)
+    if size > 0.0:
+        return scaled(1.0 / size, n)
+    return 0.0, 0.0, 0.0
 
 
 @kernel(_nrt=False)
 def tile_span(contact, t, n):
     """The least and the largest of n.x over the nodes of a tile."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    low, high = 1e30, -1e30
+    low = 1e30
+    high = -1e30
     for i in range(i0, i1 + 1):
         k = contact.base[p] + i * contact.shape[p, STRIDE]
         for m in range(k + j0, k + j1 + 1):
             along = n[0] * contact.x[0, m] + n[1] * contact.x[1, m] + n[2] * contact.x[2, m]
-            low, high = min(low, along), max(high, along)
+            low = min(low, along)
+            high = max(high, along)
     return low, high
 
 
@@ -164,13 +199,11 @@ def tiles_apart(contact, a, b):
 def list_facets(contact, state, t, side):
     """The facets of a tile, into contact.facets[side]; their number."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    s, ni, nj, first, found = (
-        contact.shape[p, STRIDE],
-        contact.shape[p, NI],
-        contact.shape[p, NJ],
-        contact.base[p],
-        0,
-    )
+    s = contact.shape[p, STRIDE]
+    ni = contact.shape[p, NI]
+    nj = contact.shape[p, NJ]
+    first = contact.base[p]
+    found = 0
     for i in range(i0, i1):
         for j in range(j0, j1):
             g = first + i * s + j
@@ -181,7 +214,8 @@ def list_facets(contact, state, t, side):
         return found
     for i in range(i0, i1 + 1):
         for j in range(j0, j1 + 1):
-            g, k = first + i * s + j, i * (nj + 1) + j
+            g = first + i * s + j
+            k = i * (nj + 1) + j
             here = i < ni and j < nj and contact.dropped[g] == 0
             above = i > 0 and j < nj and contact.dropped[g - s] == 0
             before = j > 0 and i < ni and contact.dropped[g - 1] == 0
@@ -195,22 +229,28 @@ def list_facets(contact, state, t, side):
 @kernel(_nrt=False, forceinline=True)
 def add_facet(contact, side, found, a, b, c):
     """Put a facet and its box at place `found`; the next place."""
-    nodes, box = contact.facets[side, found], contact.facet_box[side, found]
-    nodes[0], nodes[1], nodes[2] = a, b, c
+    nodes = contact.facets[side, found]
+    box = contact.facet_box[side, found]
+    nodes[0] = a
+    nodes[1] = b
+    nodes[2] = c
     for r in range(3):
-        u, v, w = contact.x[r, a], contact.x[r, b], contact.x[r, c]
-        box[r], box[3 + r] = min(u, min(v, w)), max(u, max(v, w))
+        u = contact.x[r, a]
+        v = contact.x[r, b]
+        w = contact.x[r, c]
+        box[r] = min(u, min(v, w))
+        box[3 + r] = max(u, max(v, w))
     return found + 1
 
 
 @unit()
 def list_near_facets(contact, m, first, second):
-    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
+    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they
+    can be near."""
     a, b = contact.pair_tiles[m]
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
-    limit, found = guarded_distance(contact, a, b), contact.count[ENTRIES]
+    thickness = tiles_thickness(contact, a, b)
+    limit = guarded_distance(contact, a, b)
+    found = contact.count[ENTRIES]
     reach = limit + _REACH * thickness
     contact.pair_due[m] = contact.travel[a] + contact.travel[b] + _REACH * thickness
     for i in range(first):
@@ -224,11 +264,13 @@ def list_near_facets(contact, m, first, second):
                 return
             nodes = contact.entry_nodes[found]
             for r in range(3):
-                nodes[r], nodes[3 + r] = contact.facets[0, i, r], contact.facets[1, j, r]
+                nodes[r] = contact.facets[0, i, r]
+                nodes[3 + r] = contact.facets[1, j, r]
             apart = lower_bound(contact.x, nodes)
             if apart > reach:
                 continue
-            contact.entry_pair[found], contact.entry_end[found] = m, contact.pair_due[m]
+            contact.entry_pair[found] = m
+            contact.entry_end[found] = contact.pair_due[m]
             contact.entry_due[found] = contact.travel[a] + contact.travel[b] + apart - limit
             found += 1
     contact.count[ENTRIES] = found
@@ -245,7 +287,8 @@ def add_row(contact, nodes, n, distance, thickness):
         contact.row_nodes[row, r] = nodes[r]
     for c in range(3):
         contact.row_normal[row, c] = n[c]
-    contact.row_need[row], contact.row_distance[row] = needed(distance, thickness), distance
+    contact.row_need[row] = needed(distance, thickness)
+    contact.row_distance[row] = distance
     contact.guard[LEAST] = min(contact.guard[LEAST], distance / thickness)
     contact.count[ROWS] = row + 1
 
@@ -254,10 +297,9 @@ def add_row(contact, nodes, n, distance, thickness):
 def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
-    )
-    nodes, limit = contact.entry_nodes[e], guarded_distance(contact, a, b)
+    thickness = tiles_thickness(contact, a, b)
+    nodes = contact.entry_nodes[e]
+    limit = guarded_distance(contact, a, b)
     apart = lower_bound(contact.x, nodes)
     if apart <= limit:
         apart, n = separation(contact.x, nodes)
@@ -272,9 +314,11 @@ def look_at_entry(contact, e):
 
 @unit()
 def look_at_planes(contact, t):
-    """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can be."""
+    """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can
+    be."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    thickness, least = contact.thickness[p], 1e30
+    thickness = contact.thickness[p]
+    least = 1e30
     limit = max(NEAR * thickness, _FASTER * contact.way[t])
     for c in range(2):
         if not contact.shape[p, MIRROR_X + c]:
@@ -286,8 +330,13 @@ def look_at_planes(contact, t):
                     continue
                 x = contact.x[c, k]
                 if 0.0 < x <= limit:
-                    n = (1.0, 0.0, 0.0) if c == 0 else (0.0, 1.0, 0.0)
-                    plane = PLANE_X if c == 0 else PLANE_Y
+                    if c == 0:
+                        n = (1.0, 0.0, 0.0)
+                    else:
+                        n = (0.0, 1.0, 0.0)
+                    plane = PLANE_Y
+                    if c == 0:
+                        plane = PLANE_X
                     add_row(contact, (plane, plane, plane, k, k, k), n, x, thickness)
                 least = min(least, max(x - limit, 0.0))
     contact.plane_due[t] = contact.travel[t] + least
@@ -295,12 +344,14 @@ def look_at_planes(contact, t):
 
 @unit()
 def list_pressed(contact):
-    """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch through a hole, into
-    contact.pressed."""
+    """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch
+    through a hole, into contact.pressed."""
     contact.count[STEP] += 1
     contact.count[PRESSED] = 0
     torn = list_neighbours(contact, contact.count[STEP])
-    for m in range(contact.count[PAIRS] if torn else 0):
+    if not torn:
+        return
+    for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
         if contact.tile_ply[rear] > contact.tile_ply[front] + 1 and may_touch(
             contact, m, front, rear
@@ -310,8 +361,9 @@ def list_pressed(contact):
 
 @unit("flag")
 def list_neighbours(contact, now):
-    """List the tiles that may touch the next ply, by how far they were from it when last looked at; mark those that
-    have a tile of the next ply behind them, and those behind which one has a hole. Whether there are holes."""
+    """List the tiles that may touch the next ply, by how far they were from it when last looked at;
+    mark those that have a tile of the next ply behind them, and those behind which one has a hole.
+    Whether there are holes."""
     torn = False
     for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
@@ -319,7 +371,8 @@ def list_neighbours(contact, now):
             continue
         contact.covered[front] = now
         if contact.holes[rear]:
-            contact.open[front], torn = now, True
+            contact.open[front] = now
+            torn = True
         apart = contact.pair_seen[m] + contact.clearance[front]
         if (
             contact.looked_at[front] != now
@@ -341,7 +394,9 @@ def list_neighbours(contact, now):
 def ordered(contact, m):
     """The tiles of pair m, that of the ply in front first."""
     a, b = contact.pair_tiles[m]
-    return (a, b) if contact.tile_ply[a] < contact.tile_ply[b] else (b, a)
+    if contact.tile_ply[a] < contact.tile_ply[b]:
+        return (a, b)
+    return (b, a)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -351,14 +406,15 @@ def add_pressed(contact, front, rear):
     if count == contact.pressed.shape[0]:
         contact.guard[FAILED] = NO_ROOM
         return
-    contact.pressed[count, 0], contact.pressed[count, 1] = front, rear
+    contact.pressed[count, 0] = front
+    contact.pressed[count, 1] = rear
     contact.count[PRESSED] = count + 1
 
 
 @kernel(_nrt=False, forceinline=True)
 def may_touch(contact, m, front, rear):
-    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a hole, or nothing, of
-    the next ply, and they are within the thickness."""
+    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a
+    hole, or nothing, of the next ply, and they are within the thickness."""
     if contact.covered[front] == contact.count[STEP] and contact.open[front] != contact.count[STEP]:
         return False
     travel = contact.travel[front] + contact.travel[rear]
@@ -366,9 +422,7 @@ def may_touch(contact, m, front, rear):
         return False
     refresh_box(contact, front)
     refresh_box(contact, rear)
-    thickness = 0.5 * (
-        contact.thickness[contact.tile_ply[front]] + contact.thickness[contact.tile_ply[rear]]
-    )
+    thickness = tiles_thickness(contact, front, rear)
     apart = tiles_apart(contact, front, rear)
     contact.pair_seen[m] = travel + max(apart - thickness, 0.0)
     return apart <= thickness

@@ -19,21 +19,23 @@ _CELLS = 128  # of the table of a law over its travel
 class PlyContact:
     """Numerical parameters of the contact between plies, set by stability and convergence.
 
-    The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`): K = dp/dd [Pa/m], the same on
-    every mesh. It bounds the time step. In a stack of plies of the areal density A, on springs K with dampers
-    c = zeta sqrt(K A) per area, the highest mode requires
+    The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`): K = dp/dd
+    [Pa/m], the same on every mesh. It bounds the time step. In a stack of plies of the areal
+    density A, on springs K with dampers c = zeta sqrt(K A) per area, the highest mode requires
 
         C^2 + 2 zeta C < 1,     C = dt sqrt(K / A)
 
-    with K the steepest of the law. C is the Courant number of the contact: a compression wave passes C plies a step.
-    The defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet.
+    with K the steepest of the law. C is the Courant number of the contact: a compression wave
+    passes C plies a step. The defaults stand at 0.83. The damper leaves a ninth of the speed at
+    which two free plies meet.
 
     Parameters
     ----------
     courant : [-] C, which the time step of the pack is cut down to
     damping : [-] zeta, on the stiffness that the law has at the present closure
     points : along each side of an element
-    stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what depends on them
+    stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what
+        depends on them
 
     Raises
     ------
@@ -58,7 +60,8 @@ class PlyContact:
 def law_tables(
     laws: Sequence[PlyLaw], areas: Sequence[float], densities: Sequence[float], contact: PlyContact
 ) -> tuple[FloatArray, FloatArray]:
-    """(laws, cells + 1, 4) tables of contact points for `law_kernels`, and the widths (laws,) [m] of their cells.
+    """(laws, cells + 1, 4) tables of contact points for `law_kernels`, and the widths (laws,) [m]
+    of their cells.
 
     Parameters
     ----------
@@ -67,7 +70,9 @@ def law_tables(
     densities : [kg/m2] of the lighter one of the two plies
     contact : PlyContact, of which factor on the stiffness and damping are taken
     """
-    cells = 1 if all(law.closure.size == 2 for law in laws) else _CELLS
+    cells = _CELLS
+    if all(law.closure.size == 2 for law in laws):
+        cells = 1
     tables = np.zeros((len(laws), cells + 1, 4))
     for table, law, area, density in zip(tables, laws, areas, densities):
         scaled = law.scaled(contact.stiffness)

@@ -1,25 +1,23 @@
 """The guard of a pack (`plies.guard_kernels`): in each step, before its forces have acted.
 
-Places after the step are predicted from all forces that will act in it. The impulses are given as forces that act in
-this step alone. Their work is half a step's on the velocities before it, and half a step's on those after it, as that
-of all forces is.
+Places after the step are predicted from all forces that will act in it. The impulses are given as
+forces that act in this step alone. Their work is half a step's on the velocities before it, and
+half a step's on those after it, as that of all forces is.
 """
 
 import math
 
 import numpy as np
 
+from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
+from shellfabric.cloth.vector_kernels import add, add_scaled, column, nodal, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
 from shellfabric.plies.frame_kernels import (
-    BEFORE,
-    BEHIND,
     NJ,
     STRIDE,
-    extend_window,
-    half_step_work,
     place,
     turned,
     turned_back,
@@ -30,13 +28,16 @@ from shellfabric.state import unit
 
 @unit()
 def hold_apart(states, consts, contact):
-    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of their work."""
+    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of
+    their work."""
     if contact.count[near.REMAKE]:
         for p in range(len(states)):
             place(row_of(states, p), row_of(consts, p), contact, p)
             follow(row_of(states, p), row_of(consts, p), contact, p)
         for t in range(contact.travel.size):
-            contact.travel[t], contact.plane_due[t], contact.order[t] = 0.0, 0.0, t
+            contact.travel[t] = 0.0
+            contact.plane_due[t] = 0.0
+            contact.order[t] = t
     if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
         contact.count[near.REMAKE] = 0
         for t in range(contact.travel.size):
@@ -59,29 +60,38 @@ def hold_apart(states, consts, contact):
 
 @unit()
 def count_work(states, consts, contact, let_go):
-    """Count half of the work of the guard's forces: before their step, or after it, when they are taken away."""
+    """Count half of the work of the guard's forces: before their step, or after it, when they are
+    taken away."""
     for p in range(len(states)):
         if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
-            state, const = row_of(states, p), row_of(consts, p)
-            force, window = contact.guard_force[p], contact.guard_window[p]
+            state = row_of(states, p)
+            const = row_of(consts, p)
+            force = contact.guard_force[p]
+            window = contact.guard_window[p]
             contact.guard[near.WORK] -= half_step_work(state, const, force, window, let_go)
 
 
 @unit()
 def follow(state, const, contact, p):
-    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way and contact.travel."""
-    s, across = const.row_stride, contact.tiles_across[p]
-    down, speed = (const.ni + near.TALL - 1) // near.TALL, contact.block_speed[p]
+    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way
+    and contact.travel."""
+    s = const.row_stride
+    across = contact.tiles_across[p]
+    down = (const.ni + near.TALL - 1) // near.TALL
+    speed = contact.block_speed[p]
     for i in range(down + 1):
-        begin, end = (
-            max(i * near.TALL, state.active_rows[0]),
-            min((i + 1) * near.TALL, state.active_rows[1] + 1),
-        )
+        begin = max(i * near.TALL, state.active_rows[0])
+        end = min((i + 1) * near.TALL, state.active_rows[1] + 1)
         for j in range(across + 1):
-            square, own = broadcast(0.0), head_mask(s - j * near.WIDE)
-            for row in range(begin, end if j * near.WIDE < s else begin):
+            square = broadcast(0.0)
+            own = head_mask(s - j * near.WIDE)
+            if j * near.WIDE >= s:
+                end = begin  # there are no nodes
+            for row in range(begin, end):
                 k = row * s + j * near.WIDE
-                x, y, z = load(state.v[0], k), load(state.v[1], k), load(state.v[2], k)
+                x = load(state.v[0], k)
+                y = load(state.v[1], k)
+                z = load(state.v[2], k)
                 square = maximum(square, where(own, x * x + y * y + z * z, 0.0))
             speed[i * (across + 1) + j] = reduce_max(square)
     for i in range(down):
@@ -97,14 +107,17 @@ def follow(state, const, contact, p):
 
 @kernel(_nrt=False)
 def look_at_tiles(states, contact):
-    """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane of symmetry."""
+    """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane
+    of symmetry."""
     for m in range(contact.count[near.PAIRS]):
         a, b = contact.pair_tiles[m]
         if contact.pair_due[m] > farthest(contact, a, b):
             continue
         near.refresh_box(contact, a)
         near.refresh_box(contact, b)
-        apart, p, q = near.tiles_apart(contact, a, b), contact.tile_ply[a], contact.tile_ply[b]
+        apart = near.tiles_apart(contact, a, b)
+        p = contact.tile_ply[a]
+        q = contact.tile_ply[b]
         limit = near.guarded_distance(contact, a, b)
         if apart > limit:
             contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
@@ -113,7 +126,9 @@ def look_at_tiles(states, contact):
             near.list_near_facets(
                 contact, m, first, near.list_facets(contact, row_of(states, q), b, 1)
             )
-    for t in range(contact.travel.size if contact.has_planes else 0):
+    if not contact.has_planes:
+        return
+    for t in range(contact.travel.size):
         if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
             near.look_at_planes(contact, t)
 
@@ -126,8 +141,8 @@ def farthest(contact, a, b):
 
 @kernel(_nrt=False)
 def look_at_facets(contact):
-    """Rows of the guard of all listed pairs of facets that are near; the others stay in the list for as long as it is
-    known when they can be."""
+    """Rows of the guard of all listed pairs of facets that are near; the others stay in the list
+    for as long as it is known when they can be."""
     kept = 0
     for e in range(contact.count[near.ENTRIES]):
         m = contact.entry_pair[e]
@@ -135,11 +150,9 @@ def look_at_facets(contact):
         if contact.entry_end[e] != contact.pair_due[m]:
             continue
         if kept != e:
-            contact.entry_pair[kept], contact.entry_due[kept], contact.entry_end[kept] = (
-                m,
-                contact.entry_due[e],
-                contact.pair_due[m],
-            )
+            contact.entry_pair[kept] = m
+            contact.entry_due[kept] = contact.entry_due[e]
+            contact.entry_end[kept] = contact.pair_due[m]
             for r in range(6):
                 contact.entry_nodes[kept, r] = contact.entry_nodes[e, r]
         if contact.entry_due[kept] <= farthest(contact, a, b):
@@ -169,7 +182,9 @@ def predict(states, consts, contact):
                 v_x, v_y = turned_back(contact.turns[p], v[0], v[1])
                 for c, speed in enumerate((v_x, v_y, v[2])):
                     kept = c < 2 and contact.mirror[g] >> c & 1
-                    contact.y[c, g] = contact.x[c, g] + (0.0 if kept else contact.dt * speed)
+                    contact.y[c, g] = contact.x[c, g]
+                    if not kept:
+                        contact.y[c, g] += contact.dt * speed
                     contact.impulse[c, g] = 0.0
 
 
@@ -184,20 +199,15 @@ def own_number(contact, g):
 @kernel(_nrt=False)
 def next_velocity(state, const, contact, p, k):
     """The velocity of a node in the coming step, by all forces but the guard's."""
-    i, kick = k // const.row_stride, state.dt_over_mass[k]
-    f = sum_at(state.f_contact, k, sum_at(state.f_int, k, (0.0, 0.0, 0.0)))
-    if i > 0 and i % const.rows_per_block == 0:
-        f = sum_at(state.f_int_above, k, f)
+    row = k // const.row_stride
+    force = add(nodal(state.f_int, k), nodal(state.f_contact, k))
+    if row > 0 and row % const.rows_per_block == 0:
+        force = add(force, nodal(state.f_int_above, k))
     if const.has_backing:
-        f = sum_at(state.f_block_cloth, k, f)
-    f = sum_at(contact.force[p, BEHIND], k, sum_at(contact.force[p, BEFORE], k, f))
-    return state.v[0][k] + kick * f[0], state.v[1][k] + kick * f[1], state.v[2][k] + kick * f[2]
-
-
-@kernel(_nrt=False, forceinline=True)
-def sum_at(force, k, total):
-    """A vector [N], and that of the nodal forces at node k."""
-    return total[0] + force[0][k], total[1] + force[1][k], total[2] + force[2][k]
+        force = add(force, nodal(state.f_block_cloth, k))
+    for side in range(2):
+        force = add(force, nodal(contact.force[p, side], k))
+    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
 
 
 @unit()
@@ -205,18 +215,14 @@ def give_forces(contact):
     """The impulses as forces of a step, in the frames of the plies."""
     for m in range(contact.count[near.NODES]):
         g = contact.node_list[m]
-        p, k = g // contact.slots, own_number(contact, g)
-        x, y, z = (
-            contact.impulse[0, g] / contact.dt,
-            contact.impulse[1, g] / contact.dt,
-            contact.impulse[2, g] / contact.dt,
-        )
+        p = g // contact.slots
+        k = own_number(contact, g)
+        x, y, z = scaled(1.0 / contact.dt, column(contact.impulse, 0, g))
         if x != 0.0 or y != 0.0 or z != 0.0:
             f_x, f_y = turned(contact.turns[p], x, y)
-            (
-                contact.guard_force[p, 0, k],
-                contact.guard_force[p, 1, k],
-                contact.guard_force[p, 2, k],
-            ) = f_x, f_y, z
+            force = contact.guard_force[p]
+            force[0, k] = f_x
+            force[1, k] = f_y
+            force[2, k] = z
             i, j = divmod(k, contact.shape[p, NJ] + 1)
             extend_window(contact.guard_window[p], i, i + 1, j, j + 1)

@@ -1,35 +1,50 @@
 """Pressure and friction between plies, point by point, from where they are now.
 
-Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of
-a ply behind it that is closest to x, d their distance, t the mean thickness of both plies, v the velocity of x over y:
+Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the
+point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
+of both plies, v the velocity of x over y:
 
-    n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
+    n = (y - x) / d,     f = A max(0, p(t - d) + c n.v)                                 (1)
+    v_t = v - (n.v) n,   g = min(mu f / |v_t|, c_t) v_t                                 (2)
 
-with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
-limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
-rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
-or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest:
-fabric does not contract much below it (`cloth.packing_kernels`).
+with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields
+at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their
+weights in x, f n + g on those of the rear ply by their weights in y: the sum vanishes to the last
+digits. The distance has no sign. So no point has a side, or a past: what keeps plies from passing
+through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
+contract much below it (`cloth.packing_kernels`).
 
-Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies come to meet through
-a hole, each at a depth that no motion has made: energy that nobody gave. What a closure c jumps by, c - c_old - dt n.v
-beyond _JUMP thicknesses, does not press (`moved_closure`), until the point has left. It is the one thing that is
-remembered.
+Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
+come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
+a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`moved_closure`),
+until the point has left. It is the one thing that is remembered.
 
-Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
-the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
+Closest points. The search begins at the place of the last step, or of the nearest node, and takes
+Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
+its end is, to second order,
 
-    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b
+    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (3)
 
-Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may touch. Most are
-computed eight at once: points with the same place in neighbouring elements are side by side, and so are their closest
-points, to within a node, where plies lie at one angle. Eight of them lie over four rows of four nodes each, that of the
-next a node further. What needs more than a formula (torn fabric, sides, folds, plies at other angles) is computed one
-at a time. Plies that are no neighbours meet where the ply behind the first has a hole.
+Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may
+touch. Most are computed eight at once: points with the same place in neighbouring elements are side
+by side, and so are their closest points, to within a node, where plies lie at one angle. Eight of
+them lie over four rows of four nodes each, that of the next a node further. What needs more than a
+formula (torn fabric, sides, folds, plies at other angles) is computed one at a time. Plies that are
+no neighbours meet where the ply behind the first has a hole.
 """
 
 import math
 
+from shellfabric.cloth.nodal_force_kernels import extend_window
+from shellfabric.cloth.vector_kernels import (
+    add,
+    add_scaled,
+    cross,
+    difference,
+    dot,
+    scaled,
+    subtract,
+)
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -58,28 +73,29 @@ from shellfabric.plies.frame_kernels import (
     NI,
     NJ,
     STRIDE,
-    extend_window,
+    mean_thickness,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
 from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
-from shellfabric.plies.separation_kernels import cross, difference, dot
 from shellfabric.plies.surface_kernels import (
-    interpolate8,
+    foot_at,
     is_torn,
     nearest_place,
-    point_mean8,
-    scatter,
+    patch8,
+    patch_at,
+    point_vector8,
     scatter8,
     scatter_to_points8,
     second_slopes8,
+    share_out,
     spline_weights8,
-    surface_patch8,
-    vector_at,
-    weights_at,
+    vector_at8,
+    vector_of,
 )
 from shellfabric.state import unit
 
-# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose element was dropped
+# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose
+# element was dropped
 SPRING, DEEPEST, FRICTION, LOST = range(4)
 _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
@@ -95,7 +111,8 @@ def press(contact, me, count):
     for p in range(me, contact.failures.size, count):
         contact.energy[p, SPRING] = 0.0
     for n in range(contact.count[PRESSED]):
-        tile, p = contact.pressed[n, 0], contact.tile_ply[contact.pressed[n, 0]]
+        tile = contact.pressed[n, 0]
+        p = contact.tile_ply[contact.pressed[n, 0]]
         if contact.tile_ply[contact.pressed[n, 1]] == p + 1 and p % count == me:
             press_tile(contact, tile, p)
 
@@ -104,124 +121,160 @@ def press(contact, me, count):
 def press_others(contact):
     """Forces between plies that are no neighbours."""
     for n in range(contact.count[PRESSED]):
-        tile, other = contact.pressed[n, 0], contact.pressed[n, 1]
-        p, q = contact.tile_ply[tile], contact.tile_ply[other]
+        tile = contact.pressed[n, 0]
+        other = contact.pressed[n, 1]
+        p = contact.tile_ply[tile]
+        q = contact.tile_ply[other]
         if q != p + 1:
             press_through_hole(contact, tile, other, p, q)
 
 
 @unit()
 def press_tile(contact, tile, p):
-    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do not touch is from
-    that, into contact.clearance."""
+    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do
+    not touch is from that, into contact.clearance."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
-    points, nj, clearance = contact.points**2, contact.shape[p, NJ], _FAR
+    points = contact.points**2
+    nj = contact.shape[p, NJ]
+    clearance = _FAR
     for row in range(i0 * points, i1 * points):
-        q, count = contact.first_point[p] + row * nj + j0, j1 - j0
+        q = contact.first_point[p] + row * nj + j0
+        count = j1 - j0
         left = (1 << count) - 1
         if contact.side_by_side[p]:
             left, clear = press_points8(contact, p, row, j0, q, count)
             clearance = min(clearance, clear)
-        for lane in range(count if left else 0):
+        if left == 0:
+            continue
+        for lane in range(count):
             if (left >> lane) & 1:
-                a, b = contact.closest_a[q + lane], contact.closest_b[q + lane]
+                a = contact.closest_a[q + lane]
+                b = contact.closest_b[q + lane]
                 a, b, clear = press_point(contact, p, p + 1, row, j0 + lane, a, b, -1)
-                contact.closest_a[q + lane], contact.closest_b[q + lane] = a, b
+                contact.closest_a[q + lane] = a
+                contact.closest_b[q + lane] = b
                 clearance = min(clearance, clear)
     contact.clearance[tile] = max(clearance, 0.0)
 
 
 @unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
-    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
+    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not
+    touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
-    points, s, S = contact.points**2, contact.shape[p, STRIDE], contact.shape[q, STRIDE]
-    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    points = contact.points**2
+    s = contact.shape[p, STRIDE]
+    S = contact.shape[q, STRIDE]
+    thickness = mean_thickness(contact, p, q)
     reach = (thickness + contact.longest) ** 2
     for i in range(i0, i1):
         for j in range(j0, j1):
             g = contact.base[p] + i * s + j
             if contact.dropped[g]:
                 continue
-            nearest, a, b = reach, 0.0, 0.0
+            nearest = reach
+            a = 0.0
+            b = 0.0
             for m in range(m0, m1):
                 for n in range(n0, n1):
                     k = contact.base[q] + m * S + n
-                    u = (
-                        contact.x[0, g] - contact.x[0, k],
-                        contact.x[1, g] - contact.x[1, k],
-                        contact.x[2, g] - contact.x[2, k],
-                    )
+                    u = difference(contact.x, k, g)
                     if dot(u, u) >= nearest or contact.dropped[k]:
                         continue
                     if (
                         max(height_over(contact, g, s, k, S), height_over(contact, k, S, g, s))
                         <= thickness
                     ):
-                        nearest, a, b = dot(u, u), m + 0.5, n + 0.5
-            for m in range(points if nearest < reach else 0):
+                        nearest = dot(u, u)
+                        a = m + 0.5
+                        b = n + 0.5
+            if nearest >= reach:
+                continue
+            for m in range(points):
                 press_point(contact, p, q, i * points + m, j, a, b, other)
 
 
 @kernel(_nrt=False, forceinline=True)
 def height_over(contact, g, s, k, S):
-    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its plane."""
+    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its
+    plane."""
     x = contact.x
     n = cross(difference(x, g, g + s + 1), difference(x, g + s, g + 1))
     size = math.sqrt(dot(n, n))
-    low, high, least, most = 0.0, 0.0, _FAR, -_FAR
+    low = 0.0
+    high = 0.0
+    least = _FAR
+    most = -_FAR
     for corner in (g + 1, g + s, g + s + 1):
         along = dot(n, difference(x, g, corner))
-        low, high = min(low, along), max(high, along)
+        low = min(low, along)
+        high = max(high, along)
     for corner in (k, k + 1, k + S, k + S + 1):
         along = dot(n, difference(x, g, corner))
-        least, most = min(least, along), max(most, along)
-    return max(least - high, low - most) / size if size > 0.0 else 0.0
+        least = min(least, along)
+        most = max(most, along)
+    if size > 0.0:
+        return max(least - high, low - most) / size
+    return 0.0
 
 
 @kernel(_nrt=False, forceinline=True)
 def place_of_point(contact, row, j):
-    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one point an element."""
+    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one
+    point an element."""
     points = contact.points
-    i, m = row // points**2, row % points**2
+    i = row // points**2
+    m = row % points**2
     return i + (m // points + 0.5) / points, j + (m % points + 0.5) / points
 
 
 @kernel(_nrt=False, forceinline=True)
 def newton_step(w, slopes, second, thickness):
-    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of Gauss and Newton beyond
-    it, and where there is no other. Whether it is within.
+    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of
+    Gauss and Newton beyond it, and where there is no other. Whether it is within.
 
-    w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa, ab, bb
+    w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
+        ab, bb
     """
     y_a, y_b = slopes
-    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
+    aa = dot(y_a, y_a)
+    ab = dot(y_a, y_b)
+    bb = dot(y_b, y_b)
+    r_a = dot(y_a, w)
+    r_b = dot(y_b, w)
     square = aa * bb - ab * ab
     if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
-        return (r_a / aa if aa > 0.0 else 0.0), 0.0, False
+        along = 0.0
+        if aa > 0.0:
+            along = r_a / aa
+        return along, 0.0, False
     # squared distance after a step of Gauss and Newton, times the squared area of the slopes
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = thickness * thickness * square > apart
     if near:
-        curved_aa, curved_ab, curved_bb = (
-            aa - dot(w, second[0]),
-            ab - dot(w, second[1]),
-            bb - dot(w, second[2]),
-        )
+        curved_aa = aa - dot(w, second[0])
+        curved_ab = ab - dot(w, second[1])
+        curved_bb = bb - dot(w, second[2])
         curved = curved_aa * curved_bb - curved_ab * curved_ab
         if curved > 0.1 * square and curved_aa > 0.0:
-            aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
+            aa = curved_aa
+            ab = curved_ab
+            bb = curved_bb
+            square = curved
     return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, near
 
 
 @kernel(_nrt=False, forceinline=True)
-def bounded_step(w, slopes, step, place, low, high):
-    """A step that keeps to low .. high from `place`; where it is cut along one axis, the best along the other."""
+def bounded_step(w, slopes, step, place, room):
+    """A step that keeps to a room (low, high) from `place`; where it is cut along one axis, the
+    best along the other."""
+    low, high = room
     y_a, y_b = slopes
     a = min(max(step[0], low[0] - place[0]), high[0] - place[0])
     b = min(max(step[1], low[1] - place[1]), high[1] - place[1])
-    bb, aa = dot(y_b, y_b), dot(y_a, y_a)
+    bb = dot(y_b, y_b)
+    aa = dot(y_a, y_a)
     if a != step[0] and bb > 0.0:
         b = min(max((dot(y_b, w) - a * dot(y_a, y_b)) / bb, low[1] - place[1]), high[1] - place[1])
     elif b != step[1] and aa > 0.0:
@@ -231,31 +284,27 @@ def bounded_step(w, slopes, step, place, low, high):
 
 @kernel(_nrt=False, forceinline=True)
 def offset_after(w, slopes, second, a, b):
-    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
-    (y_a, y_b), (y_aa, y_ab, y_bb) = slopes, second
-    return (
-        w[0]
-        - (y_a[0] + 0.5 * (a * y_aa[0] + b * y_ab[0])) * a
-        - (y_b[0] + 0.5 * (a * y_ab[0] + b * y_bb[0])) * b,
-        w[1]
-        - (y_a[1] + 0.5 * (a * y_aa[1] + b * y_ab[1])) * a
-        - (y_b[1] + 0.5 * (a * y_ab[1] + b * y_bb[1])) * b,
-        w[2]
-        - (y_a[2] + 0.5 * (a * y_aa[2] + b * y_ab[2])) * a
-        - (y_b[2] + 0.5 * (a * y_ab[2] + b * y_bb[2])) * b,
-    )
+    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to
+    second order."""
+    y_a, y_b = slopes
+    y_aa, y_ab, y_bb = second
+    # eq. (3)
+    along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
+    along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
+    return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
 
 
 @unit("3 numbers", a="number", b="number")
 def press_point(contact, p, q, row, j, a, b, tile):
-    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
-    how far the point is from touching [m].
+    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b)
+    on: its place, and how far the point is from touching [m].
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
-    s, element = contact.shape[p, STRIDE], row // contact.points**2
+    element = row // contact.points**2
     number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
-    if contact.dropped[contact.base[p] + element * s + j]:
+    if contact.dropped[contact.base[p] + element * contact.shape[p, STRIDE] + j]:
+        # what its springs held goes with the element: it is booked as lost
         for slot in range(SLOTS):
             contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
@@ -263,29 +312,31 @@ def press_point(contact, p, q, row, j, a, b, tile):
     if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
         held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
-    torn = is_torn(contact, p, at_a, at_b)
-    i, wa, _, _ = weights_at(torn, at_a, contact.shape[p, NI])
-    j0, wb, _, _ = weights_at(torn, at_b, contact.shape[p, NJ])
-    k = contact.base[p] + i * s + j0
-    x = vector_at(contact.x, k, s, wa, wb)
+    foot = foot_at(contact, p, is_torn(contact, p, at_a, at_b), at_a, at_b)
+    x = vector_of(contact, contact.x, p, foot)
+    # through a hole: the next ply is in between where it is whole
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
-    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    thickness = mean_thickness(contact, p, q)
     (a, b), w, closest, ended = closest_point(contact, q, x, a, b, thickness)
     distance = math.sqrt(dot(w, w))
     if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
-        n = -w[0] / distance, -w[1] / distance, -w[2] / distance
-        at = element, j, i, j0
-        push(contact, p, q, at, k, wa, wb, closest, n, thickness - distance, number)
+        n = scaled(-1.0 / distance, w)
+        area = contact.area[contact.first_element[p] + element * contact.shape[p, NJ] + j]
+        push(contact, (p, foot), (q, closest), area, n, thickness - distance, number)
         if held > 0.0:
             held -= point_energy(contact, p, element, j, number)
     contact.energy[p, LOST] += max(held, 0.0)
-    return a, b, distance - _BERTH * thickness if ended else 0.0
+    clear = 0.0
+    if ended:
+        clear = distance - _BERTH * thickness
+    return a, b, clear
 
 
 @kernel(_nrt=False, forceinline=True)
 def slot_of(p, q):
-    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for the next ply."""
+    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for
+    the next ply."""
     if q == p + 1:
         return 0
     return 1 + (q - p - 2) % (SLOTS - 1)
@@ -293,7 +344,8 @@ def slot_of(p, q):
 
 @kernel(_nrt=False)
 def point_energy(contact, p, i, j, number):
-    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last touched."""
+    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last
+    touched."""
     area = contact.area[contact.first_element[p] + i * contact.shape[p, NJ] + j]
     closure = contact.closed[number] - contact.given[number]
     return area * law_at(contact.laws[p], contact.law_step[p], closure)[2]
@@ -309,85 +361,85 @@ def held_energy(contact, p, i, j, number):
 
 @kernel(_nrt=False, forceinline=True)
 def closest_point(contact, q, x, a, b, thickness):
-    """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of x from it,
-    the nodes about the last place that was looked at and their weights (of `push`), whether the search has ended. An
-    offset of _FAR if there is no fabric."""
-    S, searched, far = contact.shape[q, STRIDE], False, (_FAR, _FAR, _FAR)
-    w, I, J, K, za, zb, torn = far, 0, 0, 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False
+    """The point of ply q that is closest to x, looked for from the place (a, b) on.
+
+    Returns
+    -------
+    its place, the offset of x from it, its foot, whether the search has ended. The foot is that of
+    the last place that was looked at. Where there is no fabric the offset is _FAR.
+    """
+    searched = False
+    none = 0.0, 0.0, 0.0
+    foot = 0, 0, 0, none, none
+    w = _FAR, _FAR, _FAR
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
         if torn and not searched and has_dropped(contact, q, a, b):
-            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+            a, b = nearest_place(contact, q, (a, b), x)
             searched = True
             if has_dropped(contact, q, a, b):
-                return (a, b), far, (I, J, K, za, zb), False
-        I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
-        J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
-        K = contact.base[q] + I * S + J
-        y, y_a = vector_at(contact.x, K, S, za, zb), vector_at(contact.x, K, S, da, zb)
-        w, slopes = (
-            (x[0] - y[0], x[1] - y[1], x[2] - y[2]),
-            (y_a, vector_at(contact.x, K, S, za, db)),
-        )
-        y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
-        second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
+                return (a, b), (_FAR, _FAR, _FAR), foot, False
+        foot, y, slopes, second = patch_at(contact, q, torn, a, b)
+        w = subtract(x, y)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
-        low, high = bounds(contact, q, torn, I, J)
-        go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), low, high)
-        if (
-            torn and not searched and (go != step_a or turn != step_b)
-        ):  # beside the facet: another may be nearer
-            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+        facet = foot[0], foot[1]
+        room = bounds(contact, q, torn, facet)
+        go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), room)
+        # beside the facet: another may be nearer
+        if torn and not searched and (go != step_a or turn != step_b):
+            a, b = nearest_place(contact, q, (a, b), x)
             searched = True
             continue
-        ended = max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
-        go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
-        a, b = a + go, b + turn
+        last = _LAST_FAR
+        if near:
+            last = _LAST
+        ended = max(abs(go), abs(turn)) <= last
+        go = min(max(go, -_LONGEST), _LONGEST)
+        turn = min(max(turn, -_LONGEST), _LONGEST)
+        a += go
+        b += turn
+        # a facet is flat along each axis: one step is enough
         if torn:
-            w, closest = on_facet(contact, q, x, (a, b), (I, J))
-            return (a, b), w, closest, False
+            w, foot = on_facet(contact, q, x, (a, b), facet)
+            return (a, b), w, foot, False
         if ended or iteration == _ITERATIONS - 1:
-            none = 0.0, 0.0, 0.0
-            w = offset_after(w, slopes, second if near else (none, none, none), go, turn)
-            return (a, b), w, (I, J, K, za, zb), ended
-    return (a, b), w, (I, J, K, za, zb), False
+            if not near:
+                second = none, none, none
+            return (a, b), offset_after(w, slopes, second, go, turn), foot, ended
+    return (a, b), w, foot, False
 
 
 @kernel(_nrt=False, forceinline=True)
 def on_facet(contact, q, x, place, facet):
-    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of `push`)."""
-    (a, b), (i, j), s = place, facet, contact.shape[q, STRIDE]
-    k, za, zb = (
-        contact.base[q] + i * s + j,
-        (1.0 - (a - i), a - i, 0.0),
-        (1.0 - (b - j), b - j, 0.0),
-    )
-    y = vector_at(contact.x, k, s, za, zb)
-    return (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (i, j, k, za, zb)
+    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of
+    `push`)."""
+    a, b = place
+    i, j = facet
+    za = 1.0 - (a - i), a - i, 0.0
+    zb = 1.0 - (b - j), b - j, 0.0
+    foot = i, j, contact.base[q] + i * contact.shape[q, STRIDE] + j, za, zb
+    return subtract(x, vector_of(contact, contact.x, q, foot)), foot
 
 
 @kernel(_nrt=False, forceinline=True)
 def touches_next(contact, p, row, j, x):
     """Whether a point of ply p, which is at x, is within the thickness of the next ply."""
-    n, s = contact.first_point[p] + row * contact.shape[p, NJ] + j, contact.shape[p + 1, STRIDE]
-    a, b = contact.closest_a[n], contact.closest_b[n]
+    n = contact.first_point[p] + row * contact.shape[p, NJ] + j
+    a = contact.closest_a[n]
+    b = contact.closest_b[n]
     torn = is_torn(contact, p + 1, a, b)
     if torn and has_dropped(contact, p + 1, a, b):
         return False
-    i, wa, _, _ = weights_at(torn, a, contact.shape[p + 1, NI])
-    j, wb, _, _ = weights_at(torn, b, contact.shape[p + 1, NJ])
-    y = vector_at(contact.x, contact.base[p + 1] + i * s + j, s, wa, wb)
-    w = x[0] - y[0], x[1] - y[1], x[2] - y[2]
-    return dot(w, w) < 0.25 * (contact.thickness[p] + contact.thickness[p + 1]) ** 2
+    y = vector_of(contact, contact.x, p + 1, foot_at(contact, p + 1, torn, a, b))
+    w = subtract(x, y)
+    return dot(w, w) < mean_thickness(contact, p, p + 1) ** 2
 
 
 @kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
     """Whether the element of ply p at the place (a, b) is no fabric any more."""
-    i, j = (
-        min(max(int(a), 0), contact.shape[p, NI] - 1),
-        min(max(int(b), 0), contact.shape[p, NJ] - 1),
-    )
+    i = min(max(int(a), 0), contact.shape[p, NI] - 1)
+    j = min(max(int(b), 0), contact.shape[p, NJ] - 1)
     return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
@@ -399,140 +451,149 @@ def is_in_tile(contact, tile, a, b):
 
 
 @kernel(_nrt=False, forceinline=True)
-def bounds(contact, p, torn, i, j):
-    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); in the facet (i, j) alone
-    of torn fabric."""
+def bounds(contact, p, torn, facet):
+    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); of torn
+    fabric in a facet alone."""
+    i, j = facet
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
-    low_a, low_b = (
-        (-0.5 if contact.shape[p, MIRROR_X] else 0.0),
-        (-0.5 if contact.shape[p, MIRROR_Y] else 0.0),
-    )
+    low_a = 0.0
+    if contact.shape[p, MIRROR_X]:
+        low_a = -0.5
+    low_b = 0.0
+    if contact.shape[p, MIRROR_Y]:
+        low_b = -0.5
     return (low_a, low_b), (float(contact.shape[p, NI]), float(contact.shape[p, NJ]))
 
 
 @kernel(_nrt=False, forceinline=True)
-def push(contact, p, q, at, k, wa, wb, closest, n, closure, number):
-    """Force between a point of ply p and its closest point on ply q.
+def push(contact, front, rear, area, n, closure, number):
+    """Force between a point of a ply and its closest point on one behind it.
 
-    at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these
-    nodes and their weights; closest : (row, column, number) of the first node about the closest point, and the weights
-    there; n : from the point to the closest one; closure [m]; number : of the point, of `given`
+    Parameters
+    ----------
+    front, rear : number of the ply, foot of its point (`surface_kernels.foot_at`)
+    area : that the point stands for
+    n : unit vector from the point to the closest one
+    closure : [m]
+    number : of the point, of `given`
     """
-    (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
-    s, S = contact.shape[p, STRIDE], contact.shape[q, STRIDE]
-    area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
-    v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
-    v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
+    p, foot = front
+    q, closest = rear
+    v_p = vector_of(contact, contact.v, p, foot)
+    v = subtract(v_p, vector_of(contact, contact.v, q, closest))
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
-    f = area * max(0.0, spring + damping * closing)
-    v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
-    speed = math.sqrt(dot(v, v))
+    f = area * max(0.0, spring + damping * closing)  # eq. (1)
+    sliding = add_scaled(v, -closing, n)
+    speed = math.sqrt(dot(sliding, sliding))
     rub = 0.0
-    if contact.friction > 0.0 and speed > 0.0:
+    if contact.friction > 0.0 and speed > 0.0:  # eq. (2)
         rub = min(contact.friction * f / speed, area * contact.stick_damping[p])
-    force = f * n[0] + rub * v[0], f * n[1] + rub * v[1], f * n[2] + rub * v[2]
+    force = add_scaled(scaled(f, n), rub, sliding)
     row = contact.energy[p]
     row[SPRING] += area * energy
     row[DEEPEST] = max(row[DEEPEST], closure)
     row[FRICTION] += contact.dt * rub * speed * speed
-    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, j + 3)
-    extend_window(contact.grid_window[q, BEFORE], I, I + 3, J, J + 3)
-    scatter(
-        contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb
-    )
-    scatter(contact.f[q, BEFORE], K - q * contact.slots, S, force, za, zb)
+    share_out(contact, p, BEHIND, foot, scaled(-1.0, force))
+    share_out(contact, q, BEFORE, closest, force)
 
 
 @kernel(_nrt=False, forceinline=True)
 def moved_closure(contact, p, q, number, closure, closing):
-    """The closure [m] of a point less what no motion has made of it: what it had when first seen, and what jumps."""
-    now, jump, given = float(contact.count[STEP]), closure - contact.dt * closing, 0.0
+    """The closure [m] of a point less what no motion has made of it: what it had when first seen,
+    and what jumps."""
+    now = float(contact.count[STEP])
+    jump = closure - contact.dt * closing
+    given = 0.0
     if contact.touched[number] == now - 1.0:
-        jump, given = jump - contact.closed[number], contact.given[number]
-    if abs(jump) > _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[q]):
+        jump = jump - contact.closed[number]
+        given = contact.given[number]
+    if abs(jump) > _JUMP * mean_thickness(contact, p, q):
         given = max(0.0, given + jump)
     given = min(given, closure)
-    contact.touched[number], contact.closed[number], contact.given[number] = now, closure, given
+    contact.touched[number] = now
+    contact.closed[number] = closure
+    contact.given[number] = given
     return closure - given
 
 
 @kernel(_nrt=False, forceinline=True)
-def moved_closure8(contact, p, q, count, closure, closing, which):
-    """`moved_closure` on the next ply of those of eight points from number q on that are `which`."""
+def store_where(values, points, which, new):
+    """Store new values of those of eight points that are `which`; points : number of the first, how
+    many there are."""
+    first, count = points
+    masked_store(values, first, where(which, new, load(values, first)), count)
+
+
+@kernel(_nrt=False, forceinline=True)
+def moved_closure8(contact, p, points, closure, closing, which):
+    """`moved_closure` on the next ply of those of eight points that are `which`."""
+    q, _ = points
     now = float(contact.count[STEP])
     long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
     given = where(long_ago, 0.0, load(contact.given[0], q))
     jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
-    most = _JUMP * 0.5 * (contact.thickness[p] + contact.thickness[p + 1])
+    most = _JUMP * mean_thickness(contact, p, p + 1)
     given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
     given = minimum(given, closure)
-    masked_store(
-        contact.touched[0], q, where(which, broadcast(now), load(contact.touched[0], q)), count
-    )
-    masked_store(contact.closed[0], q, where(which, closure, load(contact.closed[0], q)), count)
-    masked_store(contact.given[0], q, where(which, given, load(contact.given[0], q)), count)
+    store_where(contact.touched[0], points, which, broadcast(now))
+    store_where(contact.closed[0], points, which, closure)
+    store_where(contact.given[0], points, which, given)
     return closure - given
 
 
 @kernel(_nrt=False, forceinline=True)
 def press_points8(contact, p, row, j, q, count):
-    """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points,
-    that need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
-    x, s, S, thickness = (
-        contact.x,
-        contact.shape[p, STRIDE],
-        contact.shape[p + 1, STRIDE],
-        0.5 * (contact.thickness[p] + contact.thickness[p + 1]),
-    )
+    """`press_point` of those of `count` points from number q on, which begin in the j-th element of
+    a row of points, that need no more than the formulas: (those left, as bits, how far the nearest
+    of the others is from touching)."""
+    x = contact.x
+    S = contact.shape[p + 1, STRIDE]
+    thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
-    i, wa, _, _ = weights_at(False, a, contact.shape[p, NI])
-    j0, wb, _, _ = weights_at(False, b, contact.shape[p, NJ])
-    k, lanes, all_of = contact.base[p] + i * s + j0, load(contact.lanes, 0), (1 << count) - 1
-    A, B = load(contact.closest_a, q), load(contact.closest_b, q)
-    fit = whole8(contact, p, k + s + 1, q, all_of, count)
-    n_a, n_b = contact.shape[p + 1, NI], contact.shape[p + 1, NJ]
-    I, J = (
-        floor(minimum(maximum(A + 0.5, 0.0), float(n_a))),
-        floor(minimum(maximum(B + 0.5, 0.0), float(n_b))),
-    )
+    foot = foot_at(contact, p, False, a, b)
+    _, _, k, wa, wb = foot
+    lanes = load(contact.lanes, 0)
+    all_of = (1 << count) - 1
+    A = load(contact.closest_a, q)
+    B = load(contact.closest_b, q)
+    stride = contact.shape[p, STRIDE]
+    fit = whole8(contact, p, k + stride + 1, (q, count))
+    n_a = contact.shape[p + 1, NI]
+    n_b = contact.shape[p + 1, NJ]
+    I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
+    J = floor(minimum(maximum(B + 0.5, 0.0), float(n_b)))
     chosen = mask_from_bits(fit)
-    I0, J0 = (
-        -reduce_max(where(chosen, 0.0 - I, -_FAR)),
-        -reduce_max(where(chosen, lanes - J, -_FAR)),
-    )
+    I0 = -reduce_max(where(chosen, 0.0 - I, -_FAR))
+    J0 = -reduce_max(where(chosen, lanes - J, -_FAR))
     if fit == 0:
         return all_of, _FAR
     K = contact.base[p + 1] + (int(I0) - 1) * S + int(J0) - 1
-    r, t, I, J = A - I, B - J, I - I0, J - lanes - J0
+    r = A - I
+    t = B - J
+    I = I - I0
+    J = J - lanes - J0
+    # four rows of four nodes hold points whose nearest nodes are a node apart at most
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
-    (za, da, ca), (zb, db, cb) = (
-        spline_weights8(r, greater(I, 0.5)),
-        spline_weights8(t, greater(J, 0.5)),
-    )
-    X, X_a, X_b = surface_patch8(x[0], K, S, za, zb, da, db, tall)
-    Y, Y_a, Y_b = surface_patch8(x[1], K, S, za, zb, da, db, tall)
-    Z, Z_a, Z_b = surface_patch8(x[2], K, S, za, zb, da, db, tall)
-    w = (
-        point_mean8(x[0], k, s, wa, wb) - X,
-        point_mean8(x[1], k, s, wa, wb) - Y,
-        point_mean8(x[2], k, s, wa, wb) - Z,
-    )
-    slopes, weights = ((X_a, Y_a, Z_a), (X_b, Y_b, Z_b)), ((za, da, ca), (zb, db, cb))
-    go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
+    za, da, ca = spline_weights8(r, greater(I, 0.5))
+    zb, db, cb = spline_weights8(t, greater(J, 0.5))
+    weights = (za, da, ca), (zb, db, cb)
+    at = K, S, tall
+    y, y_a, y_b = patch8(x, at, weights)
+    w = subtract(point_vector8(x, (k, stride), wa, wb), y)
+    slopes = y_a, y_b
+    go, turn, second, near, fit = newton_steps8(x, (at, weights), w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
-    A, B = A + go, B + turn
+    A = A + go
+    B = B + turn
     fit &= within8(contact, p + 1, A, B)
-    masked_store(
-        contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count
-    )
-    masked_store(
-        contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count
-    )
+    points = q, count
+    store_where(contact.closest_a, points, mask_from_bits(fit), A)
+    store_where(contact.closest_b, points, mask_from_bits(fit), B)
     w = offset_after(w, slopes, second, go, turn)
     distance = sqrt(dot(w, w))
     touching = (
@@ -546,62 +607,58 @@ def press_points8(contact, p, row, j, q, count):
         - _BERTH * thickness
     )
     if touching:
-        n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
+        n = scaled(-1.0 / distance, w)
         closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall
-        push8(
-            contact,
-            p,
-            (row // contact.points**2, j, i, j0),
-            k,
-            wa,
-            wb,
-            closest,
-            n,
-            thickness - distance,
-            touching,
-            q,
-            count,
-        )
+        element = contact.first_element[p] + row // contact.points**2 * contact.shape[p, NJ] + j
+        area = load(contact.area, element)
+        closure = thickness - distance
+        push8(contact, (p, foot), closest, area, n, closure, touching, (q, count))
         clear = 0.0
     return all_of & ~fit, clear
 
 
 @kernel(_nrt=False, forceinline=True)
-def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
-    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes of the surface,
-    which points are near, as bits, and which are fit still."""
+def newton_steps8(x, patch, w, slopes, thickness, fit):
+    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes
+    of the surface, which points are near, as bits, and which are fit still.
+
+    patch : of the surface, for `surface_kernels.second_slopes8`
+    """
+    at, weights = patch
     y_a, y_b = slopes
-    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
-    square, none = aa * bb - ab * ab, broadcast(0.0)
+    aa = dot(y_a, y_a)
+    ab = dot(y_a, y_b)
+    bb = dot(y_b, y_b)
+    r_a = dot(y_a, w)
+    r_b = dot(y_b, w)
+    square = aa * bb - ab * ab
+    none = broadcast(0.0)
     fit &= movemask(greater(square, 1e-12 * (aa * bb)))
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = fit & movemask(greater(thickness * thickness * square, apart))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
-        second = second_of8(x, K, S, weights, tall)
-        c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        second = second_slopes8(x, at, weights)
+        c_aa = aa - dot(w, second[0])
+        c_ab = ab - dot(w, second[1])
+        c_bb = bb - dot(w, second[2])
         curved = c_aa * c_bb - c_ab * c_ab
         sure = mask_from_bits(
             near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0))
         )
-        aa, ab, bb = where(sure, c_aa, aa), where(sure, c_ab, ab), where(sure, c_bb, bb)
+        aa = where(sure, c_aa, aa)
+        ab = where(sure, c_ab, ab)
+        bb = where(sure, c_bb, bb)
         square = where(sure, curved, square)
     return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
 
 
 @kernel(_nrt=False, forceinline=True)
-def second_of8(x, K, S, weights, tall):
-    """Second slopes aa, ab, bb of eight surface points, each with its three components."""
-    X_aa, X_ab, X_bb = second_slopes8(x[0], K, S, weights, tall)
-    Y_aa, Y_ab, Y_bb = second_slopes8(x[1], K, S, weights, tall)
-    Z_aa, Z_ab, Z_bb = second_slopes8(x[2], K, S, weights, tall)
-    return (X_aa, Y_aa, Z_aa), (X_ab, Y_ab, Z_ab), (X_bb, Y_bb, Z_bb)
-
-
-@kernel(_nrt=False, forceinline=True)
-def whole8(contact, p, node, q, fit, count):
-    """Those of eight points from number q on, as bits, that are not beside torn fabric of either ply; node : the
-    nearest to the first point."""
+def whole8(contact, p, node, points):
+    """Those of eight points, as bits, that are not beside torn fabric of either ply; node : the
+    nearest to the first point; points : number of the first, how many there are."""
+    q, count = points
+    fit = (1 << count) - 1
     if contact.failures[p] > 0:
         fit &= movemask(equal_bytes(contact.torn, node, 0))
     if contact.failures[p + 1] > 0:
@@ -614,52 +671,58 @@ def whole8(contact, p, node, q, fit, count):
 @kernel(_nrt=False, forceinline=True)
 def within8(contact, p, A, B):
     """Those of eight places, as bits, that are within the bounds of whole fabric of ply p."""
-    (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, 0, 0)
+    (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, (0, 0))
     beside = movemask(greater(low_a, A)) | movemask(greater(low_b, B))
     return ~(beside | movemask(greater(A, high_a)) | movemask(greater(B, high_b)))
 
 
 @kernel(_nrt=False, forceinline=True)
-def push8(contact, p, at, k, wa, wb, closest, n, closure, touching, q, count):
-    """`push` between those of eight points of ply p and the next whose bits are set; arguments of the first."""
-    (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
-    s, S, which = contact.shape[p, STRIDE], contact.shape[p + 1, STRIDE], mask_from_bits(touching)
-    area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
-    v = (
-        point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
-        point_mean8(contact.v[1], k, s, wa, wb) - interpolate8(contact.v[1], K, S, za, zb, tall),
-        point_mean8(contact.v[2], k, s, wa, wb) - interpolate8(contact.v[2], K, S, za, zb, tall),
-    )
+def push8(contact, front, closest, area, n, closure, touching, points):
+    """`push` between those of eight points of a ply and the next whose bits are set.
+
+    Parameters
+    ----------
+    front : the ply, and the foot of the first point
+    closest : foot of the first closest point, and whether it has four rows of nodes
+        (`surface_kernels.interpolate_rows8`)
+    points : number of the first, how many there are
+    """
+    p, (i, j, k, wa, wb) = front
+    I, J, K, za, zb, tall = closest
+    s = contact.shape[p, STRIDE]
+    S = contact.shape[p + 1, STRIDE]
+    which = mask_from_bits(touching)
+    v_p = point_vector8(contact.v, (k, s), wa, wb)
+    v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
-    closure = moved_closure8(contact, p, q, count, closure, closing, which)
+    closure = moved_closure8(contact, p, points, closure, closing, which)
     spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
+    # eq. (1)
     f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
-    force, row = (f * n[0], f * n[1], f * n[2]), contact.energy[p]
-    if contact.friction > 0.0:
-        v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
-        speed = sqrt(dot(v, v))
+    force = scaled(f, n)
+    row = contact.energy[p]
+    if contact.friction > 0.0:  # eq. (2)
+        sliding = subtract(v, scaled(closing, n))
+        speed = sqrt(dot(sliding, sliding))
         rub = minimum(contact.friction * f / maximum(speed, 1e-60), contact.stick_damping[p] * area)
         rub = where(which, rub, 0.0)
-        force = force[0] + rub * v[0], force[1] + rub * v[1], force[2] + rub * v[2]
+        force = add_scaled(force, rub, sliding)
         row[FRICTION] += contact.dt * reduce_add(rub * speed * speed)
     row[SPRING] += reduce_add(where(which, area * energy, 0.0))
     row[DEEPEST] = max(row[DEEPEST], reduce_max(where(which, closure, 0.0)))
     if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):
         return
-    nj, NJ_rear = contact.shape[p, NJ], contact.shape[p + 1, NJ]
-    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, min(j + WIDTH + 2, nj + 2))
-    extend_window(
-        contact.grid_window[p + 1, BEFORE],
-        I,
-        I + (4 if tall else 3),
-        max(J, -1),
-        min(J + WIDTH + 3, NJ_rear + 2),
-    )
-    wa, wb = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    ahead = contact.grid_window[p, BEHIND]
+    extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.shape[p, NJ] + 2))
+    behind = contact.grid_window[p + 1, BEFORE]
+    rows = 3
+    if tall:
+        rows = 4
+    last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
+    extend_window(behind, I, I + rows, max(J, -1), last)
+    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    at = k - p * contact.slots, s
+    behind_at = K - (p + 1) * contact.slots, S, tall
     for c in range(3):
-        scatter_to_points8(
-            contact.f[p, BEHIND, c], k - p * contact.slots, s, 0.0 - force[c], wa, wb
-        )
-        scatter8(
-            contact.f[p + 1, BEFORE, c], K - (p + 1) * contact.slots, S, force[c], za, zb, tall
-        )
+        scatter_to_points8(contact.f[p, BEHIND, c], at, 0.0 - force[c], own)
+        scatter8(contact.f[p + 1, BEFORE, c], behind_at, force[c], (za, zb))

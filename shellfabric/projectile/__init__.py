@@ -1,1 +1,2 @@
-"""The projectile: shapes as signed distances, rigid or elastic bar, contact with the fabric, friction."""
+"""The projectile: shapes as signed distances, rigid or elastic bar, contact with the fabric,
+friction."""

@@ -1,10 +1,11 @@
 """The projectile as an elastic-plastic bar along its axis.
 
-The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the dimensions of the bore are not
-given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
-about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
+The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the dimensions
+of the bore are not given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the
+mass requires. Tip and tail then swing about the centre of mass with the period of the first
+free-free mode, 2 L / c for a bar of one section.
 
-In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.advance_bar`).
+In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.move_bar`).
 """
 
 from __future__ import annotations
@@ -69,18 +70,14 @@ class Bar:
         InputError : a mass that the solid cylinder has not, or that the bore cannot leave
         """
         source = round_projectile()
-        material = load("steel") if material is None else material
-        mass, diameter, length, bore = (
-            source[key] if value is None else value
-            for key, value in (
-                ("mass", mass),
-                ("diameter", diameter),
-                ("length", length),
-                ("bore", bore_diameter),
-            )
-        )
-        full = pi / 4 * diameter**2
-        tube = pi / 4 * (diameter**2 - bore**2)
+        if material is None:
+            material = load("steel")
+        given = {"mass": mass, "diameter": diameter, "length": length, "bore": bore_diameter}
+        chosen = source | {key: value for key, value in given.items() if value is not None}
+        mass = chosen["mass"]
+        length = chosen["length"]
+        full = pi / 4 * chosen["diameter"] ** 2
+        tube = pi / 4 * (chosen["diameter"] ** 2 - chosen["bore"] ** 2)
         solid = material.density * full * length
         depth = (solid - mass) / (material.density * (full - tube))
         if not 0 <= depth < length:
@@ -88,15 +85,17 @@ class Bar:
             raise InputError(
                 key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg"
             )
-        sections = ((length - depth, full), (depth, tube)) if depth > 0 else ((length, full),)
-        return cls(sections, material, **changes)
+        if depth > 0:
+            return cls(((length - depth, full), (depth, tube)), material, **changes)
+        return cls(((length, full),), material, **changes)
 
     @classmethod
     def full(cls, **changes: Any) -> Bar:
-        """The cylinder of the thesis without a bore: density and modulus so much less that mass and wave speed are its
-        own.
+        """The cylinder of the thesis without a bore: density and modulus so much less that mass and
+        wave speed are its own.
 
-        Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum E-37).
+        Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum
+        E-37).
         """
         source = round_projectile()
         steel = load("steel")

@@ -1,19 +1,22 @@
-"""An elastic-plastic bar along the projectile's axis: lumped masses on springs, by velocity Verlet in steps of its own.
+"""An elastic-plastic bar along the projectile's axis: lumped masses on springs, by velocity Verlet.
 
 Node 0 is the tip, the last one the tail; u counts forwards along the axis from the places at rest.
 
-    l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p),   |tau - H e_p| <= sigma_y   (tension positive)
-    m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,     and at the tip the target's force
+    l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p)                    (1)
+    |tau - H e_p| <= sigma_y                                                            (2)
+    m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,   at the tip the target's force    (3)
 
-Plasticity is kinematic with linear hardening H, by radial return, which is exact for a step of strain (the thesis uses
-a kinematic plasticity model, thesis section 4.4.2). With logarithmic strain and Kirchhoff stress tau a section grows as
-it is squeezed, at constant volume. A wall that carries no more than sigma_y would else be driven together in the one
-element next to where it is loaded, whatever its length; this growth alone spreads the flow, at (sigma_y / rho)^(1/2).
-A force that is held over a step does the work force times advance of the tip, and the bar's momentum grows by force
-times time, both exactly.
+Tension is positive. Plasticity is kinematic with linear hardening H, by radial return, which is
+exact for a step of strain (the thesis uses a kinematic plasticity model, thesis section 4.4.2).
+With logarithmic strain and Kirchhoff stress tau a section grows as it is squeezed, at constant
+volume. A wall that carries no more than sigma_y would else be driven together in the one element
+next to where it is loaded, whatever its length; this growth alone spreads the flow, at
+(sigma_y / rho)^(1/2). A force that is held over a step does the work force times advance of the
+tip, and the bar's momentum grows by force times time, both exactly.
 
-In a run (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
-is the tip: its place, and as its velocity its advance over the step divided by the step.
+In a run the bar is a module of the projectile (`state.Body`): `move_bar` is its unit, `BarRow`
+its row. The projectile moves rigidly across its axis. What contact sees is the tip: its place, and
+as its velocity its advance over the step divided by the step.
 """
 
 import math
@@ -21,150 +24,130 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.state import unit
+from shellfabric.state import BarRow, unit
 
-WORK, PLASTIC = 0, 1  # of the sums [J]: of the tip's force; of the stress on plastic strain
-KINETIC, ELASTIC = 0, 1  # of `energies`
+WORK, PLASTIC = 0, 1  # of BarRow.energy
+TIP, TAIL, CENTRE = 0, 1, 2  # of BarRow.motion: velocities; three further on the ways
 
 
 @kernel()
-def update_velocities(u, v, mass, h, area, stress, force, half):
-    """Velocity update over the time `half` [s]."""
-    n, before = stress.size, force
-    for k in range(n + 1):
-        behind = area[k] * stress[k] / (1.0 + (u[k] - u[k + 1]) / h[k]) if k < n else 0.0
-        v[k] += half * (before - behind) / mass[k]
+def stretch_of(bar, k):
+    """Stretch of element k."""
+    return 1.0 + (bar.u[k] - bar.u[k + 1]) / bar.h[k]
+
+
+@kernel()
+def update_velocities(bar, force, duration):
+    """Velocities after a duration [s] of the present stresses and a force [N] at the tip."""
+    # eq. (3): `before` is what acts on the node from its front, at the tip the target's force
+    before = force
+    for k in range(bar.mass.size):
+        behind = 0.0
+        if k < bar.h.size:
+            behind = bar.area[k] * bar.stress[k] / stretch_of(bar, k)
+        bar.v[k] += duration * (before - behind) / bar.mass[k]
         before = behind
 
 
 @kernel()
-def update_stress(u, h, area, modulus, yields, hardening, plastic, stress):
-    """Stress of every element at the places u, plastic strains grown to where it is admissible.
+def update_stress(bar):
+    """Stresses at the present places; plastic strains grow to where the stress is admissible.
 
     Returns
     -------
     work : [J] of the stress on the growth of the plastic strain
     """
     work = 0.0
-    for k in range(h.size):
-        strain, was = math.log(1.0 + (u[k] - u[k + 1]) / h[k]), plastic[k]
-        trial = modulus * (strain - was)
-        over = abs(trial - hardening * was) - yields
-        if over > 0.0:
-            plastic[k] = was + np.sign(trial - hardening * was) * over / (modulus + hardening)
-            trial = modulus * (strain - plastic[k])
-            work += trial * (plastic[k] - was) * area[k] * h[k]
-        stress[k] = trial
+    for k in range(bar.h.size):
+        strain = math.log(stretch_of(bar, k))
+        before = bar.plastic[k]
+        stress = bar.modulus * (strain - before)
+        shifted = stress - bar.hardening * before
+        over = abs(shifted) - bar.yield_stress
+        if over > 0.0:  # eq. (2): back along the yield surface, which moves with the plastic strain
+            bar.plastic[k] = before + np.sign(shifted) * over / (bar.modulus + bar.hardening)
+            stress = bar.modulus * (strain - bar.plastic[k])
+            work += stress * (bar.plastic[k] - before) * bar.area[k] * bar.h[k]
+        bar.stress[k] = stress
     return work
 
 
 @entry()
-def advance(u, v, mass, h, area, law, plastic, stress, sums, force, dt, substeps):
-    """Move the bar over `dt` under a force that is held at its tip.
+def advance(bar, force, dt):
+    """Move the bar over the time `dt` [s] under a force [N] that is held at its tip.
 
-    Parameters
-    ----------
-    u, v, mass : (n + 1,) [m], [m/s], [kg]; places and velocities are overwritten
-    h, area : (n,) [m], [m2]
-    law : (3,) [Pa] E, sigma_y, H
-    plastic, stress : (n,) plastic strain and Kirchhoff stress [Pa] at the places u; overwritten
-    sums : (2,) WORK and PLASTIC [J], added to
-    force : [N] forwards along the axis: what stops the projectile is negative
-    dt, substeps : [s], and equal parts of it, short enough for the bar at rest (`bar.Bar.substeps`); where an element
-        is squeezed below 0.95 of its length there are more in its measure, as a wave crosses it sooner
-
-    Returns
-    -------
-    displacement, velocity : [m], [m/s] of the tip
+    The force is positive forwards along the axis: what stops the projectile is negative. The parts
+    of the step are short enough for the bar at rest (`bar.Bar.substeps`). Where an element is
+    squeezed below 0.95 of its length there are more in its measure: a wave crosses it sooner.
     """
-    modulus, yields, hardening = law[0], law[1], law[2]
-    least, before = 1.0, u[0]
-    for k in range(h.size):
-        least = min(least, 1.0 + (u[k] - u[k + 1]) / h[k])
-    parts = math.ceil(substeps / max(min(least + 0.05, 1.0), 0.01))
+    least = 1.0
+    before = bar.u[0]
+    for k in range(bar.h.size):
+        least = min(least, stretch_of(bar, k))
+    parts = math.ceil(bar.substeps / max(min(least + 0.05, 1.0), 0.01))
     part = dt / parts
     for _ in range(parts):
-        update_velocities(u, v, mass, h, area, stress, force, 0.5 * part)
-        for k in range(u.size):
-            u[k] += part * v[k]
-        sums[PLASTIC] += update_stress(u, h, area, modulus, yields, hardening, plastic, stress)
-        update_velocities(u, v, mass, h, area, stress, force, 0.5 * part)
-    sums[WORK] += force * (u[0] - before)
-    return u[0], v[0]
+        update_velocities(bar, force, 0.5 * part)
+        for k in range(bar.u.size):
+            bar.u[k] += part * bar.v[k]
+        bar.energy[PLASTIC] += update_stress(bar)
+        update_velocities(bar, force, 0.5 * part)
+    bar.energy[WORK] += force * (bar.u[0] - before)
+    note_motion(bar)
 
 
 @entry()
-def energies(v, mass, h, area, modulus, stress, out):
-    """KINETIC and ELASTIC energy [J] into out : (2,)."""
-    out[KINETIC] = out[ELASTIC] = 0.0
-    for k in range(mass.size):
-        out[KINETIC] += 0.5 * mass[k] * v[k] * v[k]
-    for k in range(h.size):
-        out[ELASTIC] += 0.5 * stress[k] * stress[k] / modulus * area[k] * h[k]
+def note_motion(bar):
+    """Velocities and ways of tip, tail and centre of mass, into bar.motion."""
+    tail = bar.h.size
+    bar.motion[TIP] = bar.v[0]
+    bar.motion[TAIL] = bar.v[tail]
+    bar.motion[CENTRE] = mass_average(bar.mass, bar.v)
+    bar.motion[3 + TIP] = bar.u[0]
+    bar.motion[3 + TAIL] = bar.u[tail]
+    bar.motion[3 + CENTRE] = mass_average(bar.mass, bar.u)
 
 
-@kernel(_nrt=False)
-def axial_force(state, const):
-    """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
-    force = 0.0
-    for c in range(3):
-        force += (
-            const.frame[2, c]
-            * const.free_dofs[c]
-            * (state.f_contact_nose[c] + state.f_block_nose[c])
-        )
-    return force
-
-
-@unit(later=True, force="number")
-def advance_bar(state, const, force):
-    """One step of the bar along its axis; replaces the axial part of the rigid body's velocity,
-    state.projectile_velocity.
-
-    force : [N] along its axis, of all plies (`axial_force`)
-    state.bar_* are the arrays of `advance`; const.bar_* mass, h, area, law (E, sigma_y, H) [Pa], parts of a step
-    """
-    rigid = 0.0
-    for c in range(3):
-        rigid += const.frame[2, c] * state.projectile_velocity[c]
-    before = state.bar_u[0]
-    advance(
-        state.bar_u,
-        state.bar_v,
-        const.bar_mass,
-        const.bar_h,
-        const.bar_area,
-        const.bar_law,
-        state.bar_plastic,
-        state.bar_stress,
-        state.bar_energy,
-        force,
-        const.dt,
-        const.bar_substeps,
-    )
-    tip = (state.bar_u[0] - before) / const.dt
-    for c in range(3):
-        state.projectile_velocity[c] += const.frame[2, c] * (tip - rigid)
-
-
-@entry()
+@kernel()
 def mass_average(mass, values):
-    """Mass-weighted mean of nodal values, as of the centre of mass."""
-    total, weight = 0.0, 0.0
+    """Mean of nodal values, weighted by mass: of the centre of mass."""
+    total = 0.0
+    weight = 0.0
     for k in range(mass.size):
         total += mass[k] * values[k]
         weight += mass[k]
     return total / weight
 
 
-@kernel()
-def normal_velocity(state, const):
-    """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
-    if const.bar_mass.size == 0:
-        return state.projectile_velocity[2]
-    tip = 0.0
+@entry()
+def kinetic_energy(bar):
+    """[J] of the motion along the axis."""
+    energy = 0.0
+    for k in range(bar.mass.size):
+        energy += 0.5 * bar.mass[k] * bar.v[k] * bar.v[k]
+    return energy
+
+
+@entry()
+def elastic_energy(bar):
+    """[J] that the elements store."""
+    energy = 0.0
+    for k in range(bar.h.size):
+        energy += 0.5 * bar.stress[k] * bar.stress[k] / bar.modulus * bar.area[k] * bar.h[k]
+    return energy
+
+
+@unit("number", later=True, own=BarRow)
+def move_bar(state, const, own, first, last, acting):
+    """A step of the bar under own.force; the velocity of the projectile along its axis is that of
+    the tip, as contact sees it. Returns the stored energy [J], as the units of all modules do.
+    """
+    rigid = 0.0
     for c in range(3):
-        tip += const.frame[2, c] * state.projectile_velocity[c]
-    return state.projectile_velocity[2] + const.frame[2, 2] * (
-        mass_average(const.bar_mass, state.bar_v) - tip
-    )
+        rigid += const.frame[2, c] * state.projectile_velocity[c]
+    before = own.u[0]
+    advance(own, own.force[0], const.dt)
+    tip = (own.u[0] - before) / const.dt
+    for c in range(3):
+        state.projectile_velocity[c] += const.frame[2, c] * (tip - rigid)
+    return elastic_energy(own)

@@ -22,7 +22,8 @@ PREDICTED = (
 def constants(
     points: int, mass: float, dt: float, penalty: float, damping: float
 ) -> dict[str, Any]:
-    """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
+    """Constants of the points, by the names that the kernels know; an explicit spring
+    (`implicit_factor` 0).
 
     Parameters
     ----------
@@ -48,20 +49,24 @@ def constants(
 def contact_state(
     near: Sequence[int], points: int, shares: FloatArray, friction: float
 ) -> dict[str, Any]:
-    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
+    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the
+    kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
+    rubbing = 0, 0
+    if friction > 0:
+        rubbing = count, points**2
     return {
         "last_contact_force": np.zeros((count, shares.shape[2])),
         "in_contact": np.zeros(count, np.bool_),
-        "friction_state": np.zeros((count, points**2, 6) if friction > 0 else (0, 0, 6)),
+        "friction_state": np.zeros((*rubbing, 6)),
         **{name: tuple(np.zeros((3, 0))) for name in PREDICTED},
         "force_scale": np.array([contact_kernels.MIN_FORCE_SCALE]),
     }
 
 
 def scratch(*consts: Any) -> Scratch:
-    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns, one element and
-    eight of its points."""
+    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns,
+    one element and eight of its points."""
     columns = max(const.window_limits[3] - const.window_limits[2] for const in consts) + 3
     room = max(const.shape_functions.shape[2] for const in consts)
     return Scratch(**Scratch.zeros(columns=columns, points=room))

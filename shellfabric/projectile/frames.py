@@ -1,4 +1,5 @@
-"""Frames that are turned about the panel's normal: the opening's, the pack's, and a ply's along its own yarns."""
+"""Frames that are turned about the panel's normal: the opening's, the pack's, and a ply's along its
+own yarns."""
 
 from math import cos, sin
 
@@ -8,16 +9,16 @@ from fabrics.base.checks import FloatArray
 
 
 def axes(angle: float) -> FloatArray:
-    """(2, 2) the first two axes, as rows, of a frame that is turned by `angle` [rad], in the frame that it is turned
-    from."""
-    c, s = cos(angle), sin(angle)
+    """(2, 2) the first two axes, as rows, of a frame that is turned by `angle` [rad], in the frame
+    that it is turned from."""
+    c = cos(angle)
+    s = sin(angle)
     return np.array([[c, s], [-s, c]])
 
 
 def turned_back(vectors: FloatArray, rows: FloatArray | None) -> FloatArray:
-    """Vectors (..., 2) or (..., 3) of a frame with such axes, in the frame that it is turned from; None: one frame."""
-    return (
-        vectors
-        if rows is None
-        else np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)
-    )
+    """Vectors (..., 2) or (..., 3) of a frame with such axes, in the frame that it is turned from;
+    None: one frame."""
+    if rows is None:
+        return vectors
+    return np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)

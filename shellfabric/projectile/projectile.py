@@ -1,13 +1,15 @@
 """The projectile: a body of a given shape, moving without turning, at any obliquity.
 
-It is rigid, or along its axis an elastic-plastic bar (`bar`) whose tip has the shape; across its axis it moves rigidly.
+It is rigid, or along its axis an elastic-plastic bar (`bar`) whose tip has the shape; across its
+axis it moves rigidly.
 
-Directions. A shot comes at an angle of obliquity to the panel's normal, towards an azimuth in the panel's plane counted
-from the warp to the weft. The projectile's axis lies along its flight but for a yaw, by which it leans further over in
-the plane of flight and normal; the roll turns it about its axis. The body keeps this attitude: nothing turns it.
+Directions. A shot comes at an angle of obliquity to the panel's normal, towards an azimuth in the
+panel's plane counted from the warp to the weft. The projectile's axis lies along its flight but for
+a yaw, by which it leans further over in the plane of flight and normal; the roll turns it about its
+axis. The body keeps this attitude: nothing turns it.
 
-Line of flight. The point of the axis one radius behind the nose flies towards the impact point: of a sphere or
-hemisphere, the centre, so that a sphere flies alike whatever its attitude.
+Line of flight. The point of the axis one radius behind the nose flies towards the impact point: of
+a sphere or hemisphere, the centre, so that a sphere flies alike whatever its attitude.
 """
 
 from __future__ import annotations
@@ -52,7 +54,8 @@ def _chisel(shot):
     )
 
 
-# name: (number in the kernels, form there, depth behind the nose from which it has its full width, keys of its own)
+# name: (number in the kernels, form there, depth behind the nose from which it has its full width,
+# keys of its own)
 SHAPES = {
     "flat": (sdf_kernels.FLAT, _no_form, lambda shot: shot.edge_radius, ()),
     "hemisphere": (sdf_kernels.HEMISPHERE, _no_form, lambda shot: shot.radius, ()),
@@ -78,29 +81,32 @@ SHAPES = {
 
 @dataclass(frozen=True)
 class Projectile:
-    """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm, flat).
+    """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm,
+    flat).
 
     Parameters
     ----------
     mass : [kg]
     radius : [m]
-    edge_radius : [m] rounding of all edges; the contact needs one, see `contact_kernels`. Hemisphere and sphere have no
-        edge, but for the hemisphere's at the rear
-    shape : one of SHAPES; "chisel" is the fragment simulator, a cylinder with a flat strip across its nose and two
-        flats beside it
+    edge_radius : [m] rounding of all edges; the contact needs one, see `contact_kernels`.
+        Hemisphere and sphere have no edge, but for the hemisphere's at the rear
+    shape : one of SHAPES; "chisel" is the fragment simulator, a cylinder with a flat strip across
+        its nose and two flats beside it
     length : [m] over all; None for a cylinder without an end. A sphere has none
     half_angle : [rad] of a cone, between axis and flank
     tip_radius : [m] of a cone
-    flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and roll
+    flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and
+        roll
     flat_angle : [rad] of a chisel's flats against the plane of its nose
-    solid : Solid of the shape "stl"; its radius and length are the projectile's, its edges have the edge radius
+    solid : Solid of the shape "stl"; its radius and length are the projectile's, its edges have the
+        edge radius
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
     friction : Coulomb's coefficient between projectile and fabric; none in the thesis
-    body : "rigid", "elastic_bar", or the Bar itself, of this mass. "elastic_bar" is a flat cylinder of steel (thesis
-        Table 4-2), bored from its tail to its mass (erratum E-37), as long as that of the thesis where no length is
-        given
-    bore_diameter : [m] of the bore of that cylinder; None takes 4.5 mm. The thesis gives neither its diameter nor its
-        depth
+    body : "rigid", "elastic_bar", or the Bar itself, of this mass. "elastic_bar" is a flat cylinder
+        of steel (thesis Table 4-2), bored from its tail to its mass (erratum E-37), as long as that
+        of the thesis where no length is given
+    bore_diameter : [m] of the bore of that cylinder; None takes 4.5 mm. The thesis gives neither
+        its diameter nor its depth
 
     Raises
     ------
@@ -173,7 +179,9 @@ class Projectile:
         """The bar along the axis; None for a rigid body."""
         if isinstance(self.body, Bar):
             return self.body
-        return self.steel_bar() if self.body == "elastic_bar" else None
+        if self.body == "elastic_bar":
+            return self.steel_bar()
+        return None
 
     def steel_bar(self) -> Bar:
         """The bored steel cylinder of this mass, diameter and length.
@@ -259,7 +267,9 @@ class Projectile:
     def form(self) -> FloatArray:
         """(n,) the numbers that `sdf_kernels` needs of the shape, at least 4."""
         values = SHAPES[self.shape][1](self)
-        return values if self.solid is not None else np.array([*values, *[0.0] * (4 - len(values))])
+        if self.solid is not None:
+            return values
+        return np.array([*values, *[0.0] * (4 - len(values))])
 
     @property
     def shoulder(self) -> float:
@@ -271,8 +281,12 @@ class Projectile:
         """[m] smallest radius that fabric is bent round by the nose."""
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
-        tip = self.tip_radius if self.shape == "cone" else None
-        return self.edge_radius if tip is None else min(self.edge_radius, tip)
+        tip = None
+        if self.shape == "cone":
+            tip = self.tip_radius
+        if tip is None:
+            return self.edge_radius
+        return min(self.edge_radius, tip)
 
     def seen_from(self, angle: float) -> Projectile:
         """The same shot in a frame that is turned by `angle` [rad] about the panel's normal."""
@@ -298,8 +312,11 @@ class Projectile:
 
     @property
     def frame(self) -> FloatArray:
-        """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it, and rolled."""
-        lean, (c, s) = self.obliquity + self.yaw, (cos(self.azimuth), sin(self.azimuth))
+        """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it,
+        and rolled."""
+        lean = self.obliquity + self.yaw
+        c = cos(self.azimuth)
+        s = sin(self.azimuth)
         away = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)])
         beside = np.array([-s, c, 0.0])
         turn = self.roll - self.azimuth
@@ -308,9 +325,13 @@ class Projectile:
         return np.array([x, y, _towards(lean, self.azimuth)])
 
     def distance(self, point: FloatArray | Sequence[float]) -> tuple[float, FloatArray]:
-        """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin; and its gradient."""
+        """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin;
+        and its gradient."""
         frame = self.frame
-        length = inf if self.length is None else self.length
+        if self.length is None:
+            length = inf
+        else:
+            length = self.length
         depth, *normal = sdf_kernels.distance(
             self.number,
             *(frame @ np.asarray(point)),
@@ -325,8 +346,8 @@ class Projectile:
     def top(self) -> float:
         """[m] how far the body reaches ahead of its nose, along the panel's normal.
 
-        Seen from a point far ahead the distance to a convex body is that to the plane that touches it; at 10 km, it
-        is wrong by a nanometre at most, without being too large.
+        Seen from a point far ahead the distance to a convex body is that to the plane that touches
+        it; at 10 km, it is wrong by a nanometre at most, without being too large.
         """
         if not self.tilted or self.obliquity + self.yaw == 0:
             return 0.0
@@ -336,7 +357,8 @@ class Projectile:
         return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
 
     def start(self) -> FloatArray:
-        """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the origin."""
+        """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the
+        origin."""
         if self.obliquity == 0 and not self.tilted:
             return np.zeros(3)
         flight = self.flight
@@ -344,21 +366,29 @@ class Projectile:
         return nose - flight * (nose[2] + self.top) / flight[2]
 
     def surface(self, set_back: float = 0.0, rise: int = 61, around: int = 73) -> FloatArray:
-        """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii of an endless one.
+        """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii
+        of an endless one.
 
         Of a solid, what is seen from its axis.
 
         set_back : [m] along the axis
         rise, around : rays from the side to the tip, and in a ring
         """
-        end = (
-            2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
-        )
-        length = inf if self.shape == "sphere" else end
-        deep = self.radius if self.solid is None else min(self.radius, 0.5 * end)
+        if self.shape == "sphere":
+            end = 2 * self.radius
+        else:
+            end = min(self.length or inf, 6 * self.radius)
+        length = end
+        if self.shape == "sphere":
+            length = inf
+        if self.solid is None:
+            deep = self.radius
+        else:
+            deep = min(self.radius, 0.5 * end)
         slopes = np.linspace(0, 0.5 * pi, rise)
         depths = np.linspace(deep, end - deep, rise // 5)
-        # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back
+        # rings of rays: from the point one radius deep forwards, across the axis, and from as far
+        # before the end back
         origin = np.concatenate([np.full(rise, -deep), -depths, np.full(rise, deep - end)])
         slope = np.concatenate([slopes[::-1], np.zeros(rise // 5), -slopes])
         turn = np.linspace(0, 2 * pi, around)
@@ -374,7 +404,8 @@ class Projectile:
         return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:
-        """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""
+        """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis
+        1)."""
         frame = self.frame
         flight = self.flight
         if abs(flight[axis]) > 1e-12 or abs(frame[2][axis]) > 1e-12:

@@ -1,12 +1,14 @@
 """Shapes of the projectile: signed distances with their gradients, in the frame of the projectile.
 
-The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are convex and exact: behind
-their noses cylinders of radius R, without an end or, where a length L is given, with a flat end whose edge is rounded
-by rho. Each is written as a body K grown by a ball of radius rho, which is what rounds its edges, so that
+The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are
+convex and exact: behind their noses cylinders of radius R, without an end or, where a length L is
+given, with a flat end whose edge is rounded by rho. Each is written as a body K grown by a ball of
+radius rho, which is what rounds its edges, so that
 
     distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
 
-is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The gradient is of length 1.
+is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The
+gradient is of length 1.
 
     FLAT        disc with a rounded edge
     HEMISPHERE  ball of radius R in front of the cylinder
@@ -38,7 +40,8 @@ STL_HEAD = 7  # numbers before the coefficients
 @kernel()
 def flat(r, z, R, rho):
     """Signed distance to the flat nose and its gradient (n_r, n_z)."""
-    q_r, q_z = r - R + rho, z + rho
+    q_r = r - R + rho
+    q_z = z + rho
     if q_r > 0.0 and q_z > 0.0:
         length = math.sqrt(q_r * q_r + q_z * q_z)
         return length - rho, q_r / length, q_z / length
@@ -66,18 +69,25 @@ def hemisphere(r, z, R):
 
 @unit("3 numbers", later=True, r="number", z="number", R="number", rho="number", form="n")
 def cone(r, z, R, rho, form):
-    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its gradient.
+    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its
+    gradient.
 
-    The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part the plane.
+    The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part
+    the plane.
     """
-    tip, sine, cosine, shoulder = form[0], form[1], form[2], form[3]
+    tip = form[0]
+    sine = form[1]
+    cosine = form[2]
+    shoulder = form[3]
     back = r * sine - (z + tip) * cosine  # along the flank, from where the tip ends
     if back < 0.0:
         return ball(r, z + tip, tip)
-    q_r, q_z = r - R + rho, z - shoulder
+    q_r = r - R + rho
+    q_z = z - shoulder
     if q_z > 0.0 and q_r * sine - q_z * cosine > 0.0:
         return ball(q_r, q_z, rho)
-    flank, side = r * cosine + (z + tip) * sine - tip, q_r - rho
+    flank = r * cosine + (z + tip) * sine - tip
+    side = q_r - rho
     if flank > side:
         return flank, cosine, sine
     return side, 1.0, 0.0
@@ -87,13 +97,14 @@ def cone(r, z, R, rho, form):
 def on_ellipse(t, y, a, b):
     """Point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at least 0.
 
-    Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there: Newton's method
-    from its left climbs to it without overshooting.
+    Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there:
+    Newton's method from its left climbs to it without overshooting.
     """
     y = max(y, 1e-12 * b)  # on the long axis inside the evolute the nearest point is no more unique
     low = max(-b * b + b * y, -a * a + a * t)
     for _ in range(60):
-        p, q = a * t / (low + a * a), b * y / (low + b * b)
+        p = a * t / (low + a * a)
+        q = b * y / (low + b * b)
         slope = -2.0 * (p * p / (low + a * a) + q * q / (low + b * b))
         rise = (p * p + q * q - 1.0) / -slope
         low += rise
@@ -104,13 +115,17 @@ def on_ellipse(t, y, a, b):
 
 @kernel()
 def nearest_rim(x, y, z, radius, strip, sine, cosine):
-    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and flat of a chisel."""
+    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and
+    flat of a chisel."""
     # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
     r = math.sqrt(x * x + y * y)
-    e_x = min(radius * x / r if r > 0.0 else 0.0, strip)
+    e_x = 0.0
+    if r > 0.0:
+        e_x = min(radius * x / r, strip)
     e_y = math.sqrt(radius * radius - e_x * e_x)
     arc = (x - e_x) ** 2 + (y - e_y) ** 2 + z * z
-    # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the cylinder
+    # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the
+    # cylinder
     t = max(cosine * x - sine * (z - strip * sine / cosine), 0.0)
     f_t, f_y = on_ellipse(t, y, radius / cosine, radius)
     f_x = max(f_t * cosine, strip)
@@ -128,33 +143,49 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
 def chisel(x, y, z, R, rho, form):
     """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
 
-    K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest point is that of the
-    prism between the planes, if the cylinder holds it; or that of the cylinder, if the planes hold it; or on the rim.
+    K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest
+    point is that of the prism between the planes, if the cylinder holds it; or that of the
+    cylinder, if the planes hold it; or on the rim.
     """
-    strip, sine, cosine, radius = form[0], form[1], form[2], R - rho
-    p_x, p_y, p_z = abs(x), abs(y), z + rho
+    strip = form[0]
+    sine = form[1]
+    cosine = form[2]
+    radius = R - rho
+    p_x = abs(x)
+    p_y = abs(y)
+    p_z = z + rho
     r = math.sqrt(p_x * p_x + p_y * p_y)
-    side, off = r - radius, (p_x - strip) * sine + p_z * cosine
+    side = r - radius
+    off = (p_x - strip) * sine + p_z * cosine
     if side <= 0.0 and off <= 0.0 and p_z <= 0.0:
         if side >= off and side >= p_z:
-            return side - rho, x / r if r > 0.0 else 0.0, y / r if r > 0.0 else 0.0, 0.0
+            if r == 0.0:
+                return side - rho, 0.0, 0.0, 0.0
+            return side - rho, x / r, y / r, 0.0
         if off > p_z:
             return off - rho, math.copysign(sine, x), 0.0, cosine
         return p_z - rho, 0.0, 0.0, 1.0
     # nearest point of the prism: on the strip, at its corner, on the flat, or the point itself
-    e_x, e_z = p_x, p_z
+    e_x = p_x
+    e_z = p_z
     if p_z > 0.0 and p_x <= strip:
         e_z = 0.0
     elif off > 0.0 and (p_x - strip) * cosine - p_z * sine <= 0.0:
-        e_x, e_z = strip, 0.0
+        e_x = strip
+        e_z = 0.0
     elif off > 0.0:
-        e_x, e_z = p_x - off * sine, p_z - off * cosine
+        e_x = p_x - off * sine
+        e_z = p_z - off * cosine
     e_y = p_y
     if e_x * e_x + e_y * e_y > radius * radius:
-        e_x, e_y, e_z = p_x * radius / r, p_y * radius / r, p_z
+        e_x = p_x * radius / r
+        e_y = p_y * radius / r
+        e_z = p_z
         if e_z > 0.0 or (e_x - strip) * sine + e_z * cosine > 0.0:
             e_x, e_y, e_z = nearest_rim(p_x, p_y, p_z, radius, strip, sine, cosine)
-    n_x, n_y, n_z = p_x - e_x, p_y - e_y, p_z - e_z
+    n_x = p_x - e_x
+    n_y = p_y - e_y
+    n_z = p_z - e_z
     length = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
     if length == 0.0:  # on the boundary of K but for rounding
         return -rho, 0.0, 0.0, 1.0
@@ -168,7 +199,8 @@ def chisel(x, y, z, R, rho, form):
 
 @kernel()
 def b_spline(t):
-    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and their slopes."""
+    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and
+    their slopes."""
     a = 1.0 - t
     w = (
         a * a * a / 6.0,
@@ -185,16 +217,25 @@ def sampled(x, y, z, form):
 
     Outside the grid, whose faces lie off the body, what lies between comes on top.
     """
-    ny, nz, per = int(form[5]), int(form[6]), form[3]
-    p_x, p_y, p_z = (x - form[0]) * per, (y - form[1]) * per, (z - form[2]) * per
-    q_x, q_y, q_z = (
-        min(max(p_x, 1.0), form[4] - 2.001),
-        min(max(p_y, 1.0), form[5] - 2.001),
-        min(max(p_z, 1.0), form[6] - 2.001),
-    )
-    i, j, k = int(q_x), int(q_y), int(q_z)
-    (u, du), (v, dv), (w, dw) = b_spline(q_x - i), b_spline(q_y - j), b_spline(q_z - k)
-    depth, n_x, n_y, n_z = 0.0, 0.0, 0.0, 0.0
+    ny = int(form[5])
+    nz = int(form[6])
+    per = form[3]
+    p_x = (x - form[0]) * per
+    p_y = (y - form[1]) * per
+    p_z = (z - form[2]) * per
+    q_x = min(max(p_x, 1.0), form[4] - 2.001)
+    q_y = min(max(p_y, 1.0), form[5] - 2.001)
+    q_z = min(max(p_z, 1.0), form[6] - 2.001)
+    i = int(q_x)
+    j = int(q_y)
+    k = int(q_z)
+    u, du = b_spline(q_x - i)
+    v, dv = b_spline(q_y - j)
+    w, dw = b_spline(q_z - k)
+    depth = 0.0
+    n_x = 0.0
+    n_y = 0.0
+    n_z = 0.0
     for a in range(4):
         for b in range(4):
             row = STL_HEAD + ((i - 1 + a) * ny + j - 1 + b) * nz + k - 1
@@ -211,15 +252,18 @@ def sampled(x, y, z, form):
                 + dw[3] * form[row + 3]
             )
             depth += u[a] * v[b] * along
-            n_x, n_y, n_z = (
-                n_x + du[a] * v[b] * along,
-                n_y + u[a] * dv[b] * along,
-                n_z + u[a] * v[b] * slope,
-            )
-    o_x, o_y, o_z = p_x - q_x, p_y - q_y, p_z - q_z
+            n_x = n_x + du[a] * v[b] * along
+            n_y = n_y + u[a] * dv[b] * along
+            n_z = n_z + u[a] * v[b] * slope
+    o_x = p_x - q_x
+    o_y = p_y - q_y
+    o_z = p_z - q_z
     off = math.sqrt(o_x * o_x + o_y * o_y + o_z * o_z)
     if off > 0.0:
-        depth, n_x, n_y, n_z = depth + off / per, o_x, o_y, o_z
+        depth = depth + off / per
+        n_x = o_x
+        n_y = o_y
+        n_z = o_z
     length = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
     if length == 0.0:
         return depth, 0.0, 0.0, 1.0
@@ -230,8 +274,8 @@ def sampled(x, y, z, form):
 def distance(shape, x, y, z, R, rho, length, form):
     """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
 
-    The body that ends is the one without an end cut by a flat nose that faces back. Of two distances to convex bodies
-    on one cylinder the larger is exact.
+    The body that ends is the one without an end cut by a flat nose that faces back. Of two
+    distances to convex bodies on one cylinder the larger is exact.
     """
     if shape == STL:
         return sampled(x, y, z, form)
@@ -247,21 +291,34 @@ def distance(shape, x, y, z, R, rho, length, form):
             depth, n_r, n_z = cone(r, z, R, rho, form)
         else:
             depth, n_r, n_z = ball(r, z + R, R)
-        n_x, n_y = (n_r * x / r, n_r * y / r) if r > 0.0 else (0.0, 0.0)
+        if r > 0.0:
+            n_x = n_r * x / r
+            n_y = n_r * y / r
+        else:
+            n_x = 0.0
+            n_y = 0.0
     if length < np.inf:
         end, e_r, e_z = flat(r, -length - z, R, rho)
         if end > depth:
-            n_x, n_y = (e_r * x / r, e_r * y / r) if r > 0.0 else (0.0, 0.0)
+            if r > 0.0:
+                n_x = e_r * x / r
+                n_y = e_r * y / r
+            else:
+                n_x = 0.0
+                n_y = 0.0
             return end, n_x, n_y, -e_z
     return depth, n_x, n_y, n_z
 
 
 @entry()
 def trace(shape, R, rho, length, form, points, directions):
-    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its distance each time."""
+    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its
+    distance each time."""
     for m in range(points.shape[0]):
         for _ in range(200):
-            x, y, z = points[m, 0], points[m, 1], points[m, 2]
+            x = points[m, 0]
+            y = points[m, 1]
+            z = points[m, 2]
             depth = distance(shape, x, y, z, R, rho, length, form)[0]
             for c in range(3):
                 points[m, c] -= depth * directions[m, c]

@@ -1,7 +1,7 @@
 """A projectile's body of any shape: its surface, and its signed distance sampled on a regular grid.
 
-Between the samples the distance is that of tricubic B-splines through them (`sdf_kernels.sampled`), whose first and
-second derivatives are continuous. The grid is symmetric about the axis.
+Between the samples the distance is that of tricubic B-splines through them (`sdf_kernels.sampled`),
+whose first and second derivatives are continuous. The grid is symmetric about the axis.
 """
 
 from __future__ import annotations
@@ -22,14 +22,16 @@ _NEAR, _EVEN = (
 
 
 def volume(points: FloatArray, faces: np.ndarray) -> float:
-    """[m3] within a closed surface of triangles (m, 3) of points (n, 3) [m]; negative where they face inwards."""
+    """[m3] within a closed surface of triangles (m, 3) of points (n, 3) [m]; negative where they
+    face inwards."""
     a, b, c = points[faces.T]
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A closed surface of triangles and its signed distance, the axis along z, the foremost point at z = 0.
+    """A closed surface of triangles and its signed distance, the axis along z, the foremost point
+    at z = 0.
 
     Parameters
     ----------
@@ -48,7 +50,8 @@ class Solid:
 
     @staticmethod
     def axes(points: FloatArray, spacing: float) -> tuple[FloatArray, ...]:
-        """Places (i,), (j,), (k,) [m] of samples that reach beyond points (n, 3) [m] of a surface."""
+        """Places (i,), (j,), (k,) [m] of samples that reach beyond points (n, 3) [m] of a
+        surface."""
         half = [int(np.ceil(np.abs(points[:, c]).max() / spacing)) + MARGIN for c in (0, 1)]
         back = int(np.ceil(-points[:, 2].min() / spacing)) + MARGIN
         return (
@@ -77,7 +80,8 @@ class Solid:
 
     @cached_property
     def shoulder(self) -> float:
-        """[m] depth behind the nose from which it has its full width, but for a thousandth, on all of its sides."""
+        """[m] depth behind the nose from which it has its full width, but for a thousandth, on all
+        of its sides."""
         x, y, z = self.points.T
         r = np.hypot(x, y)
         side = np.floor(_SIDES * np.arctan2(y, x) / (2 * np.pi))

@@ -1,9 +1,11 @@
-"""The contact window: the elements that the projectile can touch, their erosion, and what lies ahead of the nose."""
+"""The contact window: the elements that the projectile can touch, their erosion, and what lies
+ahead of the nose."""
 
 import numpy as np
 
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cloth.nodal_force_kernels import include_rows
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
@@ -21,7 +23,8 @@ def window_bounds(state):
 
 @kernel()
 def reachable_nodes(state, const):
-    """First and last row, and column, of the nodes that contact forces can reach: one beyond those of the elements."""
+    """First and last row, and column, of the nodes that contact forces can reach: one beyond those
+    of the elements."""
     i0, i1, j0, j1 = window_bounds(state)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
@@ -30,14 +33,17 @@ def reachable_nodes(state, const):
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
 
-    The body lies between its nose and the place where its axis is at const.body_depth below the panel; about that the
-    window leaves const.draw_in_reach, by which fabric may be drawn in besides the body's own width, and what the edges
-    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Fabric
-    from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed. On a graded panel the window stays in the first zone, and so does the projectile
+    The body lies between its nose and the place where its axis is at const.body_depth below the
+    panel; about that the window leaves const.draw_in_reach, by which fabric may be drawn in besides
+    the body's own width, and what the edges have slipped. Nothing bounds how far a yarn that has
+    failed is drawn in: then the window is the whole panel. Fabric from beyond would be found by the
+    window's next row when it is an edge radius deep, on springs that nobody has squeezed. On a
+    graded panel the window stays in the first zone, and so does the projectile
     (`PackSolver.guard_model`).
     """
-    torn, slip = False, 0.0
+    torn = False
+    slip = 0.0
+    # nothing bounds how far a failed yarn is drawn in
     for block in range(state.block_damage.size):
         torn = torn or state.block_damage[block] != 0
     for m in range(const.slip_node.size):
@@ -47,40 +53,56 @@ def move_window(state, const):
         const.projectile_length,
     )
     for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
-        nose, foot = (
-            state.projectile_position[c],
-            state.projectile_position[c] - back * const.frame[2, c],
-        )
-        low, high = min(nose, foot) - start, max(nose, foot) - start
-        low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
-        first, count = const.window_limits[2 * c], const.window_limits[2 * c + 1]
-        state.contact_window[2 * c] = first if torn else min(max(int(low / step), first), count)
-        state.contact_window[2 * c + 1] = (
-            count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
-        )
-    state.active_rows[0] = min(state.active_rows[0], max(state.contact_window[0] - 2, 0))
-    state.active_rows[1] = max(state.active_rows[1], min(state.contact_window[1] + 2, const.ni))
+        nose = state.projectile_position[c]
+        foot = state.projectile_position[c] - back * const.frame[2, c]
+        low = min(nose, foot) - start
+        high = max(nose, foot) - start
+        low = low - const.draw_in_reach[c] - slip
+        high = high + const.draw_in_reach[c] + slip
+        first = const.window_limits[2 * c]
+        count = const.window_limits[2 * c + 1]
+        if torn:
+            state.contact_window[2 * c] = first
+        else:
+            state.contact_window[2 * c] = min(max(int(low / step), first), count)
+        if torn:
+            state.contact_window[2 * c + 1] = count
+        else:
+            state.contact_window[2 * c + 1] = min(
+                max(int(high / step) + 1, state.contact_window[2 * c]), count
+            )
+    include_rows(state, const, state.contact_window[0] - 2, state.contact_window[1] + 2)
 
 
 @kernel()
 def erode(state, const, i, j):
-    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap that they left is
-    wider than const.erosion_gap_ratio. Erosion is permanent."""
-    k, row, one = np.uint64(i * const.row_stride + j), np.uint64(const.row_stride), np.uint64(1)
+    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap
+    that they left is wider than const.erosion_gap_ratio. Erosion is permanent."""
+    k = np.uint64(i * const.row_stride + j)
+    row = np.uint64(const.row_stride)
+    one = np.uint64(1)
     if state.element_flag[k] & ERODED:
         return True
     warp = state.intact_fraction[0][k] + state.intact_fraction[0][k + one]
     weft = state.intact_fraction[1][k] + state.intact_fraction[1][k + row]
-    a, b = 0.0, 0.0
+    a = 0.0
+    b = 0.0
     for c in range(3):
         u = state.u[c]
-        u0, u1, u2, u3 = u[k], u[k + row], u[k + one], u[k + row + one]
-        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
-        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
-    open1, open2 = (
-        a > (2.0 * const.erosion_gap_ratio * const.dx) ** 2,
-        b > (2.0 * const.erosion_gap_ratio * const.dy) ** 2,
-    )
+        u0 = u[k]
+        u1 = u[k + row]
+        u2 = u[k + one]
+        u3 = u[k + row + one]
+        across = u1 - u0 + u3 - u2
+        along = u2 - u0 + u3 - u1
+        if c == 0:
+            across += 2.0 * const.dx
+        if c == 1:
+            along += 2.0 * const.dy
+        a += across * across
+        b += along * along
+    open1 = a > (2.0 * const.erosion_gap_ratio * const.dx) ** 2
+    open2 = b > (2.0 * const.erosion_gap_ratio * const.dy) ** 2
     if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
         state.element_flag[k] |= ERODED
         return True
@@ -89,14 +111,19 @@ def erode(state, const, i, j):
 
 @kernel()
 def intact_at_point(state, const, k, s, t):
-    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
-    warp, weft, row = (
-        state.intact_fraction[0],
-        state.intact_fraction[1],
-        np.uint64(const.row_stride),
-    )
-    near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
-    other = weft[k] if s < 0.5 else weft[k + row]
+    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to
+    it."""
+    warp = state.intact_fraction[0]
+    weft = state.intact_fraction[1]
+    row = np.uint64(const.row_stride)
+    if t < 0.5:
+        near = warp[k]
+    else:
+        near = warp[k + np.uint64(1)]
+    if s < 0.5:
+        other = weft[k]
+    else:
+        other = weft[k + row]
     if t == 0.5:
         near = 0.5 * (warp[k] + warp[k + np.uint64(1)])
     if s == 0.5:
@@ -106,16 +133,21 @@ def intact_at_point(state, const, k, s, t):
 
 @unit("flag", later=True)
 def cloth_ahead_of_nose(state, const):
-    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
+    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
+    radius."""
     i0, i1, j0, j1 = window_bounds(state)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
                 continue
-            p_x, p_y, p_z = 0.0, 0.0, 0.0
+            p_x = 0.0
+            p_y = 0.0
+            p_z = 0.0
             for m in range(4):
                 x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
-                p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
+                p_x = p_x + 0.25 * x
+                p_y = p_y + 0.25 * y
+                p_z = p_z + 0.25 * z
             if (
                 p_z > -const.shoulder
                 and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius

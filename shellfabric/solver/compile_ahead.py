@@ -1,7 +1,8 @@
 """The kernels of a run, compiled by two processes where the cache is cold.
 
-Units do not depend on each other. This process compiles those that every run calls from the front of
-one list, a child from its end. Both look into the cache before each, so that they meet in the middle.
+Units do not depend on each other. This process compiles those that every run calls from the front
+of one list, a child from its end. Both look into the cache before each, so that they meet in the
+middle.
 """
 
 from __future__ import annotations
@@ -24,14 +25,18 @@ _CHILD = "from shellfabric.solver.compile_ahead import cells; [cell.fill() for c
 
 
 def cells(grid: int, several: bool) -> list[Cell]:
-    """The cells of the units that each run calls of a ply, or of several, on a uniform or a graded grid."""
-    folders = (*OF_A_PLY, OF_A_PACK) if several else OF_A_PLY
+    """The cells of the units that each run calls of a ply, or of several, on a uniform or a graded
+    grid."""
+    folders: tuple[str, ...] = OF_A_PLY
+    if several:
+        folders += (OF_A_PACK,)
     usual = [unit for unit in UNITS if not unit.later]
     return [unit.cell(grid) for unit in usual if unit.py_func.__module__.startswith(folders)]
 
 
 def fill(grid: int, several: bool) -> None:
-    """Compile what `cells` has, beside a child process; nothing where the first of them is in the cache."""
+    """Compile what `cells` has, beside a child process; nothing where the first of them is in the
+    cache."""
     first, *others = cells(grid, several)
     if one_compiler_a_node.cache_info().currsize or not first.fill():
         return

@@ -1,9 +1,9 @@
 """The explicit solver of a panel: of one ply, or of a pack of several.
 
-The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one behind the last ply,
-have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there.
-The results are the same to the last bit with any number of threads: each has the nodes and elements of some blocks, in
-each step the same for all.
+The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one
+behind the last ply, have theirs. Several plies have the work done on the contact between them
+besides, and the work of the friction there. The results are the same to the last bit with any
+number of threads: each has the nodes and elements of some blocks, in each step the same for all.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolv
 from shellfabric.jit import barrier
 from shellfabric.jit.compile import PythonCell, compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.panel import edges, forces, grading, quality
+from shellfabric.panel import edges, forces, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
@@ -78,27 +78,33 @@ class PackSolver(ExplicitSolver):
     Attributes
     ----------
     pack : Pack, of one ply too
-    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
+    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile
+        meets them
     panel, const, state : of the first ply
-    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of a single ply
+    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of
+        a single ply
+    bar : state.BarRow of a projectile that is a bar, or None
     zone : state.Zone of resolved yarns about the nose, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
-        of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest
-        way of a yarn's end out of its clamp
-    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
-        of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
+    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
+        `push` is the force of the nose on it, `deflection` the largest of its fabric
+        (`ply_audit.deflection`), `energy` what it moves with, stores and has lost, the peaks its
+        highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest way of a yarn's end
+        out of its clamp
+    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the
+        modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     samples : of the whole panel, forces summed over plies
     snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     monitor : quality.Monitor, what the quality indicators need besides the result
-    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the run
+    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
+        run
     after_stop : [s] for which the run goes on before a block after the projectile has turned back
 
     Raises
     ------
-    InputError : a strike velocity, end time or interval that is not positive, or more elements than memory holds
+    InputError : a strike velocity, end time or interval that is not positive, or more elements than
+        memory holds
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
@@ -123,19 +129,37 @@ class PackSolver(ExplicitSolver):
             energy_error_limit=energy_error_limit,
         )
         self.pack = pack
-        self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        self.consts = pack.constants()
+        self.states, self.stack = pack.states(strike_velocity)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
-        self.modules = tuple(forces.given(state.modules) for state in self.states)
+        self._graded = self.const._numba_type_ != Constants.types[UNIFORM]
+        self.bar = self._make_bar()
+        self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
         self.zone = yarns.zone_of(self.modules[0])
         several = len(pack.plies) > 1
-        self.contact = pack.plies_contact(self.consts, self.states) if several else None
+        self.contact = None
+        if several:
+            self.contact = pack.plies_contact(self.consts, self.states)
         self._name_energies(several)
         self._begin_run()
 
+    def _make_bar(self):
+        """The row of a projectile that is a bar, which moves it from now on, or None."""
+        projectile = self.panel.shot
+        if projectile.bar is None:
+            return None
+        along = self.strike_velocity * float(projectile.flight @ projectile.frame[2])
+        bar = dynamics.make_row(projectile.bar, self.panel.share, self.const.dt, along)
+        self.stack = self.stack._replace(body=dynamics.body_of(bar, self._graded))
+        return bar
+
     def _name_energies(self, several):
-        between = BETWEEN_PLIES if several else ()
-        self.energy_names = (*ENERGIES, *self._further_energies, *between, "error")
+        further = ply_audit.further_names(self.modules[0])
+        between = ()
+        if several:
+            between = BETWEEN_PLIES
+        self.energy_names = (*ENERGIES, *further, *between, "error")
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
@@ -146,28 +170,29 @@ class PackSolver(ExplicitSolver):
             )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
-    @property
-    def _further_energies(self):
-        """Names of the energies of the modules that the plies have besides the usual ones."""
-        return ply_audit.further_names(self.modules[0])
-
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
-        pack, plies = self.pack, len(self.parts)
+        pack = self.pack
+        plies = len(self.parts)
         self._plies = Rows(self.states), Rows(self.consts)
         self._works = [Rows(pack.works())]
-        compile_ahead.fill(int(self.const._numba_type_ != Constants.types[UNIFORM]), plies > 1)
+        compile_ahead.fill(int(self._graded), plies > 1)
         self.share = self.panel.share
-        most = plies if plies > 1 else np.inf  # threads that can share the work
+        # threads that can share the work
+        if plies > 1:
+            most = plies
+        else:
+            most = np.inf
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
         self.reduces_threads = self.panel.numerics.threads is None
-        self.history_columns = len(dynamics.columns(self.panel.projectile))
-        self.ply_samples, self.history_request, self.histories = [], None, []
+        self.history_columns = len(dynamics.columns(self.panel.projectile.bar))
+        self.ply_samples = []
+        self.history_request = None
+        self.histories = []
         self.backing = None
         self.perforated_samples = 0
-        self.run_steps(
-            self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf
-        )  # the forces at rest
+        # the forces at rest
+        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)
         if self.panel.backing is not None:
             self.after_stop = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
@@ -198,7 +223,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def deepest(self) -> FloatArray:
-        """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean thickness of two."""
+        """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean
+        thickness of two."""
         if self.contact is None:
             return np.zeros(0)
         means = np.convolve(self.contact.thickness, (0.5, 0.5), "valid")
@@ -206,7 +232,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def step_loss(self) -> float:
-        """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the strike energy."""
+        """[-] largest energy error so far, with what yarns lose that stiffen in a step, over the
+        strike energy."""
         both = self.sample("error") - self.sample("yarn_snap")
         return float(np.abs(both).max() / self.strike_energy)
 
@@ -220,7 +247,9 @@ class PackSolver(ExplicitSolver):
     @property
     def held_apart(self) -> int:
         """[-] impulses that kept plies from passing through each other."""
-        return int(self.contact.guard[near_kernels.IMPULSES]) if self.contact else 0
+        if self.contact:
+            return int(self.contact.guard[near_kernels.IMPULSES])
+        return 0
 
     @property
     def steps(self) -> int:
@@ -247,31 +276,35 @@ class PackSolver(ExplicitSolver):
             raise
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
-        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
-        return (
-            list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
-            if self.contact
-            else []
-        )
+        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of
+        a single ply."""
+        if self.contact:
+            return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
+        return []
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
-        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
-        several plies, or before a block, also of what is in front, and of what is behind.
+        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it:
+        of the projectile; of several plies, or before a block, also of what is in front, and of
+        what is behind.
         """
         state = self.parts[ply][2]
-        nose, nothing, forces = (
-            state.f_contact[2],
-            0 * state.f_contact[2],
-            self.neighbour_forces(ply),
-        )
-        rear = nothing if self.backing is None else -state.f_block_cloth[2]
-        if not forces:
-            return [nose] if self.backing is None else [nose, nothing, rear]
-        return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
+        nose = state.f_contact[2]
+        front = 0 * nose
+        rear = 0 * nose
+        if self.backing:
+            rear = -state.f_block_cloth[2]
+        neighbours = self.neighbour_forces(ply)
+        if neighbours:
+            front = neighbours[BEFORE][2].copy()
+            rear = rear - neighbours[BEHIND][2]
+        if neighbours or self.backing:
+            return [nose, front, rear]
+        return [nose]
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
-        state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)
+        state = self.parts[ply][2]
+        neighbours = self.neighbour_forces(ply)
         if not neighbours:
             return state
         total = [force.copy() for force in state.f_contact]
@@ -281,8 +314,9 @@ class PackSolver(ExplicitSolver):
         return state._replace(f_contact=tuple(total))
 
     def contact_energies(self) -> tuple[float, ...]:
-        """[J] taken in by the contact between plies, of which it holds or damps the first and has lost the second with
-        dropped elements; by the friction there and by collisions of plies, in the guard; () of a single ply."""
+        """[J] taken in by the contact between plies, of which it holds or damps the first and has
+        lost the second with dropped elements; by the friction there and by collisions of plies, in
+        the guard; () of a single ply."""
         if self.contact is None:
             return ()
         rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
@@ -309,11 +343,14 @@ class PackSolver(ExplicitSolver):
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
-        *projectile, speed = dynamics.audit(self.state, self.const, force)
+        *projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
         if self.zone is not None:
             yarns.show(self.zone, self.state)
         total = plies.sum(axis=0)
-        block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
+        if self.backing:
+            block = self.backing.energies()
+        else:
+            block = np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
@@ -328,20 +365,25 @@ class PackSolver(ExplicitSolver):
         return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on
+        the nose [N]."""
         rows = []
-        self._held = [
-            held(state, const) if state.counter[FAILURES] else None
-            for _, const, state in self.parts
-        ]
-        for (panel, const, state), ends, energy, push, cloth in zip(
-            self.parts, self._ends, energies, pushes, self._held
-        ):
-            cut = ply_audit.cut_yarns(panel, const, state)
-            reactions = ply_audit.edge_reactions(panel, const, state, ends)
-            deflection = ply_audit.deflection(const, state, cloth)
-            own = cut, *reactions, -push / self.share, deflection, energy / self.share
-            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state)])
+        self._held = []
+        for ply, (panel, const, state) in enumerate(self.parts):
+            held_elements = None
+            if state.counter[FAILURES]:
+                held_elements = held(state, const)
+            self._held.append(held_elements)
+            row = [
+                ply_audit.cut_yarns(panel, const, state),
+                *ply_audit.edge_reactions(panel, const, state, self._ends[ply]),
+                -pushes[ply] / self.share,
+                ply_audit.deflection(const, state, held_elements),
+                energies[ply] / self.share,
+                *state.peak_tension,
+                ply_audit.pull_in(const, state),
+            ]
+            rows.append(row)
         return np.array(rows)
 
     def _drop_sample(self):
@@ -354,8 +396,9 @@ class PackSolver(ExplicitSolver):
 
     @property
     def contact_force(self) -> FloatArray:
-        """(n,) [N] along the normal on the whole projectile against its flight, from plies and block: the mean over the
-        steps since the sample before, 0 at the first. The sum of force times interval is the momentum lost.
+        """(n,) [N] along the normal on the whole projectile against its flight, from plies and
+        block: the mean over the steps since the sample before, 0 at the first. The sum of force
+        times interval is the momentum lost.
 
         A sample's velocity stands at its step, half of whose force has acted by then.
         """
@@ -391,10 +434,13 @@ class PackSolver(ExplicitSolver):
             return f"node {int(node)} of the resolved yarns"
         row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
-        return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
+        if len(self.parts) == 1:
+            return place
+        return f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
-        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose.
+        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead
+        of the nose.
 
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
@@ -411,23 +457,19 @@ class PackSolver(ExplicitSolver):
         if ends or not failed or self.backing is not None:
             return
         through = all(
-            passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
+            passed(state, const, held_elements)
+            for (_, const, state), held_elements in zip(self.parts, self._held)
         )
-        self.perforated_samples = self.perforated_samples + 1 if through else 0
+        if through:
+            self.perforated_samples = self.perforated_samples + 1
+        else:
+            self.perforated_samples = 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone, one that strikes
-        resolved yarns to theirs; the guard of a pack holds."""
-        for ply, (panel, const, state) in enumerate(self.parts):
-            if panel.sides is None or not const.window_follows:
-                continue
-            nose, zone = state.projectile_position, panel.first_zone()
-            if not grading.covers(zone, panel.lines(), nose, panel.reach(), panel.mirrors):
-                x, y = 1e3 * nose[:2]
-                where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
-                self.stop("the projectile leaves the first zone of the grading", where)
+        """See ExplicitSolver. A projectile that strikes resolved yarns keeps to theirs; the guard of
+        a pack holds."""
         nose = self.state.projectile_position
         if self.zone is not None and not yarns.holds_nose(self.panel, nose):
             x, y = 1e3 * nose[:2]
@@ -447,6 +489,7 @@ class PackSolver(ExplicitSolver):
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += (
             self.panel.backing,
+            self.panel.projectile.bar,
             pack.gaps,
             pack.contact,
             pack.friction,
@@ -467,6 +510,8 @@ class PackSolver(ExplicitSolver):
             found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
         if self.contact:
             found["contact"] = self.contact
+        if self.bar:
+            found["bar"] = self.bar
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
@@ -478,7 +523,9 @@ class PackSolver(ExplicitSolver):
 
     def checkpoint_extra(self) -> dict[str, Any]:
         """See ExplicitSolver."""
-        return self.backing.block.arrays() if self.backing else {}
+        if self.backing:
+            return self.backing.block.arrays()
+        return {}
 
     def restore_extra(self, arrays: Mapping[str, Any]) -> None:
         """See ExplicitSolver."""

@@ -1,9 +1,10 @@
 """What is sampled of one ply: its energies, cut yarns, edge reactions and deflection.
 
-The energy that the yarns store follows from their stretches. The work done on them is more. In the equilibrium form,
-whose forces are no gradient, the difference is the energy "formulation_residual". In the variational form it is
-"yarn_snap": what the trapezoid of a step takes where yarns stiffen in it (`membrane_kernels.yarn_forces`). The energy
-error is what is then left; quality checks hold both.
+The energy that the yarns store follows from their stretches. The work done on them is more. In the
+equilibrium form, whose forces are no gradient, the difference is the energy "formulation_residual".
+In the variational form it is "yarn_snap": what the trapezoid of a step takes where yarns stiffen in
+it (`membrane_kernels.yarn_forces`). The energy error is what is then left; quality checks hold
+both.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
     # work of the forces that is neither stored nor lost, of either form
     unstored = np.zeros(2)
     unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
-    contact, slip = state.contact_energy, state.slip_energy
+    contact = state.contact_energy
+    slip = state.slip_energy
     found = np.array(
         [
             out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
@@ -73,7 +75,7 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
             *out[kernels.PACKING + 1 :],
         ]
     )
-    for name, energy in _books(forces.given(state.modules)):
+    for name, energy in _books(forces.modules_of(state.modules)):
         if name in ENERGIES:
             found[ENERGIES.index(name)] += energy
         else:
@@ -110,12 +112,14 @@ def audited(const: Constants, state: State) -> FloatArray:
 
 
 def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
-    """Cut yarns of the whole ply, however often each is cut; of a yarn of several grid lines the part that is cut.
+    """Cut yarns of the whole ply, however often each is cut; of a yarn of several grid lines the
+    part that is cut.
 
-    A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn makes no second one
-    of it, a plane along it does.
+    A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn
+    makes no second one of it, a plane along it does.
     """
-    shape, total = (const.ni + 1, const.row_stride), 0.0
+    shape = (const.ni + 1, const.row_stride)
+    total = 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
         broken = state.failed[family] != 0
         edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[
@@ -133,17 +137,24 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
 def edge_reactions(
     panel: Panel, const: Constants, state: State, ends: tuple[tuple[int, int], tuple[int, int]]
 ) -> tuple[float, float]:
-    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends : `edges.ends`."""
+    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends :
+    `edges.ends`."""
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
     weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2
-    return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (
-        const.dx * (0.5 if const.mirror_x else 1)
-    )
+    # of a yarn on a plane of symmetry half is in the model
+    width_y = const.dy
+    if const.mirror_y:
+        width_y *= 0.5
+    width_x = const.dx
+    if const.mirror_x:
+        width_x *= 0.5
+    return warp / width_y, weft / width_x
 
 
 def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
-    """[m] largest displacement along the normal, of a node at the corner of a whole element connected to the edges.
+    """[m] largest displacement along the normal, of a node at the corner of a whole element
+    connected to the edges.
 
     held : `perforation.held`, or None where no yarn has failed
     """
@@ -155,13 +166,15 @@ def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
 
 
 def pull_in(const: Constants, state: State) -> float:
-    """[m] largest way of a node of a slipping side along the yarn that ends there; 0 where no side slips."""
+    """[m] largest way of a node of a slipping side along the yarn that ends there; 0 where no side
+    slips."""
     return float(np.abs(np.array(state.u)[const.slip_axis, const.slip_node]).max(initial=0.0))
 
 
 def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> FloatArray:
-    """(2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time [s], and where the middle of the
-    segment is at rest along warp and weft [m]; NaN but for the tension where there was none.
+    """(2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time [s], and
+    where the middle of the segment is at rest along warp and weft [m]; NaN but for the tension
+    where there was none.
 
     steps : steps of the run; a ply of a pack counts its own from when it is first touched
     """

@@ -4,17 +4,17 @@ Velocities stand at half steps, everything else at whole ones:
 
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
 
-The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of `panel.element_kernels`.
-The order of a step is that of `loop.advance`.
+The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of
+`panel.element_kernels`. The order of a step is that of `loop.advance`.
 
-The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
-pair of them for each array of the state would cost as much as a hundred elements in every block.
+The kernels that hand the state on allocate nothing and are compiled without numba's reference
+counts (_nrt=False): a pair of them for each array of the state would cost as much as a hundred
+elements in every block.
 
-LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that are called from one
-place are therefore made part of their caller before anything is compiled (inline="always").
+LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that
+are called from one place are therefore made part of their caller before anything is compiled
+(inline="always").
 """
-
-import numpy as np
 
 from shellfabric.cloth import (
     boundary_kernels,
@@ -22,6 +22,7 @@ from shellfabric.cloth import (
     failure_kernels,
     packing_kernels,
 )
+from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
@@ -41,7 +42,8 @@ KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other
 
 @kernel(_nrt=False)
 def module_force(state, const, m, first, last, acting):
-    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if `acting`."""
+    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if
+    `acting`."""
     table = state.modules
     if table.cell[m] == 0:
         return 0.0
@@ -50,7 +52,8 @@ def module_force(state, const, m, first, last, acting):
 
 @kernel(_nrt=False)
 def other_forces(state, const, first, last, acting):
-    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if `acting`."""
+    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if
+    `acting`."""
     total = 0.0
     for m in range(state.modules.cell.size):
         total += module_force(state, const, m, first, last, acting)
@@ -67,22 +70,33 @@ def stored_energy(state, const, low, high):
 @kernel(_nrt=False, inline="always")
 def find_failures(state, const, work):
     """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
-    first, last, per = state.active_rows[0], state.active_rows[1], const.rows_per_block
-    count, low, high = 0, const.ni, 0
+    first = state.active_rows[0]
+    last = state.active_rows[1]
+    per = const.rows_per_block
+    count = 0
+    low = const.ni
+    high = 0
     for block in range(first // per, (last + per - 1) // per):
         if not failure_kernels.may_fail(const, state, block):
             continue
-        begin, end = max(first, block * per), min(last, (block + 1) * per)
-        near, far = max(first, begin - const.mean_reach), min(last, end + const.mean_reach)
+        begin = max(first, block * per)
+        end = min(last, (block + 1) * per)
+        near = max(first, begin - const.mean_reach)
+        far = min(last, end + const.mean_reach)
         element_kernels.refresh_tensions(state, const, near // per, (far + per - 1) // per, work)
-        rows = end + 1 if end == const.ni else end  # of weft edges
+        # of weft edges
+        rows = end
+        if end == const.ni:
+            rows = end + 1
         failing = failure_kernels.find_failures(const, state, 0, begin, end)
         failing += failure_kernels.find_failures(const, state, 1, begin, rows)
         state.warm_blocks[block] = False
         for i in range(begin, rows):
             state.warm_blocks[block] |= state.warm_rows[0, i] or state.warm_rows[1, i]
         if failing > 0:
-            low, high, count = min(low, begin), end, count + failing
+            low = min(low, begin)
+            high = end
+            count = count + failing
     return count, low, high
 
 
@@ -94,16 +108,19 @@ def apply_failure(state, const, work):
         return
     per = const.rows_per_block
     # a failure changes what its neighbours store, two rows away at most
-    low, high = max(low - 3, 0), min(high + 3, const.ni)
+    low = max(low - 3, 0)
+    high = min(high + 3, const.ni)
     stored, sheared = stored_energy(state, const, low, high)
     worked, damped = failure_kernels.half_step_work(const, state, low, high)
     failure_kernels.break_edges(const, state, 0, low, high)
     failure_kernels.break_edges(const, state, 1, low, high)
     state.counter[FAILURES] += count
-    first, last = state.active_rows[0], state.active_rows[1]
+    first = state.active_rows[0]
+    last = state.active_rows[1]
     for block in range(first // per, (last + per - 1) // per):
         if state.block_damage[block] == REDO:
-            start, end = max(first, block * per), min(last, (block + 1) * per)
+            start = max(first, block * per)
+            end = min(last, (block + 1) * per)
             element_kernels.element_forces(state, const, block, start, end, work)
             state.block_damage[block] = DAMAGED
     now_stored, now_sheared = stored_energy(state, const, low, high)
@@ -116,18 +133,20 @@ def apply_failure(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def update_blocks(state, const, work, shared, me, count):
-    """Update the active nodes and compute the active element forces, block by block while they are in cache.
+    """Update the active nodes and compute the active element forces, block by block while they are
+    in cache.
 
-    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
-    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
-    which its neighbours need too, are moved before all.
+    The blocks are fixed, whatever the window and the number of threads, and so is what is found in
+    them. The node rows that the elements of a block need are moved first: its own, and one beyond.
+    Those at the ends of a thread's blocks, which its neighbours need too, are moved before all.
     """
     first, last = thread_range(state, const, me, count)
-    low, high = (
-        max(state.active_rows[0], first * const.rows_per_block),
-        min(state.active_rows[1], last * const.rows_per_block),
-    )
-    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
+    low = max(state.active_rows[0], first * const.rows_per_block)
+    high = min(state.active_rows[1], last * const.rows_per_block)
+    # the node rows are low .. end - 1
+    end = high
+    if me == count - 1:
+        end = high + 1
     done = min(low + 2, end)
     tail = max(end - 2, done)
     if first < last:
@@ -135,10 +154,8 @@ def update_blocks(state, const, work, shared, me, count):
         move_rows(state, const, tail, end)
     barrier_wait(shared, count)
     for block in range(first, last):
-        begin, stop = (
-            max(low, block * const.rows_per_block),
-            min(high, (block + 1) * const.rows_per_block),
-        )
+        begin = max(low, block * const.rows_per_block)
+        stop = min(high, (block + 1) * const.rows_per_block)
         ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead
@@ -147,13 +164,9 @@ def update_blocks(state, const, work, shared, me, count):
 
 @unit(later=True)
 def apply_backing_impulse(state, const):
-    """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
-    for c in range(3):
-        for k in range(
-            np.uint64(state.active_rows[0] * const.row_stride),
-            np.uint64((state.active_rows[1] + 1) * const.row_stride),
-        ):
-            state.v[c][k] += state.dt_over_mass[k] * state.f_block_cloth[c][k]
+    """Give the nodes the impulses of the backing block."""
+    window = (state.active_rows[0], state.active_rows[1] + 1, 0, const.row_stride)
+    give_impulses(state, const, state.f_block_cloth, window)
 
 
 @kernel(_nrt=False)
@@ -174,9 +187,9 @@ def break_yarns(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def touch(state, const, work):
-    """The nose's forces, on the membrane or on what is in its place, but where they are to be computed after those of
-    the other plies, which implicit springs depend on (see `projectile.contact_kernels`): as long as the nose pushes.
-    Returns whether they are."""
+    """The nose's forces, on the membrane or on what is in its place, but where they are to be
+    computed after those of the other plies, which implicit springs depend on (see
+    `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
     nose = state.modules.nose
     if nose[0] != 0:
         call_module(nose[0], nose[1], state, const, 0, const.ni, 1)
@@ -226,10 +239,11 @@ def initial_forces(state, const, work):
 
 @entry(nogil=True)
 def energies(state, const, out):
-    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis, of the modules
-    (bending, packing, ...).
+    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis,
+    of the modules (bending, packing, ...).
 
-    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
+    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a
+    linear system.
     """
     out[:] = 0.0
     for m in range(state.modules.cell.size):

@@ -1,15 +1,17 @@
 """What the plies of a run share in a step: the projectile, impulses on each other, reasons to end.
 
-The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
-each ply, counted from the ply's own plane at rest; where plies lie at other angles each has place and
-velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
-pushes on it. The order of a step is that of `loop.advance`.
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept
+for each ply, counted from the ply's own plane at rest; where plies lie at other angles each has
+place and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped
+until something pushes on it. The order of a step is that of `loop.advance`.
 """
 
 import math
 
 import numpy as np
 
+from shellfabric.cloth.nodal_force_kernels import give_impulses, keep_symmetry
+from shellfabric.cloth.vector_kernels import add, nodal
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
@@ -18,7 +20,8 @@ from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, turned_back
 from shellfabric.plies.near_kernels import list_pressed
 from shellfabric.plies.pressure_kernels import press, press_others
-from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
+from shellfabric.projectile import contact_kernels, window_kernels
+from shellfabric.projectile.bar_kernels import CENTRE
 from shellfabric.solver import ply_kernels
 from shellfabric.state import unit
 
@@ -38,24 +41,30 @@ def push_projectile(stack, const, p, force):
 
 @unit()
 def fly(states, consts, stack):
-    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
-    motion."""
-    last, force = len(states) - 1, 0.0
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then
+    the projectile's own motion."""
+    last = len(states) - 1
+    force = 0.0
     for p in range(len(states)):
         if stack.awake[p]:
-            state, const = row_of(states, p), row_of(consts, p)
-            contact_kernels.apply_contact_impulse(state, const)
+            state = row_of(states, p)
+            const = row_of(consts, p)
+            give_impulses(state, const, state.f_contact, state.nose_window)
             push_projectile(stack, const, p, state.f_contact_nose)
-            force += bar_kernels.axial_force(state, const)
-    state, const = row_of(states, last), row_of(consts, last)
+            force += axial_force(state, const)
+    state = row_of(states, last)
+    const = row_of(consts, last)
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
         push_projectile(stack, const, last, state.f_block_nose)
-    state, const = row_of(states, 0), row_of(consts, 0)
-    if const.bar_mass.size > 0:
-        bar_kernels.advance_bar(state, const, force)
+    if stack.body.cell[0] != 0:
+        stack.body.force[0] = force
+        first = row_of(states, 0)
+        call_module(stack.body.cell[0], stack.body.own[0], first, row_of(consts, 0), 0, 0, 1)
+    const = row_of(consts, 0)
     for p in range(len(states)):
-        velocity, of_first = row_of(states, p).projectile_velocity, stack.projectile_velocity
+        velocity = row_of(states, p).projectile_velocity
+        of_first = stack.projectile_velocity
         if p > 0:
             velocity[0], velocity[1] = turned(stack.turns[p], of_first[0], of_first[1])
             velocity[2] = of_first[2]
@@ -65,7 +74,8 @@ def fly(states, consts, stack):
 
 @kernel(_nrt=False)
 def wakes(state, const, contact, stack, p):
-    """Give ply p the impulses of the others and of the guard; whether anything has acted on it yet."""
+    """Give ply p the impulses of the others and of the guard; whether anything has acted on it
+    yet."""
     pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
     for side in range(2):
         pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
@@ -91,10 +101,12 @@ def press_plies(states, consts, contact, shared, me, count):
 
 @kernel(_nrt=False)
 def implicit_nose_contact(states, consts, contact, stack, works, me, count):
-    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.touch`)."""
+    """The nose's forces on those of one thread's plies that wait for the others' (see
+    `ply_kernels.touch`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
-            state, const = row_of(states, p), row_of(consts, p)
+            state = row_of(states, p)
+            const = row_of(consts, p)
             predict_increments(state, const, contact, p)
             ply_kernels.nose_contact(state, const, row_of(works, p))
             if state.f_contact_nose[2] == 0.0:
@@ -103,53 +115,34 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
 
 @unit(later=True)
 def predict_increments(state, const, contact, p):
-    """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
-    what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
-    state.force_scale."""
+    """By what all other forces will speed up the nodes of ply p that the nose can push, into
+    state.dv_other, and by what the nose's own of a step ago have, into state.dv_contact; the nose's
+    force shared out to one element, into state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
-                if const.has_backing:
-                    state.dv_other[c][k] += state.f_block_cloth[c][k]
-    for side in range(2):
-        add_forces(state, const, contact.force[p, side])
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] *= state.dt_over_mass[k]
+    for i in range(i0, i1 + 1):
+        for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
+            k = np.uint64(m)
+            force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
+            if const.has_backing:
+                force = add(force, nodal(state.f_block_cloth, k))
+            for side in range(2):
+                force = add(force, nodal(contact.force[p, side], k))
+            for c in range(3):
+                state.dv_other[c][k] = state.dt_over_mass[k] * force[c]
                 state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
-    if const.mirror_x and i0 == 0:
-        for j in range(j0, j1 + 1):
-            state.dv_other[0][j] = 0.0
-    if const.mirror_y and j0 == 0:
-        for i in range(i0, i1 + 1):
-            state.dv_other[1][i * const.row_stride] = 0.0
-    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for
-    # its part along their normals
+    keep_symmetry(const, state.dv_other, (i0, i1 + 1, j0, j1 + 1))
+    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the
+    # same force, but for its part along their normals
     f_x, f_y, f_z = state.f_contact_nose
-    f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
-    images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
-    state.force_scale[0] = (
-        0.25 * images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
-    )
-
-
-@kernel(_nrt=False)
-def add_forces(state, const, forces):
-    """Add a neighbour's forces to state.dv_other."""
-    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
-    for c in range(3):
-        for i in range(i0, i1 + 1):
-            for k in range(
-                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
-            ):
-                state.dv_other[c][k] += forces[c][k]
+    quarters = 0.25
+    if const.mirror_x:
+        f_x = 0.0
+        quarters *= 2.0
+    if const.mirror_y:
+        f_y = 0.0
+        quarters *= 2.0
+    force = math.sqrt(f_x**2 + f_y**2 + f_z**2)
+    state.force_scale[0] = quarters * force / const.points_per_side**2
 
 
 @kernel(_nrt=False)
@@ -161,43 +154,51 @@ def clear_increments(state, const):
     state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
 
 
+@kernel(_nrt=False)
+def axial_force(state, const):
+    """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
+    force = 0.0
+    for c in range(3):
+        pushed = state.f_contact_nose[c] + state.f_block_nose[c]
+        force += const.frame[2, c] * const.free_dofs[c] * pushed
+    return force
+
+
+@kernel(_nrt=False)
+def normal_velocity(state, const, stack):
+    """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
+    velocity = state.projectile_velocity[2]
+    if stack.body.cell[0] == 0:
+        return velocity
+    tip = 0.0
+    for c in range(3):
+        tip += const.frame[2, c] * state.projectile_velocity[c]
+    return velocity + const.frame[2, 2] * (stack.body.motion[CENTRE] - tip)
+
+
 @kernel(inline="always")
-def record_step(state, const, force, row):
-    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
-    centre of mass, and how far they have come, all along its axis."""
-    row[0], row[1] = (
-        state.projectile_position[2] + const.foremost_offset,
-        bar_kernels.normal_velocity(state, const),
-    )
+def record_step(state, const, stack, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a body that is not
+    rigid also its motion (`state.Body`)."""
+    row[0] = state.projectile_position[2] + const.foremost_offset
+    row[1] = normal_velocity(state, const, stack)
     row[2] = force
-    if const.bar_mass.size > 0:
-        tail = const.bar_h.size
-        row[3], row[4], row[5] = (
-            state.bar_v[0],
-            state.bar_v[tail],
-            bar_kernels.mass_average(const.bar_mass, state.bar_v),
-        )
-        row[6], row[7], row[8] = (
-            state.bar_u[0],
-            state.bar_u[tail],
-            bar_kernels.mass_average(const.bar_mass, state.bar_u),
-        )
+    for m in range(3, row.size):
+        row[m] = stack.body.motion[m - 3]
 
 
 @unit("integer", row="9")
 def note(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
     stack.counter[STEP] += 1
-    first, const, last = (
-        row_of(states, 0),
-        row_of(consts, 0),
-        row_of(states, len(states) - 1),
-    )
+    first = row_of(states, 0)
+    const = row_of(consts, 0)
+    last = row_of(states, len(states) - 1)
     force = 0.0
     for p in range(len(states)):
         force += stack.f_contact_nose[p, 2]
-    record_step(first, const, force + last.f_block_nose[2], row)
-    speed = bar_kernels.normal_velocity(first, const)
+    record_step(first, const, stack, force + last.f_block_nose[2], row)
+    speed = normal_velocity(first, const, stack)
     if not abs(speed) < 1e9:
         return NOT_FINITE
     if stack.counter[TURNED] > 0:
@@ -207,9 +208,10 @@ def note(states, consts, stack, row):
         return RUNNING
     if speed <= 0.0:
         return STOPPED
-    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while;
-    # resolved yarns need not fail, the nose may have pushed them aside
-    failed, pushed = False, False
+    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for
+    # a while; resolved yarns need not fail, the nose may have pushed them aside
+    failed = False
+    pushed = False
     for p in range(len(states)):
         state = row_of(states, p)
         failed |= stack.ply_counters[p, FAILURES] > 0 or state.modules.nose[0] != 0
@@ -221,8 +223,13 @@ def note(states, consts, stack, row):
             if window_kernels.cloth_ahead_of_nose(row_of(states, p), row_of(consts, p)):
                 idle = False
                 break
-    stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
-    return PERFORATED if stack.counter[IDLE] >= const.perforation_delay_steps else RUNNING
+    if idle:
+        stack.counter[IDLE] = stack.counter[IDLE] + 1
+    else:
+        stack.counter[IDLE] = 0
+    if stack.counter[IDLE] >= const.perforation_delay_steps:
+        return PERFORATED
+    return RUNNING
 
 
 @kernel(_nrt=False)

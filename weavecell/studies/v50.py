@@ -28,7 +28,6 @@ from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel import boundary
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,
@@ -183,22 +182,18 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     """The set-up with the mesh of a study where it names none: elements of a failure length, twice as long as those of
     a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
 
-    A pack has the mesh of a shot. Edges that are not clamped or no lines of the grid (oblique weaves, round openings,
-    impacts off the middle) and oblique shots have the uniform mesh; so has `elements_per_crossover = 1`.
+    A pack has the mesh of a shot.
     """
     named = setup.grading is not None or setup.elements_per_crossover is not None
     named = named or setup.crossovers is not None
-    clamped = all(side == "clamped" for pair in boundary.sides(setup.boundary) for side in pair)
-    stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
     if setup.plies > 1 or named:
         return setup
-    if not clamped or setup.projectile.roaming or stepped:
-        return replace(setup, elements_per_crossover=setup.resolved_elements_per_crossover)
     crimped = replace(setup, symmetry="whole")
     if setup.surface is None:
         crimp = 1 + 4 * published().crimp
         crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
-    return replace(setup, grading=crimped.graded(1.0, 4).grading)
+    fine = crimped.graded(1.0, 4)
+    return replace(setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover)
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:

@@ -188,11 +188,11 @@ def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     force = pull
     for _ in range(steps):
         v += dt * force / mass
-        t_x, _, _, work, held = friction_kernels.friction_force(
-            stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3
+        rub, work, held = friction_kernels.friction_force(
+            stuck, limit, (k, c), dt, (0.0, 0.0, 1.0), (v - belt, 0.0, 0.3)
         )
         taken = taken + work
-        force = t_x + pull
+        force = rub[0] + pull
         path.append(v)
     return np.array(path), taken, held
 
@@ -237,8 +237,8 @@ def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        *t, _, held = friction_kernels.friction_force(
-            stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3)
+        t, _, held = friction_kernels.friction_force(
+            stuck, limit, (1e6, 1.0), 1e-6, n, rng.normal(size=3)
         )
         assert np.linalg.norm(t) <= limit * (1 + 1e-12)
         assert abs(np.dot(t, n)) < 1e-12

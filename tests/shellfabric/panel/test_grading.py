@@ -23,10 +23,9 @@ from panels import (
     table,
 )
 
-from fabrics.base.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
-from shellfabric.panel import grading, motion_kernels
+from shellfabric.panel import grading, motion_kernels, quality
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
@@ -227,10 +226,13 @@ def test_shots_at_blocks_and_aslant_are_those_of_a_finer_rim(changes):
     assert errors[0] == pytest.approx(errors[1], abs=5e-4)
 
 
-def test_a_projectile_that_leaves_the_first_zone_ends_the_run():
-    shot = Projectile(obliquity=1.2, azimuth=0.5 * np.pi)
-    with pytest.raises(UnstableError, match="first zone"):
-        shoot(200.0, 100e-6, grading=((9, 0.5), (INF, 1)), symmetry="half", projectile=shot)
+@pytest.mark.parametrize("end_time, doubtful", [(5e-6, False), (100e-6, True)])
+def test_a_shot_whose_projectile_leaves_the_fine_mesh_is_doubtful(end_time, doubtful):
+    shot = Projectile(obliquity=1.0, azimuth=0.5 * np.pi)
+    zones = ((13, 0.5), (INF, 1))
+    solver = shoot(200.0, end_time, grading=zones, symmetry="half", projectile=shot)
+    (path,) = (one for one in quality.of_solver(solver) if one.name == "path over fine mesh")
+    assert path.doubtful is doubtful
 
 
 @pytest.mark.parametrize(

@@ -94,15 +94,27 @@ def narrow(velocity=300.0, **changes):
 def test_the_default_mesh_follows_projectile_and_failure_length():
     table = narrow().table()
     length = narrow().fabric.failure_length
+    oblique = Projectile(mass=0.44e-3, radius=1.06e-3, obliquity=0.5)
     for changes, side in (
         ({}, 0.5 * length),
-        ({"boundary": "free"}, ELEMENT_SIDE * 1.06e-3),
+        ({"boundary": "free"}, 0.5 * length),
+        ({"weave_angle": 0.5, "symmetry": "whole"}, 0.5 * length),
+        ({"projectile": oblique, "symmetry": "whole"}, 0.5 * length),
         ({"grading": ((16, 1), (np.inf, 2))}, 1),
     ):
         assert max(narrow(**changes).panel(table).spacing) <= side
     tiny = {"projectile": Projectile(mass=0.1e-3, radius=0.3e-3)}
     assert max(narrow(**tiny).panel(table).spacing) < ELEMENT_SIDE * 0.3e-3 < 0.5 * length
     assert narrow(elements_per_crossover=1).panel(table).lines_per_crossover == 1
+
+
+@pytest.mark.parametrize("lean", [{"obliquity": 0.5}, {"yaw": 0.3}])
+def test_the_fine_mesh_holds_the_path_of_an_oblique_projectile(lean):
+    """A shot on the default mesh perforates before its projectile comes to the end of the fine mesh."""
+    shot = run(narrow(300.0, projectile=Projectile(**lean), symmetry="whole"))
+    (path,) = (one.value for one in shot.checks if one.name == "path over fine mesh")
+    assert shot.outcome == "perforated"
+    assert 0.5 < path < 1
 
 
 def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():

@@ -10,6 +10,7 @@ from fabrics.materials import Isotropic, load
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.projectile import bar_kernels as kernels
 from shellfabric.projectile.bar import Bar
+from shellfabric.projectile.dynamics import make_row
 from shellfabric.projectile.projectile import Projectile
 from weavecell.studies.rigidity import ENOUGH, contact_time, held_force, rigid_is_enough
 
@@ -25,44 +26,26 @@ class Motion:
 
     def __init__(self, bar, velocity):
         self.bar = bar
-        self.h, self.area = bar.mesh
-        self.mass = bar.nodal_mass
-        material = bar.material
-        self.law = np.array([material.modulus, material.yield_stress, material.hardening])
-        self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
-        self.plastic, self.stress, self.sums = (
-            np.zeros(self.h.size),
-            np.zeros(self.h.size),
-            np.zeros(2),
-        )
-        self.start = 0.5 * float(self.mass @ self.v**2)
+        self.row = make_row(bar, 1.0, bar.longest_step, velocity)
+        self.start = kernels.kinetic_energy(self.row)
+
+    def __getattr__(self, name):
+        return getattr(self.row, name)
 
     def push(self, force, dt):
         """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
-        return kernels.advance(
-            self.u,
-            self.v,
-            self.mass,
-            self.h,
-            self.area,
-            self.law,
-            self.plastic,
-            self.stress,
-            self.sums,
-            float(force),
-            float(dt),
-            self.bar.substeps(dt),
-        )
+        self.row = self.row._replace(substeps=self.bar.substeps(dt))
+        kernels.advance(self.row, float(force), float(dt))
+        return self.u[0], self.v[0]
 
     def energies(self):
         """Energies [J] by name; the error is kinetic, elastic and plastic less the start and the work at the tip."""
-        out = np.empty(2)
-        kernels.energies(
-            self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out
-        )
-        plastic = self.sums[kernels.PLASTIC]
-        work = self.sums[kernels.WORK]
-        return {"plastic": plastic, "work": work, "error": out.sum() + plastic - work - self.start}
+        kinetic = kernels.kinetic_energy(self.row)
+        elastic = kernels.elastic_energy(self.row)
+        plastic = self.energy[kernels.PLASTIC]
+        work = self.energy[kernels.WORK]
+        error = kinetic + elastic + plastic - work - self.start
+        return {"plastic": plastic, "work": work, "error": error}
 
 
 def split(bar, duration, impulse):
@@ -152,15 +135,14 @@ def test_return_to_the_yield_surface():
     E = 200e9
     yields = 200e6
     H = 20e9
-    plastic = np.zeros(1)
-    stress = np.zeros(1)
+    material = Isotropic(STEEL.density, E, STEEL.poisson, yields, H)
+    row = make_row(Bar(((2.0, 1.0),), material, elements=2), 1.0, 1e-6, 0.0)
     work = 0.0
     found = []
     for strain in (0.0005, 0.002, 0.003, 0.0015, -0.001):
-        work += kernels.update_stress(
-            np.array([np.expm1(strain), 0.0]), np.ones(1), np.ones(1), E, yields, H, plastic, stress
-        )
-        found.append(stress[0])
+        row.u[0] = np.expm1(strain)  # of the first element, 1 m long; the second one stays at rest
+        work += kernels.update_stress(row)
+        found.append(row.stress[0])
     slope = E * H / (E + H)
     up = yields + slope * (0.003 - 0.001)  # on the plastic line at 0.003
     back = up - E * 0.0015

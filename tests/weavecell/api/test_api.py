@@ -335,10 +335,10 @@ def test_notes_of_a_set_up_warn_at_the_line_of_the_user(call):
         target = ("S-726",)
         more = {"shots": 0}
     with (
-        pytest.warns(UserWarning, match="energy up to 15 % too high") as told,
+        pytest.warns(UserWarning, match="the edges follow yarns") as told,
         suppress(InputError),
     ):
-        call(*target, opening="28 mm", boundary="free", **more)
+        call(*target, opening="28 mm", weave_angle="30 deg", symmetry="whole", **more)
     assert [one.filename for one in told] == [__file__]
 
 

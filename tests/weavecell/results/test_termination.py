@@ -71,7 +71,10 @@ with signalled(signal.SIGKILL):
 """
 
 
-def test_a_killed_run_goes_on_from_its_checkpoint(succeed, scene, tmp_path):
+@pytest.mark.parametrize("plies", [1, 3])
+def test_a_killed_run_goes_on_from_its_checkpoint(succeed, scene, plies, tmp_path):
+    """To the bit, of one ply and of a pack."""
+    scene.write_text(SCENE.replace("[panel]", f"[panel]\nplies = {plies}"))
     paths = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     killed = subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, env=paths, check=False)
     assert killed.returncode == -signal.SIGKILL

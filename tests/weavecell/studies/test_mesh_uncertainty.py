@@ -55,10 +55,10 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     (near, side), *_ = zones
     assert pack.plies == 2
     assert pack.grading == ((near, side / 2), *((2 * until, side) for until, side in zones))
-    # which no graded panel has
-    gripped = mesh_uncertainty.finer(replace(setup, boundary=Grip(50.0)), table)
-    assert gripped.grading is None
-    assert gripped.elements_per_crossover == 2
+    gripped = replace(setup, boundary=Grip(50.0))  # which no graded panel has
+    finer = mesh_uncertainty.finer(gripped, table)
+    assert finer.grading is None
+    assert finer.elements_per_crossover == 2 * gripped.meshed.elements_per_crossover
     with pytest.raises(InputError, match="--uncertainty"):
         mesh_uncertainty.finer(replace(setup, elements_per_crossover=5), table)
 

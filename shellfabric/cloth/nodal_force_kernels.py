@@ -1,0 +1,92 @@
+"""Forces of a contact on the nodes of a ply: of nose, other plies, guard and block alike.
+
+They are given to the nodes as impulses at the beginning of a step (v += dt f / m), and their work
+is half a step's on the velocities before it and half a step's on those after it, so that nothing
+is left out where they change. Each has a window of nodes, (first row, row after the last, first
+column, column after the last); beyond it the forces are 0.
+"""
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    fma,
+    head_mask,
+    load,
+    masked_store,
+    reduce_add,
+    where,
+)
+
+
+@kernel(_nrt=False, forceinline=True)
+def clear_window(window, ni, width):
+    """Make a window of nodes one of none."""
+    window[0] = ni + 1
+    window[1] = 0
+    window[2] = width
+    window[3] = 0
+
+
+@kernel(_nrt=False, forceinline=True)
+def extend_window(window, i0, i1, j0, j1):
+    """Widen a window of nodes to the rows i0 .. i1 - 1 and the columns j0 .. j1 - 1."""
+    window[0] = min(window[0], i0)
+    window[1] = max(window[1], i1)
+    window[2] = min(window[2], j0)
+    window[3] = max(window[3], j1)
+
+
+@kernel(_nrt=False, forceinline=True)
+def include_rows(state, const, first, last):
+    """Widen the window of active element rows to first .. last - 1, as far as there are any."""
+    state.active_rows[0] = min(state.active_rows[0], max(first, 0))
+    state.active_rows[1] = max(state.active_rows[1], min(last, const.ni))
+
+
+@kernel(_nrt=False)
+def keep_symmetry(const, force, window):
+    """Take from nodes on a plane of symmetry the forces across it."""
+    if const.mirror_x and window[0] == 0:
+        for k in range(window[2], window[3]):
+            force[0][k] = 0.0
+    if const.mirror_y and window[2] == 0:
+        for i in range(window[0], window[1]):
+            force[1][i * const.row_stride] = 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def give_impulses(state, const, force, window):
+    """v += dt f / m of the nodes of a window."""
+    for i in range(window[0], window[1]):
+        for j in range(window[2], window[3], WIDTH):
+            k = i * const.row_stride + j
+            left = window[3] - j
+            kick = load(state.dt_over_mass, k)
+            for c in range(3):
+                speed = fma(kick, load(force[c], k), load(state.v[c], k))
+                masked_store(state.v[c], k, speed, left)
+
+
+@kernel(_nrt=False, forceinline=True)
+def half_step_work(state, const, force, window, over):
+    """Half a step's work [J] of forces on the present velocities of the nodes.
+
+    Forces that are `over` are taken away, and their window is then one of none.
+    """
+    work = broadcast(0.0)
+    none = broadcast(0.0)
+    for i in range(window[0], window[1]):
+        for j in range(window[2], window[3], WIDTH):
+            k = i * const.row_stride + j
+            left = window[3] - j
+            power = load(force[0], k) * load(state.v[0], k)
+            power = fma(load(force[1], k), load(state.v[1], k), power)
+            power = fma(load(force[2], k), load(state.v[2], k), power)
+            work = work + where(head_mask(left), power, 0.0)
+            if over:
+                for c in range(3):
+                    masked_store(force[c], k, none, left)
+    if over:
+        clear_window(window, const.ni, const.row_stride)
+    return 0.5 * const.dt * reduce_add(work)
