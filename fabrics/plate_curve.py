@@ -120,12 +120,8 @@ class PlateCurve:
             path,
             {"pressure": "Pa", "thickness": "m", "closure": "m"},
             what="a plate curve",
-            content="a plate curve: pressure and thickness or closure",
-            heading="pressure, thickness or closure with its unit, such as pressure [MPa]",
-            accepts=lambda names: (
-                sorted(names) in (["closure", "pressure"], ["pressure", "thickness"])
-            ),
-            columns="pressure, and thickness or closure",
+            example="pressure [MPa]",
+            either=("thickness", "closure"),
         )
         if "closure" in column:
             closure = column["closure"]

@@ -110,10 +110,7 @@ def read(path: FilePath, fabric: Fabric) -> PlyLaw:
             path,
             UNITS,
             what="a contact law of plies",
-            content="a contact law of plies: closure and pressure",
-            heading="closure or pressure with its unit, such as closure [um]",
-            accepts=lambda names: sorted(names) == ["closure", "pressure"],
-            columns="closure, pressure",
+            example="closure [um]",
         )
         return _checked(columns, path.name, "user", fabric, path, "")
     content = law_file.read(path)

@@ -11,6 +11,7 @@ with E the complete elliptic integral of the second kind. Index 1 is warp, 2 is 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -101,12 +102,12 @@ class Weave:
         """[m] half the cell along the weft, 1 / (2 warp count)."""
         return 0.5 / self.warp_count
 
-    @property
+    @cached_property
     def w(self) -> tuple[float, float]:
         """(w1, w2) [m] half cell lengths along warp and weft."""
         return self.w1, self.w2
 
-    @property
+    @cached_property
     def S0(self) -> tuple[float, float]:
         """[m] lengths of the two yarns in one cell (eq. 4-4)."""
         return 2 * self.w1 * (1 + self.warp.crimp), 2 * self.w2 * (1 + self.weft.crimp)
@@ -121,7 +122,7 @@ class Weave:
         """[m] length of the weft in one cell."""
         return self.S0[1]
 
-    @property
+    @cached_property
     def h0(self) -> tuple[float, float]:
         """[m] initial heights of the centrelines (eq. 4-5)."""
         return height_from_length(self.w1, self.S01), height_from_length(self.w2, self.S02)
@@ -151,7 +152,7 @@ class Weave:
         """[kg] of the two yarns in one cell, crimp included."""
         return sum(S * yarn.linear_density for S, yarn in zip(self.S0, self.yarns))
 
-    @property
+    @cached_property
     def areal_density(self) -> float:
         """[kg/m2]"""
         return self.cell_mass / self.cell_area

@@ -22,9 +22,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import simulation
 from unitcell3d.identify.calibrate import calibrate
-from weavecell.results import coupon as coupon_results
 from weavecell.scenes import build, coupon, honoured, impact
-from weavecell.studies import ballistic_limit, inputs, v50
+from weavecell.studies import ballistic_limit, inputs, pull_out, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
 DIGITS, TOLERANCE, ROWS, MOST = 12, 1e-11, 6, 6
@@ -66,7 +65,7 @@ def coupon_test(path):
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":
-        return coupon_results.run_pull_out(table, scene.pull_out)
+        return pull_out.run(table, scene.pull_out)
     options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(
         exclude={"outputs"}
     )

@@ -68,6 +68,16 @@ class InputError(WeavecellError, ValueError):
         # one line, whatever breaks a value has
         super().__init__(" ".join(" ".join(parts).split()))
 
+    def changed(self, **attributes: Any) -> InputError:
+        """The same error with another file, key or value."""
+        own: dict[str, Any] = {
+            "file": self.file,
+            "key": self.key,
+            "value": self.value,
+            "allowed": self.allowed,
+        }
+        return InputError(self.message, **own | attributes)
+
 
 @contextmanager
 def placed(file: object, prefix: str = "") -> Iterator[None]:
@@ -81,9 +91,7 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
         key = problem.key
         if key is not None:
             key = prefix + key
-        raise InputError(
-            problem.message, file=file, key=key, value=problem.value, allowed=problem.allowed
-        ) from None
+        raise problem.changed(file=file, key=key) from None
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:

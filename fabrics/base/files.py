@@ -21,7 +21,7 @@ import os
 import re
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from math import isfinite, nan
@@ -295,28 +295,33 @@ def read_columns(
     units: Mapping[str, str],
     *,
     what: str,
-    content: str,
-    heading: str,
-    accepts: Callable[[Sequence[str]], bool],
-    columns: str,
+    example: str,
+    either: Sequence[str] = (),
 ) -> dict[str, FloatArray]:
     """The columns of a file: {name: (n,) [SI]}.
 
     Parameters
     ----------
-    units : {name: SI unit} of the columns that there may be
-    what, content, heading, columns : what the message gives as allowed where the file cannot be read, is empty, has a
-        heading that is not one of `units`, or names that `accepts` (names) turns down
+    units : {name: SI unit} of its columns
+    what : what the file holds, for messages
+    example : of a heading, for messages
+    either : names of which the file has one, not all
 
     Raises
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
+    needed = [name for name in units if name not in either]
+    columns = " and ".join(needed)
+    if either:
+        columns += f", and {' or '.join(either)}"
     lines = read_csv(path, what)
     if not lines:
-        raise InputError("is empty", file=path, allowed=content)
+        raise InputError("is empty", file=path, allowed=f"{what}: {columns}")
+    heading = f"{' or '.join(units)} with its unit, such as {example}"
     names, scales = zip(*(_heading(cell, units, heading, path) for cell in lines[0][1]))
-    if not accepts(names):
+    choices = [sorted((*needed, name)) for name in either] or [sorted(needed)]
+    if sorted(names) not in choices:
         raise InputError(file=path, key="columns", value=", ".join(names), allowed=columns)
     rows = [_row(number, cells, names, path) for number, cells in lines[1:]]
     return dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))

@@ -93,21 +93,20 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     else:
         content = tomllib.loads(text)
     file = validated(FabricFile, content, path, {"source": path.name})
-    sources = {key: datum.entry for key, datum in file.data()}
+    data = dict(file.data())
+    sources = {key: datum.entry for key, datum in data.items()}
     try:
-        return _fabric(file, sources, path)
+        return _fabric(file, data, sources, path)
     except InputError as problem:
         if problem.file is not None:
             raise
         # the message shows the value as the file has it
         value = sources.get(problem.key or "", {}).get("value", problem.value)
-        raise InputError(
-            problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed
-        ) from None
+        raise problem.changed(file=path, value=value) from None
 
 
-def _fabric(file, sources, path):
-    """The Fabric of a checked file; `sources` also gets what is computed."""
+def _fabric(file, data, sources, path):
+    """The Fabric of a checked file with its numbers; `sources` also gets what is computed."""
     # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
@@ -145,6 +144,14 @@ def _fabric(file, sources, path):
             "source": length.source,
             "status": length.status,
         }
+    ranges = {}
+    guessed = []
+    for key, datum in data.items():
+        if datum.ratios is not None:
+            ranges[key] = datum.ratios
+        # the numbers of our own catalogue have been looked up; those of a user's file may be guesses
+        elif path.parent != _FOLDER and _guessed(key, datum):
+            guessed.append(key)
     fabric = Fabric(
         name=path.stem if file.name is None else file.name,
         weave=weave,
@@ -165,11 +172,8 @@ def _fabric(file, sources, path):
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),
         thickness=thickness,
         strain_rate=rate_law,
-        ranges={key: datum.ratios for key, datum in file.data() if datum.ratios is not None},
-        # the numbers of our own catalogue have been looked up; those of a user's file may be guesses
-        guessed=()
-        if path.parent == _FOLDER
-        else tuple(key for key, datum in file.data() if _guessed(key, datum)),
+        ranges=ranges,
+        guessed=tuple(guessed),
         family=file.family,
         notes=tuple(notes),
     )
@@ -184,11 +188,7 @@ def _fabric(file, sources, path):
 def _guessed(key, datum):
     """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a source."""
     sourced = datum.sourced or not key.startswith(("shear.", "solid."))
-    return (
-        datum.ratios is None
-        and key.rpartition(".")[2] in RANGED
-        and (datum.status == "assumed" or not sourced)
-    )
+    return key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
 
 
 def _value(datum):
@@ -209,9 +209,7 @@ def _made(kind, where, *args, **values):
         return kind(*args, **values)
     except InputError as problem:
         key = {"E": "modulus"}.get(problem.key, problem.key)
-        raise InputError(
-            key=f"{where}.{key}", value=problem.value, allowed=problem.allowed
-        ) from None
+        raise problem.changed(key=f"{where}.{key}") from None
 
 
 def _of_both(table, key, pair, build):

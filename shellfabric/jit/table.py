@@ -18,6 +18,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -119,6 +120,7 @@ def array_type(shape: str) -> Any:
     return found
 
 
+@cache
 def parts_of(shape: str) -> tuple[list[int], list[str], str]:
     """(counts of tuples, names of dimensions, type) of "2 x slots uint8"."""
     *counts, rest = shape.split(" x ")

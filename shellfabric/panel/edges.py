@@ -6,7 +6,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
-from shellfabric.panel.boundary import Grip, sides, slips
+from shellfabric.panel.boundary import Grip, slips
 from shellfabric.panel.grading import tributary
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.projectile.frames import axes
@@ -51,7 +51,7 @@ def rim(panel: PanelGrid) -> tuple[IntArray, IntArray, FloatArray]:
     """
     if not slips(panel.boundary):
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
-    given, (ni, nj), mass = sides(panel.boundary), panel.counts, panel.masses()
+    given, (ni, nj), mass = panel.supports, panel.counts, panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
     nodes, axes, values = [], [], []
     for axis, pair in enumerate(given):
@@ -86,10 +86,7 @@ def rim(panel: PanelGrid) -> tuple[IntArray, IntArray, FloatArray]:
 def yarn_ends(panel: PanelGrid) -> IntArray:
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
     ends = np.array(
-        [
-            [FREE_END if side == "free" else CLAMPED_END for side in pair]
-            for pair in sides(panel.boundary)
-        ]
+        [[FREE_END if side == "free" else CLAMPED_END for side in pair] for pair in panel.supports]
     )
     for family, mirrored in enumerate(panel.mirrors):
         if mirrored:

@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, sqrt
 from operator import ge
+from typing import Any
 
 import numpy as np
 
@@ -146,8 +147,7 @@ class PanelGrid:
 
     def _check_edges(self):
         """InputError of edges that do not go with the symmetry or with an oblique weave."""
-        given = boundary.sides(self.boundary)
-        for (low, high), mirrored in zip(given, self.mirrors):
+        for (low, high), mirrored in zip(self.supports, self.mirrors):
             if mirrored and low != high:
                 allowed = "alike at both ends of mirrored yarns"
                 raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -157,7 +157,7 @@ class PanelGrid:
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
             raise InputError(key="opening", value=self.opening, allowed=allowed)
-        if self.stepped and any(side != "clamped" for pair in given for side in pair):
+        if self.stepped and not self._clamped:
             what = "in a round opening"
             if self.weave_angle:
                 what = "oblique"
@@ -196,11 +196,7 @@ class PanelGrid:
         if given != 1:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
-        gripped = any(
-            isinstance(side, boundary.Grip)
-            for pair in boundary.sides(self.boundary)
-            for side in pair
-        )
+        gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
@@ -220,7 +216,7 @@ class PanelGrid:
     def fabric(self) -> Fabric:
         return self.table.model.fabric
 
-    @property
+    @cached_property
     def weave(self) -> Weave:
         return self.fabric.weave
 
@@ -238,12 +234,12 @@ class PanelGrid:
         """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
         return frames.turned_back(vectors, self.axes if self.ply_angle else None)
 
-    @property
+    @cached_property
     def mirrors(self) -> tuple[bool, bool]:
         """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
         return SYMMETRIES[self.symmetry]
 
-    @property
+    @cached_property
     def _smallest(self):
         """(crossovers, elements) of a side at the impact point that is both long; one of them is 1."""
         if self.grading is None:
@@ -261,7 +257,7 @@ class PanelGrid:
         """Elements along a side of a crossover at the impact point, if there is at least one."""
         return self._smallest[1]
 
-    @property
+    @cached_property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self._fills:
@@ -274,13 +270,13 @@ class PanelGrid:
         """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
         return self.sides is None and not self.stepped
 
-    @property
+    @cached_property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
         lengths = self.extent
         return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
 
-    @property
+    @cached_property
     def _half_counts(self):
         """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
         wholes = (int(half + 1e-9) for half in self._half)
@@ -342,7 +338,7 @@ class PanelGrid:
             bounds += [0 if mirrored else middle - fine + rim, middle + fine - rim]
         return tuple(bounds)
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
@@ -451,12 +447,13 @@ class PanelGrid:
         """((ni,), (nj,)) [m] sides of the elements along warp and weft."""
         return self.sides or tuple(map(np.full, self.counts, self.spacing))
 
-    @property
+    @cached_property
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
         impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        return self.impact_point if clamped or self.weave_angle or self.round else (0.0, 0.0)
+        if self._clamped or self.weave_angle or self.round:
+            return self.impact_point
+        return 0.0, 0.0
 
     @property
     def origin(self) -> tuple[float, ...]:
@@ -476,12 +473,22 @@ class PanelGrid:
         """(row, column) of the grid lines nearest the impact point."""
         return tuple(int(np.abs(x).argmin()) for x in self.lines())
 
+    @cached_property
+    def supports(self) -> tuple[tuple[Any, Any], ...]:
+        """((lowest, highest) of the warp, (lowest, highest) of the weft) sides of its boundary."""
+        return boundary.sides(self.boundary)
+
     @property
+    def _clamped(self):
+        """Whether all four sides are clamped."""
+        return self.supports == (("clamped", "clamped"),) * 2
+
+    @cached_property
     def stepped(self) -> bool:
         """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
         return self.weave_angle != 0 or self.round or any(self.grid_middle)
 
-    @property
+    @cached_property
     def extent(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] that the grid has to cover, its middle at `grid_middle`."""
         a, b = self.opening
@@ -505,7 +512,7 @@ class PanelGrid:
     def loose(self) -> BoolArray:
         """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
         free = np.ones(tuple(n + 1 for n in self.counts), bool)
-        for axis, (low, high) in enumerate(boundary.sides(self.boundary)):
+        for axis, (low, high) in enumerate(self.supports):
             rows = np.moveaxis(free, axis, 0)
             if high != "free":
                 rows[-1] = False
@@ -581,7 +588,7 @@ class PanelGrid:
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])
             drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
-            ends = boundary.sides(self.boundary)[n]
+            ends = self.supports[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)

@@ -46,7 +46,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
         zone.nose_energy[n, kind] = 0.0
         return
     place = plus(gather(zone.x, n, weights), -1.0, state.projectile_position)
-    x, y, z = to_projectile_frame(const, place[0], place[1], place[2])
+    x, y, z = to_projectile_frame(const, place)
     reach = const.projectile_radius + zone.rod
     square = x * x + y * y
     zone.nose_energy[n, kind] = 0.0
@@ -71,7 +71,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
         if const.friction > 0.0:
             zone.rubbed[n, kind] = 0.0
         return
-    normal = to_panel_frame(const.frame, n_x, n_y, n_z)
+    normal = to_panel_frame(const.frame, (n_x, n_y, n_z))
     push = zone.nose_stiffness * depth
     zone.nose_energy[n, kind] = 0.5 * push * depth
     zone.books[NOSE] += zone.nose_energy[n, kind]
@@ -87,18 +87,9 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
 def nose_friction(zone, state, const, n, kind, weights, normal, push):
     """Friction of one point (`friction_kernels.friction_force`), without damping."""
     velocity = plus(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
-    t_x, t_y, t_z, taken, _ = friction_kernels.friction_force(
-        zone.rubbed[n, kind],
-        const.friction * push,
-        zone.nose_stiffness,
-        0.0,
-        zone.dt,
-        normal[0],
-        normal[1],
-        normal[2],
-        velocity[0],
-        velocity[1],
-        velocity[2],
+    spring = (zone.nose_stiffness, 0.0)
+    force, taken, _ = friction_kernels.friction_force(
+        zone.rubbed[n, kind], const.friction * push, spring, zone.dt, normal, velocity
     )
     zone.books[NOSE_FRICTION] += taken
-    return t_x, t_y, t_z
+    return force

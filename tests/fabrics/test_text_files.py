@@ -13,15 +13,8 @@ BYTE_ORDER_MARK = "\ufeff"
 
 
 def read(path):
-    return files.read_columns(
-        path,
-        {"strain": "", "force": "N"},
-        what="a curve",
-        content="strain and force",
-        heading="strain or force",
-        accepts=lambda names: sorted(names) == ["force", "strain"],
-        columns="strain and force",
-    )
+    units = {"strain": "", "force": "N"}
+    return files.read_columns(path, units, what="a curve", example="strain [%]")
 
 
 def written(folder, text, encoding="utf-8"):

@@ -87,17 +87,9 @@ def read(path: FilePath) -> FloatArray:
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
-    heading = '"d1 [um], d2 [um]" or another length'
-    corners = read_columns(
-        path,
-        {"d1": "m", "d2": "m"},
-        what="a CSV file of corners d1, d2",
-        content=f"headed {heading}",
-        heading=heading,
-        accepts=lambda names: sorted(names) == ["d1", "d2"],
-        columns="d1 and d2",
-    )
-    found = np.column_stack([corners["d1"], corners["d2"]])
-    if not len(found):
+    units = {"d1": "m", "d2": "m"}
+    columns = read_columns(path, units, what="a CSV file of corners", example="d1 [um]")
+    corners = np.column_stack([columns["d1"], columns["d2"]])
+    if not len(corners):
         raise InputError(file=path, key="corners", value=0, allowed="at least one")
-    return found
+    return corners

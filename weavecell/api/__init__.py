@@ -1,76 +1,69 @@
-"""The Python interface: what `import weavecell` offers, by the modules that hold it."""
+"""The Python interface: what `import weavecell` offers, by the modules that hold it.
+
+A public name stands in `__all__` of its module.
+"""
+
+# ruff: noqa: F403
 
 from fabrics import __version__
 from fabrics.base.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.api import crossover
-from weavecell.api.biaxial_paths import BiaxialResult, biaxial
-from weavecell.api.calibration import CalibrationResult, calibrate
-from weavecell.api.comparison import ComparisonResult, TestsResult, compare
-from weavecell.api.coupons import CouponResult, coupon
-from weavecell.api.crossover_result import CrossoverResult
-from weavecell.api.exports import DeckResult, export
-from weavecell.api.limits import CriticalVelocityResult, critical_velocity
-from weavecell.api.lists import (
-    Tables,
-    backings,
-    fabrics,
-    new_fabric,
-    new_shot,
-    projectiles,
-    show,
-    view,
+from weavecell.api import (
+    biaxial_paths,
+    calibration,
+    comparison,
+    coupons,
+    crossover,
+    crossover_result,
+    exports,
+    limits,
+    lists,
+    meshes,
+    result,
+    run_size,
+    runs,
+    scatter,
+    shots,
+    surfaces,
+    sweeps,
 )
-from weavecell.api.meshes import MeshResult, mesh
-from weavecell.api.result import Result
-from weavecell.api.run_size import RunSize
-from weavecell.api.runs import fabric, setup
-from weavecell.api.scatter import V50Result, v50
-from weavecell.api.shots import ShotResult, impact
-from weavecell.api.surfaces import SurfaceResult, surface
-from weavecell.api.sweeps import SweepResult, SweepTable, sweep
+from weavecell.api.biaxial_paths import *
+from weavecell.api.calibration import *
+from weavecell.api.comparison import *
+from weavecell.api.coupons import *
+from weavecell.api.crossover_result import *
+from weavecell.api.exports import *
+from weavecell.api.limits import *
+from weavecell.api.lists import *
+from weavecell.api.meshes import *
+from weavecell.api.result import *
+from weavecell.api.run_size import *
+from weavecell.api.runs import *
+from weavecell.api.scatter import *
+from weavecell.api.shots import *
+from weavecell.api.surfaces import *
+from weavecell.api.sweeps import *
 
 __all__ = [
-    "BiaxialResult",
-    "CalibrationResult",
-    "ComparisonResult",
-    "CouponResult",
-    "CriticalVelocityResult",
-    "CrossoverResult",
-    "DeckResult",
     "DoubtfulResult",
     "InputError",
-    "MeshResult",
-    "Result",
-    "RunSize",
-    "ShotResult",
-    "SurfaceResult",
-    "SweepResult",
-    "SweepTable",
-    "Tables",
-    "TestsResult",
     "UndecidedError",
     "UnstableError",
-    "V50Result",
     "__version__",
-    "backings",
-    "biaxial",
-    "calibrate",
-    "compare",
-    "coupon",
-    "critical_velocity",
     "crossover",
-    "export",
-    "fabric",
-    "fabrics",
-    "impact",
-    "mesh",
-    "new_fabric",
-    "new_shot",
-    "projectiles",
-    "setup",
-    "show",
-    "surface",
-    "sweep",
-    "v50",
-    "view",
 ]
+__all__ += biaxial_paths.__all__
+__all__ += calibration.__all__
+__all__ += comparison.__all__
+__all__ += coupons.__all__
+__all__ += crossover_result.__all__
+__all__ += exports.__all__
+__all__ += limits.__all__
+__all__ += lists.__all__
+__all__ += meshes.__all__
+__all__ += result.__all__
+__all__ += run_size.__all__
+__all__ += runs.__all__
+__all__ += scatter.__all__
+__all__ += shots.__all__
+__all__ += surfaces.__all__
+__all__ += sweeps.__all__

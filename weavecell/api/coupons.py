@@ -41,6 +41,7 @@ from weavecell.results import display, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
+from weavecell.studies import pull_out
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 
     from shellfabric.panel.quality import Indicator
 
-__all__ = ["CouponResult", "PullOutResult", "coupon"]
+__all__ = ["CouponResult", "coupon"]
 
 _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
@@ -171,7 +172,7 @@ def _pull_out(case, text, key, *_):
     """(PullOutResult, None: it never ends early)."""
     began = time.perf_counter()
     scene = case.scene
-    curve = coupon_results.run_pull_out(_table(case), scene.pull_out, scene.fabric.bending)
+    curve = pull_out.run(_table(case), scene.pull_out, scene.fabric.bending)
     facts = _facts(case, None, began) | {"outcome": "complete"}
     record = coupon_results.pull_out_record(curve, **facts)
     checks = coupon_results.pull_out_indicators(curve)

@@ -302,7 +302,7 @@ def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
         key = problem.key or ""
         if key not in values:
             raise
-        raise InputError(key=f"{group}_{key}", value=values[key], allowed=problem.allowed) from None
+        raise problem.changed(key=f"{group}_{key}", value=values[key]) from None
 
 
 def fields_of(model: Any, name: str) -> dict[str, Any]:
@@ -371,8 +371,4 @@ def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
             short = rest
     if not short or not str(problem).startswith(key):
         return problem
-    renamed = InputError(short + str(problem)[len(key) :])
-    renamed.key = short
-    renamed.value = problem.value
-    renamed.allowed = problem.allowed
-    return renamed
+    return problem.changed(key=short)

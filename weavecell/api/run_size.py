@@ -23,6 +23,8 @@ from weavecell.api.result import Result
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
+__all__ = ["RunSize"]
+
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9

@@ -20,7 +20,9 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -122,10 +124,10 @@ def impact(
         # no folder is claimed: a check leaves nothing behind
         with panel.named():
             return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
-    key = run_cache.key(
-        (panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation"
-    )
-    if out is not None and resume and (before := run_folder.finished(Path(out), key)):
+    # a digest of all inputs and code, which only a run with a folder needs
+    inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
+    key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.simulation")
+    if out is not None and resume and (before := run_folder.finished(Path(out), key())):
         return before  # type: ignore[return-value]
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
@@ -262,7 +264,7 @@ class ShotResult(ImpactRecord, Result):
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
     target : `weavecell.scenes.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
-    key : of the run, by which it is not repeated
+    key : returns the key of the run, by which it is not repeated
 
     Examples
     --------
@@ -281,7 +283,7 @@ class ShotResult(ImpactRecord, Result):
     assumed_range: AssumedRange | None = None
     target: Target | None = None
     pair: Discretisation | None = None
-    key: str = ""
+    key: Callable[[], str] = str
     _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
 
     @property
@@ -410,7 +412,7 @@ class ShotResult(ImpactRecord, Result):
         )
         content |= {
             "projectile": words.shot_in_words(projectile),
-            "run_key": self.key,
+            "run_key": self.key(),
             "provenance": stamp,
         }
         json_file.write_summary(out / "summary.json", content)

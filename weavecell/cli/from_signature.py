@@ -257,14 +257,4 @@ def _of_option(problem, names):
     key = _option(problem.key)
     if problem.key in ARGUMENTS:
         key = METAVARS.get(problem.key, problem.key.upper())
-    message = str(problem)
-    for beginning in (f"{problem.key} = {problem.value!r}: ", f"{problem.key}: "):
-        message = message.removeprefix(beginning)
-    given = key
-    if problem.value is not None:
-        given = f"{key} = {problem.value!r}"
-    renamed = InputError(f"{given}: {message}")
-    renamed.key = key
-    renamed.value = problem.value
-    renamed.allowed = problem.allowed
-    return renamed
+    return problem.changed(key=key)

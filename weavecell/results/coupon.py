@@ -22,7 +22,6 @@ from fabrics.fabric_tables import FAMILIES
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
-    from shellfabric.cell.model import CellTable
     from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
@@ -167,32 +166,6 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     if solved.outcome == "yarn at its strength":
         peaks = [min(peak, yarn.strength) for peak, yarn in zip(peaks, coupon.weave.yarns)]
     return quality.of_coupon(coupon.table, peaks, _residual_max(solved), tolerance)
-
-
-def run_pull_out(table: CellTable, inputs: Any, bending: float = 0.0) -> PullOutCurve:
-    """Run the pull-out of a cell's table.
-
-    Parameters
-    ----------
-    table : CellTable, variational
-    inputs : object with the entries of `scenes.coupon.PullOutTable`
-    bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold is computed
-
-    Raises
-    ------
-    InputError : values that do not fit the fabric
-    """
-    from shellfabric.coupon import pull_out
-
-    coupon = pull_out.PullOut(
-        table=table,
-        crossings=inputs.crossings,
-        pre_tension=inputs.pre_tension,
-        mu=inputs.crossover_friction,
-        cohesion=inputs.crossover_cohesion,
-        bending=(bending, bending),
-    )
-    return pull_out.follow(coupon, inputs.displacement, samples=inputs.samples)
 
 
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:

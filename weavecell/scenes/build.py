@@ -160,12 +160,7 @@ def material(
             name = problem.key or "ply_contact"
             if name == "ply_contact":
                 name = "panel.ply_contact"
-            message = None
-            if problem.key is None:
-                message = str(problem)
-            raise InputError(
-                message, file=file, key=name, value=problem.value, allowed=problem.allowed
-            ) from None
+            raise problem.changed(file=file, key=name) from None
     return Material(fabric, laws, law_name)
 
 
@@ -191,7 +186,7 @@ def _sheared(fabric, need, file):
             fabric = assumed.with_shear(fabric)
     except InputError as problem:
         if need == "needed":
-            raise InputError(str(problem), file=file) from None
+            raise problem.changed(file=file) from None
         LOG.info(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
     for line in assumed.lines(fabric) if file is not None else ():
         LOG.info(line)
@@ -451,6 +446,4 @@ def in_file(
     for name, table in of_scene.items():
         if problem.key in table.model_fields:
             key = f"{name}.{problem.key}"
-    if key is None:
-        return InputError(str(problem), file=file)
-    return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
+    return problem.changed(file=file, key=key)

@@ -76,12 +76,8 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
         path,
         {"shear angle": "rad", "shear stress": "Pa", "force": "N"},
         what="a picture-frame curve",
-        content="a picture-frame curve: shear angle, and shear stress or force",
-        heading="shear angle, shear stress or force with its unit, such as shear angle [deg]",
-        accepts=lambda names: (
-            sorted(names) in (["shear angle", "shear stress"], ["force", "shear angle"])
-        ),
-        columns="shear angle, and shear stress or force",
+        example="shear angle [deg]",
+        either=("shear stress", "force"),
     )
     gamma = column["shear angle"]
     _check_rising(path, "shear angle", gamma)
@@ -112,10 +108,7 @@ def bias_extension(path: FilePath, thickness: float, strip: tuple[float, float] 
         path,
         {"displacement": "m", "force": "N"},
         what="a curve of a bias strip",
-        content="a curve of a bias strip: displacement and force",
-        heading="displacement or force with its unit, such as displacement [mm] or force [N]",
-        accepts=lambda names: sorted(names) == ["displacement", "force"],
-        columns="displacement and force",
+        example="displacement [mm]",
     )
     if strip is None:
         raise InputError("needs the width and the length of its strip: give strip", file=path)
@@ -149,7 +142,7 @@ def _fit_shear(path, gamma, stress, half=0.0):
     try:
         return fit(gamma, stress, half=half, any_curve=True)
     except InputError as problem:
-        raise InputError(str(problem), file=path) from None
+        raise problem.changed(file=path) from None
 
 
 def yarn_tension(path: FilePath) -> YarnFit:
@@ -167,10 +160,7 @@ def yarn_tension(path: FilePath) -> YarnFit:
         path,
         {"strain": "", "force": "N"},
         what="a tensile curve of a yarn",
-        content="a tensile curve of a yarn: strain and force",
-        heading="strain or force with its unit, such as strain [%] or force [N]",
-        accepts=lambda names: sorted(names) == ["force", "strain"],
-        columns="strain and force",
+        example="strain [%]",
     )
     strain = column["strain"]
     force = column["force"]

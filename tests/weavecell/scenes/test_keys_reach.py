@@ -13,11 +13,11 @@ from fabrics.base import schema
 from fabrics.base.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
-from weavecell.results import coupon as results
 from weavecell.scenes import build, honoured
 from weavecell.scenes.coupon import CouponScene, PullOutTable
 from weavecell.scenes.fabric_table import FabricTable
 from weavecell.scenes.impact import Scene, check
+from weavecell.studies import pull_out
 
 ROOT = Path(__file__).parents[3]
 
@@ -208,7 +208,7 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
     }
     inputs = PullOutTable.model_validate(given)
     assert set(inputs.model_fields_set) == set(PullOutTable.model_fields)
-    model, displacement, samples = results.run_pull_out("cell", inputs, bending=1e-6)
+    model, displacement, samples = pull_out.run("cell", inputs, bending=1e-6)
     assert model == {
         "table": "cell",
         "crossings": 10,
