@@ -1,14 +1,13 @@
-"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us; with the size of the panel, threads.
+"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us; with the size of the panel.
 
 Run with nothing else on the machine:
 
-    python benchmarks/shell.py [--repeats 9] [--parts one sizes threads] [--out FILE.json]
+    python benchmarks/shell.py [--repeats 9] [--parts one sizes] [--out FILE.json]
 
 Reported are medians of the marching alone (no table, no compilation, no audit). What is measured on one core keeps to
 one. CPU time stands beside wall time: where the two differ the machine was busy, and the wall time says nothing about
 the code. For the sizes, all rows are worked on from the start, so that the cost is that of a panel in motion
 everywhere, and the first steps are left out: in these each tension is the highest so far, and all are looked up.
-Threads are compared in pairs of runs, alternated, on 4 x the size, and their results to the bit.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ import platform
 import statistics
 import time
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import numba
@@ -121,10 +119,6 @@ def audit(panel, repeats=50):
     return round((time.process_time() - cpu) / repeats * 1e9 / panel.elements, 1)
 
 
-def with_knobs(panel, **knobs):
-    return replace(panel, numerics=replace(panel.numerics, **knobs))
-
-
 def sizes(table):
     """The same steps on larger and smaller panels, all of it in motion, and the dearest element over the cheapest."""
     found = [
@@ -134,30 +128,10 @@ def sizes(table):
     return {"sizes": found, "dearest_over_cheapest": round(max(cost) / min(cost), 3)}
 
 
-def threads(table, repeats):
-    """Marching of a whole run on one and on two cores, audits and hand-over of work to the threads in between."""
-    panel = Panel(table, (0.406, 0.406))
-    walls, ends = {1: [], 2: []}, {}
-    for _ in range(repeats):
-        for count in walls:
-            run = PackSolver(with_knobs(panel, threads=count), 92.5, END).run()
-            walls[count].append(run.wall_time)
-            ends[count] = run.state
-    same = all(np.array_equal(one, two) for one, two in zip(ends[1], ends[2]))
-    middle = {count: statistics.median(wall) for count, wall in walls.items()}
-    return {
-        "elements": panel.elements,
-        "wall_s_one": round(middle[1], 4),
-        "wall_s_two": round(middle[2], 4),
-        "one_over_two": round(middle[1] / middle[2], 3),
-        "same_bits": same,
-    }
-
-
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=9)
-    parts = ("one", "sizes", "threads")
+    parts = ("one", "sizes")
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
@@ -176,11 +150,6 @@ def main():
                 }
         if "sizes" in chosen.parts:
             report["size"] = {form: sizes(table) for form, table in tables.items()}
-    if "threads" in chosen.parts:
-        enough = len(os.sched_getaffinity(0)) > 1
-        report["two_cores"] = {
-            form: threads(table, 5) if enough else None for form, table in tables.items()
-        }
     report["machine"]["load_average_after"] = os.getloadavg()[0]
     publish(report, chosen.out)
 

@@ -149,7 +149,7 @@ def main():
             print(f"{'':30s} {line}", flush=True)
     if chosen.keep:
         np.savez(chosen.keep, **found)
-    sys.exit(largest > TOLERANCE)
+    sys.exit(int(largest > TOLERANCE))
 
 
 if __name__ == "__main__":

@@ -48,7 +48,9 @@ numpydoc_validation_checks = {
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
 numpydoc_validation_exclude |= {r"^weavecell\.ShotResult$"}
 # their docstrings have the keywords that they pass on as **options
-numpydoc_validation_exclude |= {r"^weavecell\.(compare|critical_velocity|impact|setup|v50)$"}
+numpydoc_validation_exclude |= {
+    r"^weavecell\.(calibrate|compare|critical_velocity|impact|setup|surface|sweep|v50)$"
+}
 
 # the notebooks are kept without outputs; a changed one is run again
 nb_execution_mode = "auto"

@@ -186,7 +186,7 @@ class YarnTable(DataTable):
         {"kg/m": "5 to 100000 dtex"},
     ) = None
     effective_linear_density: _data(
-        "linear density of the runs of the thesis (erratum E-07)",
+        "linear density that gives the areal density of the published runs",
         "1100 dtex",
         {"kg/m": "5 to 100000 dtex"},
     ) = None
@@ -242,16 +242,16 @@ class YarnTable(DataTable):
 class LawTable(DataTable):
     """The compression law of both families, or of one (thesis eq. 4-12)."""
 
-    a: _number("compression law, thesis eq. 4-12", "m")
-    b: _number("compression law, thesis eq. 4-12", "m * N**(1/3)")
+    a: _number("compression law", "m")
+    b: _number("compression law", "m * N**(1/3)")
     form: string("form of the law", "a text") = "regularised"
 
 
 class ShearTable(DataTable):
     """The trellis law (thesis eq. 4-35)."""
 
-    G1: _number("tangent shear modulus before parallel yarns touch (eq. 4-35)", "Pa")
-    G2: _number("tangent shear modulus after locking (eq. 4-35)", "Pa")
+    G1: _number("tangent shear modulus before parallel yarns touch", "Pa")
+    G2: _number("tangent shear modulus after locking", "Pa")
     gamma1: _number("shear angle in radians at which parallel yarns touch", "")
     gamma2: _number("shear angle in radians of locking", "")
 
@@ -259,10 +259,10 @@ class ShearTable(DataTable):
 class SolidTable(DataTable):
     """The yarn as a solid, of both families or of one."""
 
-    E_a: _number("axial modulus of the solid (eq. 3-2); the fibre bars carry the tension", "Pa")
-    E_c: _number("transverse modulus of the packed yarn (eq. 3-14)", "Pa")
-    K_r: _number("share of E_c in a loose yarn (eq. 3-10)", "")
-    K_G: _number("shear modulus over E_c / 2 (eq. 3-16)", "")
+    E_a: _number("axial modulus of the solid; the fibre bars carry the tension", "Pa")
+    E_c: _number("transverse modulus of the packed yarn", "Pa")
+    K_r: _number("share of E_c in a loose yarn", "")
+    K_G: _number("shear modulus over E_c / 2", "")
     V_c: _number("fibre volume fraction at which the yarn is packed", "")
     Vf0: _number("fibre volume fraction at rest", "")
 
@@ -349,7 +349,7 @@ class FabricFile(DataTable):
         {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
     areal_density_measured: _data(
-        "of Kevlar 129, for the pressure law of thesis eq. 2-6",
+        "of Kevlar 129, for the pressure law between platens",
         "200 g/m^2",
         {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
@@ -364,7 +364,7 @@ class FabricFile(DataTable):
         {"m": "0.01 to 10 mm"},
     ) = None
     family: one_of(
-        "fibre family whose laws are assumed; with wider ranges where modulus and fibre density are of another fibre",
+        "fibre family whose laws are assumed; with wider ranges if modulus and fibre density are of another fibre",
         *FIBRES,
     ) = None
     warp: _yarn("warp")

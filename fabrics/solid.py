@@ -25,7 +25,7 @@ class SolidLaw:
     E_a : [Pa] axial modulus of the solid, times V_f (eq. 3-2)
     E_c : [Pa] transverse modulus of the packed yarn
     K_r : [-] fraction of E_c left in a loose yarn
-    K_G : [-] shear modulus over E_c / 2 (eq. 3-16)
+    K_G : [-] shear modulus over E_c / 2
     V_c : [-] nominal fibre volume fraction at which the yarn is packed
     Vf0 : [-] initial fibre volume fraction
 

@@ -192,7 +192,7 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
         known = [np.inf if width is None else width for width in fabric.yarn_width]
         return [min(s, width) for s, width in zip(spacing, known)]
     if gap:
-        raise InputError(key="gap", value=gap, allowed="0 where the widths are given")
+        raise InputError(key="gap", value=gap, allowed="0 if the widths are given")
     warp, weft = _two("width", width, "two lengths, of warp and weft")
     for name, value, high in zip(YARNS, (warp, weft), spacing):
         if not (_number(value) and 0 < value <= high * (1 + 1e-12)):

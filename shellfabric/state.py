@@ -431,61 +431,40 @@ class Work(Row):
         "row_stride + 16, from two rows before the block",
     )
     B = array("3 x size", "-", "weft edge vectors over their length at rest")
-    stretch1 = array("size", "-", "stretch of the warp edges")
-    stretch2 = array("size", "-", "stretch of the weft edges")
-    inv_stretch1 = array("size", "-", "its inverse")
-    inv_stretch2 = array("size", "-", "its inverse")
-    mean_stretch1 = array("size", "-", "mean stretch of the warp edges that cross a weft edge")
-    mean_stretch2 = array("size", "-", "mean stretch of the weft edges that cross a warp edge")
-    T1 = array("size", "N", "warp tension (memory of dW_own1)")
-    T2 = array("size", "N", "weft tension (memory of dW_own2)")
-    N1 = array("size", "N", "force of the warp edges")
-    N2 = array("size", "N", "force of the weft edges")
-    dW_own1 = array(
-        "size", "N", "derivative of the potential of a warp edge with its own stretch, per yarn"
+    stretch = array("2 x size", "-", "stretch of the edges")
+    inv_stretch = array("2 x size", "-", "its inverse")
+    mean_stretch = array(
+        "2 x size", "-", "mean stretch of the edges of a family that cross an edge of the other one"
     )
-    dW_own2 = array(
-        "size", "N", "derivative of the potential of a weft edge with its own stretch, per yarn"
+    T = array("2 x size", "N", "tension (memory of dW_own)")
+    N = array("2 x size", "N", "force of the edges")
+    dW_own = array(
+        "2 x size", "N", "derivative of an edge's potential with its own stretch, per yarn"
     )
-    dW_crossing1 = array(
-        "size",
+    dW_crossing = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a warp edge with the mean stretch of the weft "
-        "edges that cross it, per weft yarn",
+        "derivative of an edge's potential with the mean stretch of the edges that "
+        "cross it, per crossing yarn",
     )
-    dW_crossing2 = array(
-        "size",
+    f_over_stretch = array(
+        "2 x size",
         "N",
-        "derivative of the potential of a weft edge with the mean stretch of the warp "
-        "edges that cross it, per warp yarn",
+        "axial force of an edge over its stretch, times A or B the nodal force (memory "
+        "of dW_crossing)",
     )
-    f_over_stretch1 = array(
-        "size",
-        "N",
-        "axial force of a warp edge over its stretch, times A the nodal force (memory "
-        "of dW_crossing1)",
-    )
-    f_over_stretch2 = array(
-        "size", "N", "axial force of a weft edge over its stretch (memory of dW_crossing2)"
-    )
-    trellis_f1 = array(
-        "size",
+    trellis_turn = array(
+        "2 x size",
         "J",
-        "minus derivative of an element's shear energy with the stretch of each of its warp edges",
+        "minus derivative of an element's shear energy with the stretch of each of its edges",
     )
-    trellis_f2 = array(
-        "size",
-        "J",
-        "minus derivative of an element's shear energy with the stretch of each of its weft edges",
-    )
-    trellis_f12 = array(
+    trellis_cross = array(
         "size",
         "J",
         "derivative of an element's shear energy with the product a.b of its mean edges, over 4",
     )
     f_next_row = array("3 x size", "N", "force of a row of elements on the nodes of the next row")
     cell_index = array("256 int32", "-", "table cell of each edge of a piece")
-    barrier = array("32 int64", "-", "counter and stop flag of the thread barrier")
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 
@@ -864,6 +843,52 @@ class Zone(Row):
 
 
 # tables that parameters of kernels are named after
+class CellYarn(Row):
+    """A yarn of a crossover."""
+
+    w = number("m", "half length of the cell at rest")
+    S0 = number("m", "length of the yarn in it at rest")
+    EA = number("N", "axial stiffness")
+    h0 = number("m", "height at rest")
+    a = number("m", "law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); 0: none")
+    b = number("m N^(1/3)", "factor in it")
+    shift = number("N", "(b / a)^3 of a regularised law, 0 of the printed one")
+
+
+class Crossover(Row):
+    """Two yarns that cross."""
+
+    warp = row(CellYarn, "the warp yarn")
+    weft = row(CellYarn, "the weft yarn")
+    gap = number("m", "between the yarns at rest")
+    form = integer("-", "formulation, see `cell.crossover_kernels`")
+    coupled = flag("whether the yarns press on each other")
+
+
+class Segments(Row):
+    """What the forces of a coupon follow from, and their scratch; n segments of each family."""
+
+    nodes = array("2 x n, 2 int64", "-", "nodes at the ends of the segments")
+    cells = array("2 x n", "-", "crossovers that a segment stands for")
+    across = array("2 x n, 4 int64", "-", "segments that cross it at its ends; -1 without one")
+    quads = array("n, 4 int64", "-", "nodes of the quadrilaterals")
+    length = numbers(2, "m", "length at rest of warp and weft segments")
+    potential = array("n, 9", "J", "coefficients of the potential in each cell of the table")
+    grid = numbers(6, "-", "start, cells per stretch, number of the last cell, of both stretches")
+    half_width = numbers(2, "m", "half length w of a crossover along warp and weft")
+    yarn_length = numbers(2, "m", "length S0 of a yarn in a crossover at rest")
+    stiffness = numbers(2, "N", "axial stiffness E A of a yarn")
+    volume = number("m3", "volume of a quadrilateral for its shear energy; 0 without trellis")
+    G1 = number("Pa", "shear modulus of the trellis below gamma1")
+    G2 = number("Pa", "shear modulus above gamma2")
+    gamma1 = number("rad", "shear angle where stiffening begins")
+    gamma2 = number("rad", "shear angle where stiffening ends")
+    stretch = array("2 x n", "-", "scratch: stretch of the segments")
+    direction = array("2 x n, 2", "-", "scratch: their directions")
+    pull = array("2 x n", "J", "scratch: dE/dLambda")
+    row = array("2 x n", "J/m", "scratch: parts of the bound on a row of the stiffness")
+
+
 PARAMETERS = {
     "const": Constants,
     "state": State,

@@ -52,13 +52,13 @@ def in_words() -> str:
     _, rows = read(DATA)
     thesis, others = of_thesis(rows), of_thesis(rows, False)
     n, more = counts(thesis), counts(others)
-    text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis: {in_short()};
-    {n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage;
-    {n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable;
-    {n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; {n[judge.LEFT_OUT]} slow ones are left
-    out. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced, {more[MISSED]}
-    missed and {more[judge.LEFT_OUT]} left out. Claims on shots at one ply are checked in four variants of the model as
-    well. {_in_variants(rows)}."""
+    text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis. {in_short().capitalize()}.
+    No percentage counts {n[judge.DATA]} that compare input data or a closed form with themselves,
+    {n[judge.WRONG]} that are evidence of an error of the thesis, {n[judge.NOT_COMPARABLE]} that are not comparable,
+    {n[judge.NOT_BUILT]} that is not built yet, {n[judge.NOT_TESTABLE]} that cannot be tested, and {n[judge.LEFT_OUT]}
+    slow ones. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced,
+    {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out. Claims on shots at one ply are checked in four variants
+    of the model as well. {_in_variants(rows)}."""
     return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
 
 

@@ -1,1 +1,2 @@
-"""The crossover cell: tensions of warp and weft as functions of both stretches, and the table of them."""
+"""The crossover cell: tensions of warp and weft as functions of both stretches, and the table of
+them."""

@@ -1,25 +1,27 @@
-"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section 4.3.1).
+"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section
+4.3.1).
 
-Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1). With k = pi h / 2 w,
+Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1).
+With k = pi h / 2 w,
 
     S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
     T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7)
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
     F        = T dS/dh / q                                           variational form: the gradient of the energy
 
-A cosine presses along its whole length. F is the resultant of that load; what works on a change of height is q F, with
-q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of compression is one of the resultant, to
-which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. The
-equilibrium form presses at the crossing alone, q = 1.
+A cosine presses along its whole length. F is the resultant of that load; what works on a change of
+height is q F, with q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of
+compression is one of the resultant, to which it is fitted in 3D; the yarns store q times its work,
+so that forces are the gradient of W with any law. The equilibrium form presses at the crossing
+alone, q = 1.
 
-Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
+Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes
+where
 
     r(F) = h_1(F) + h_2(F) + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (eq. 4-13)
 
-which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata E-05, E-06, E-09, E-10).
-
-A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift): half length, length, stiffness, height at rest, its law of
-compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0: none).
+which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata
+E-05, E-06, E-09, E-10).
 """
 
 import math
@@ -33,14 +35,34 @@ from shellfabric.cell.yarn_kernels import (
 )
 from shellfabric.jit.compile import entry, kernel
 
-EQUILIBRIUM, VARIATIONAL = 0, 1
+EQUILIBRIUM = 0
+VARIATIONAL = 1
 _MAX_STEPS = 200
+
+
+@kernel()
+def may_part(crossover):
+    """Whether contact can be lost: no law of compression is the printed one, which has
+    d(0) = -infinity (erratum E-05)."""
+    warp = crossover.warp
+    weft = crossover.weft
+    printed1 = warp.a > 0.0 and warp.shift == 0.0
+    printed2 = weft.a > 0.0 and weft.shift == 0.0
+    return not (printed1 or printed2)
+
+
+@kernel()
+def filled_height(crossover):
+    """[m] height of both yarns together at which the cell is full."""
+    return crossover.warp.h0 + crossover.weft.h0
 
 
 @kernel()
 def work_share(form):
     """q, the force that does work on a change of height over the contact force."""
-    return 0.25 * math.pi if form == VARIATIONAL else 1.0
+    if form == VARIATIONAL:
+        return 0.25 * math.pi
+    return 1.0
 
 
 @kernel()
@@ -59,20 +81,19 @@ def contact_force(w, h, S0, EA, form):
 
 @kernel()
 def height(w, F, yarn, lowest, form):
-    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and the slope dh/dF.
+    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and
+    the slope dh/dF.
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
-    S0 = yarn[1]
-    EA = yarn[2]
     low = lowest
     high = lowest + 0.05 * w
-    while contact_force(w, high, S0, EA, form)[0] < F:
+    while contact_force(w, high, yarn.S0, yarn.EA, form)[0] < F:
         low = high
         high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
-        force, slope, _ = contact_force(w, h, S0, EA, form)
+        force, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
         if force > F:
             high = h
         else:
@@ -83,7 +104,7 @@ def height(w, F, yarn, lowest, form):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, S0, EA, form)[1]
+    return h, 1.0 / contact_force(w, h, yarn.S0, yarn.EA, form)[1]
 
 
 @kernel()
@@ -105,104 +126,107 @@ def compression_energy(F, a, b, shift):
 
 
 @kernel()
-def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
-    """r(F) and its slope."""
-    h1, c1 = height(w1, F, warp, free1, form)
-    h2, c2 = height(w2, F, weft, free2, form)
-    d1, e1 = compression(F, warp[4], warp[5], warp[6])
-    d2, e2 = compression(F, weft[4], weft[5], weft[6])
-    return h1 + h2 + d1 + d2 + gap - warp[3] - weft[3], c1 + c2 + e1 + e2
+def residual(F, w, free, crossover):
+    """r(F) and its slope; w, free : (warp, weft) half lengths and free heights."""
+    warp = crossover.warp
+    weft = crossover.weft
+    h1, c1 = height(w[0], F, warp, free[0], crossover.form)
+    h2, c2 = height(w[1], F, weft, free[1], crossover.form)
+    d1, e1 = compression(F, warp.a, warp.b, warp.shift)
+    d2, e2 = compression(F, weft.a, weft.b, weft.shift)
+    return h1 + h2 + d1 + d2 + crossover.gap - warp.h0 - weft.h0, c1 + c2 + e1 + e2
 
 
 @kernel()
-def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
+def closing_force(w, free, crossover, guess):
     """The root of r(F); 0 where contact is lost; -1 if none was found.
 
-    r(0) is the gap at the free heights when the law of compression starts from zero. The printed law has
-    d(0) = -infinity, so that r(0) < 0 always and contact is never lost (erratum E-05).
+    r(0) is the gap at the free heights when the law of compression starts from zero.
     """
-    printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
-    if not printed and free1 + free2 + gap >= warp[3] + weft[3]:
+    parted = free[0] + free[1] + crossover.gap >= filled_height(crossover)
+    if parted and may_part(crossover):
         return 0.0
     low = 0.0
     high = max(guess, 1e-6)
-    while residual(high, w1, w2, free1, free2, warp, weft, gap, form)[0] < 0.0:
+    while residual(high, w, free, crossover)[0] < 0.0:
         low = high
         high = 4.0 * high
         if high > 1e12:
             return -1.0
     F = high
     for _ in range(_MAX_STEPS):
-        r, slope = residual(F, w1, w2, free1, free2, warp, weft, gap, form)
+        r, slope = residual(F, w, free, crossover)
         if r > 0.0:
             high = F
         else:
             low = F
-        if abs(r) <= 1e-14 * (warp[0] + weft[0]):
+        if abs(r) <= 1e-14 * (crossover.warp.w + crossover.weft.w):
             return F
         step = r / slope
         F -= step
         if not low < F < high:
-            F = math.sqrt(low * high) if low > 0.0 else 0.125 * high
+            if low > 0.0:
+                F = math.sqrt(low * high)
+            else:
+                F = 0.125 * high
         if abs(step) <= 1e-14 * F or high - low <= 1e-15 * high or high < 1e-14:
             return F
     return -1.0
 
 
 @kernel()
-def forces_of_cell(w1, w2, warp, weft, form, solution):
-    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
+def forces_of_cell(w, crossover, solution):
+    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see
+    `cell`."""
+    warp = crossover.warp
+    weft = crossover.weft
     F, h1, h2 = solution
-    S1, dS1 = arc(w1, h1)
-    S2, dS2 = arc(w2, h2)
-    T1, _ = tension(S1, dS1, warp[1], warp[2])
-    T2, _ = tension(S2, dS2, weft[1], weft[2])
-    W = 0.5 * T1 * (S1 - warp[1]) + 0.5 * T2 * (S2 - weft[1])
-    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(
-        F, weft[4], weft[5], weft[6]
-    )
-    W += work_share(form) * stored
-    if form == EQUILIBRIUM:
-        return T1, T2, T1, T2, F, h1, h2, W
-    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
-    return (
-        T1,
-        T2,
-        T1 * (S1 - h1 * dS1) / (2.0 * w1),
-        T2 * (S2 - h2 * dS2) / (2.0 * w2),
-        F,
-        h1,
-        h2,
-        W,
-    )
+    S1, dS1 = arc(w[0], h1)
+    S2, dS2 = arc(w[1], h2)
+    T1, _ = tension(S1, dS1, warp.S0, warp.EA)
+    T2, _ = tension(S2, dS2, weft.S0, weft.EA)
+    W = 0.5 * T1 * (S1 - warp.S0) + 0.5 * T2 * (S2 - weft.S0)
+    stored = compression_energy(F, warp.a, warp.b, warp.shift)
+    stored += compression_energy(F, weft.a, weft.b, weft.shift)
+    W += work_share(crossover.form) * stored
+    N1 = T1
+    N2 = T2
+    if crossover.form == VARIATIONAL:
+        # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
+        N1 = T1 * (S1 - h1 * dS1) / (2.0 * w[0])
+        N2 = T2 * (S2 - h2 * dS2) / (2.0 * w[1])
+    return T1, T2, N1, N2, F, h1, h2, W
 
 
 @kernel()
-def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
+def cell(stretch1, stretch2, crossover, guess):
     """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
-    T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form (erratum E-15), and
-    the gradient of W, N = T dS/d(2w), in the variational form. W is the energy of the yarns and of their compression.
+    T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form
+    (erratum E-15), and the gradient of W, N = T dS/d(2w), in the variational form. W is the energy
+    of the yarns and of their compression.
     """
-    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2])
-    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2])
-    w1 = stretch1 * warp[0]
-    w2 = stretch2 * weft[0]
-    free1 = free_height(w1, warp[1])
-    free2 = free_height(w2, weft[1])
-    F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
+    warp = crossover.warp
+    weft = crossover.weft
+    alone1, energy1 = yarn_alone(stretch1, warp.w, warp.S0, warp.EA)
+    alone2, energy2 = yarn_alone(stretch2, weft.w, weft.S0, weft.EA)
+    w = stretch1 * warp.w, stretch2 * weft.w
+    free = free_height(w[0], warp.S0), free_height(w[1], weft.S0)
+    F = 0.0
+    if crossover.coupled:
+        F = closing_force(w, free, crossover, guess)
     if F == 0.0:
-        return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
-    h1 = height(w1, F, warp, free1, form)[0]
-    h2 = height(w2, F, weft, free2, form)[0]
-    return forces_of_cell(w1, w2, warp, weft, form, (F, h1, h2))
+        return alone1, alone2, alone1, alone2, 0.0, free[0], free[1], energy1 + energy2
+    h1 = height(w[0], F, warp, free[0], crossover.form)[0]
+    h2 = height(w[1], F, weft, free[1], crossover.form)[0]
+    return forces_of_cell(w, crossover, (F, h1, h2))
 
 
 @entry(nogil=True)
-def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
+def solve_many(stretch1, stretch2, crossover, out):
     """Fill out (8, n) with `cell` at n pairs of stretches. False if a cell failed."""
     for i in range(stretch1.size):
-        values = cell(stretch1[i], stretch2[i], warp, weft, gap, form, coupled, 1.0)
+        values = cell(stretch1[i], stretch2[i], crossover, 1.0)
         for c in range(8):
             out[c, i] = values[c]
         if values[4] < 0.0:
@@ -212,11 +236,13 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
 
 @entry()
 def tension_bound_table(low, high, over, top, unit, out):
-    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0], N + out[1]).
+    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0],
+    N + out[1]).
 
-    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
-    tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N
-    and what it is above its force; of those that lie below it, their own.
+    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,)
+    [N] : by which a tension is at most above the force beside it, and its own most. Of cells that a
+    step cuts, the tension is at most N and what it is above its force; of those that lie below it,
+    their own.
     """
     last = out.shape[0] - 1
     out[:] = 0.0

@@ -1,14 +1,16 @@
-"""The table of a cell by Newton's method on force and heights together, from the solution of the cell before.
+"""The table of a cell by Newton's method on force and heights together, from the solution of the
+cell before.
 
-`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot fail. Along a row of
-a table the solution changes little from cell to cell. Here the contact force F and the heights h_i of both yarns are
-unknowns beside each other,
+`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot
+fail. Along a row of a table the solution changes little from cell to cell. Here the contact force F
+and the heights h_i of both yarns are unknowns beside each other,
 
     F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (thesis eq. 4-13)
 
-with the contact force F_i of a yarn at its height; the step of F is that of the second equation with h_i eliminated by
-the first. Where the steps do not become small, or leave the range, the nested iterations solve the cell. What depends
-on one stretch alone is computed once a row or column. Results agree with the nested iterations' but for rounding.
+with the contact force F_i of a yarn at its height; the step of F is that of the second equation
+with h_i eliminated by the first. Where the steps do not become small, or leave the range, the
+nested iterations solve the cell. What depends on one stretch alone is computed once a row or
+column. Results agree with the nested iterations' but for rounding.
 """
 
 import math
@@ -20,7 +22,9 @@ from shellfabric.cell.crossover_kernels import (
     cell,
     compression,
     contact_force,
+    filled_height,
     forces_of_cell,
+    may_part,
     work_share,
 )
 from shellfabric.cell.yarn_kernels import elliptic, free_height, tension, yarn_alone
@@ -32,29 +36,33 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 
 @kernel()
 def force_at_height(w, h, yarn, form):
-    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one elliptic integral."""
+    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one
+    elliptic integral."""
     if form != VARIATIONAL or h <= 0.0:
-        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form)
+        F, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
         return F, slope
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
-    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2])
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn.S0, yarn.EA)
     slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
     q = work_share(form)
     return T * dS / q, slope / q
 
 
 @kernel()
-def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
-    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not converge."""
+def close_cell(w, free, crossover, start):
+    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not
+    converge."""
     F, h1, h2 = start
-    full = warp[3] + weft[3] - gap
+    warp = crossover.warp
+    weft = crossover.weft
+    full = filled_height(crossover) - crossover.gap
     for _ in range(_MAX_STEPS):
-        F1, s1 = force_at_height(w1, h1, warp, form)
-        F2, s2 = force_at_height(w2, h2, weft, form)
-        d1, e1 = compression(F, warp[4], warp[5], warp[6])
-        d2, e2 = compression(F, weft[4], weft[5], weft[6])
+        F1, s1 = force_at_height(w[0], h1, warp, crossover.form)
+        F2, s2 = force_at_height(w[1], h2, weft, crossover.form)
+        d1, e1 = compression(F, warp.a, warp.b, warp.shift)
+        d2, e2 = compression(F, weft.a, weft.b, weft.shift)
         if not (s1 > 0.0 and s2 > 0.0):
             break
         miss1 = (F - F1) / s1
@@ -65,44 +73,47 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
         F = F + dF
         h1 = h1 + dh1
         h2 = h2 + dh2
-        if not (F > 0.0 and h1 >= free1 and h2 >= free2):
+        if not (F > 0.0 and h1 >= free[0] and h2 >= free[1]):
             break
-        if abs(dF) <= _SMALL * F and abs(dh1) <= _SMALL * w1 and abs(dh2) <= _SMALL * w2:
+        if abs(dF) <= _SMALL * F and abs(dh1) <= _SMALL * w[0] and abs(dh2) <= _SMALL * w[1]:
             return F, h1, h2
     return -1.0, 0.0, 0.0
 
 
 @entry(nogil=True)
-def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
-    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if a cell failed."""
+def fill(stretches1, stretches2, crossover, out):
+    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if
+    a cell failed."""
+    warp = crossover.warp
+    weft = crossover.weft
     n2 = stretches2.size
-    free = np.empty(n2)
-    alone = np.empty(n2)
-    stored = np.empty(n2)
+    free2 = np.empty(n2)
+    alone2 = np.empty(n2)
+    stored2 = np.empty(n2)
     for j in range(n2):
-        free[j] = free_height(stretches2[j] * weft[0], weft[1])
-        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2])
-    printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
+        free2[j] = free_height(stretches2[j] * weft.w, weft.S0)
+        alone2[j], stored2[j] = yarn_alone(stretches2[j], weft.w, weft.S0, weft.EA)
+    parts = may_part(crossover)
+    full = filled_height(crossover)
     for i in range(stretches1.size):
-        w1 = stretches1[i] * warp[0]
-        free1 = free_height(w1, warp[1])
-        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2])
+        free1 = free_height(stretches1[i] * warp.w, warp.S0)
+        alone1, stored1 = yarn_alone(stretches1[i], warp.w, warp.S0, warp.EA)
         last = (-1.0, 0.0, 0.0)
         guess = 1.0
         for j in range(n2):
-            w2 = stretches2[j] * weft[0]
-            apart = not coupled or (not printed and free1 + free[j] + gap >= warp[3] + weft[3])
-            values = (alone1, alone[j], alone1, alone[j], 0.0, free1, free[j], stored1 + stored[j])
-            if not apart:
+            w = stretches1[i] * warp.w, stretches2[j] * weft.w
+            free = free1, free2[j]
+            apart = parts and free1 + free2[j] + crossover.gap >= full
+            stored = stored1 + stored2[j]
+            values = (alone1, alone2[j], alone1, alone2[j], 0.0, free1, free2[j], stored)
+            if crossover.coupled and not apart:
                 found = (-1.0, 0.0, 0.0)
                 if last[0] > 0.0:
-                    found = close_cell(w1, w2, free1, free[j], warp, weft, gap, form, last)
+                    found = close_cell(w, free, crossover, last)
                 if found[0] > 0.0:
-                    values = forces_of_cell(w1, w2, warp, weft, form, found)
+                    values = forces_of_cell(w, crossover, found)
                 else:
-                    values = cell(
-                        stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess
-                    )
+                    values = cell(stretches1[i], stretches2[j], crossover, guess)
                     if values[4] < 0.0:
                         return False
                 guess = max(values[4], 1e-6)

@@ -1,14 +1,17 @@
-"""The crossover as an object, and its table: tensions of the two yarns over a uniform grid of their stretches.
+"""The crossover as an object, and its table: tensions of the two yarns over a uniform grid of their
+stretches.
 
-Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 + h02 - g: contact
-is lost whatever the other yarn does, its tension is zero and the other's does not depend on it, so that looking up
-at Lambda_lo is exact. A yarn of the length S0 is never higher than S0 / 2, however narrow its cell. Where that does not
-fill the cell (yarns crimped by about 9 % and more, and one of them far higher than the other), a crossing yarn that is
-pulled straight stays in contact at every stretch. The table then ends where the crossing yarns would lie side by side
-as round solid rods, closer than which no fabric can be: 2 w Lambda = sqrt(4 A_s / pi). Below that stretch the energy is
-that at the table's edge, and the force conjugate to it zero. Above Lambda_hi the yarn has failed, since even alone it
-is past its strength; the forces of a yarn that is not allowed to fail go on from there linearly. The stretch 1 is a
-node: fabric at rest has the very forces of the cell at rest.
+Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 +
+h02 - g: contact is lost whatever the other yarn does, its tension is zero and the other's does not
+depend on it, so that looking up at Lambda_lo is exact. A yarn of the length S0 is never higher than
+S0 / 2, however narrow its cell. Where that does not fill the cell (yarns crimped by about 9 % and
+more, and one of them far higher than the other), a crossing yarn that is pulled straight stays in
+contact at every stretch. The table then ends where the crossing yarns would lie side by side as
+round solid rods, closer than which no fabric can be: 2 w Lambda = sqrt(4 A_s / pi). Below that
+stretch the energy is that at the table's edge, and the force conjugate to it zero. Above Lambda_hi
+the yarn has failed, since even alone it is past its strength; the forces of a yarn that is not
+allowed to fail go on from there linearly. The stretch 1 is a node: fabric at rest has the very
+forces of the cell at rest.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
 from shellfabric.cell import coefficients, fill_kernels
 from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.state import CellYarn, Crossover
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 MODELS = ("compressible", "incompressible", "decoupled")
@@ -44,11 +48,13 @@ class CellModel:
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     crossover_gap : [m] play g between the yarns, closed before they touch (erratum E-16)
     cell_model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
-    cell_formulation : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis;
-        forces T). The default is the variational one for its energy: what its forces do is what the cell stores. The
-        forces of equilibrium are no gradient, and do work that nothing stores
-    reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
-        not fail, since forces beyond a table follow its last cell and may grow without bound
+    cell_formulation : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin
+        alpha of the thesis; forces T). The default is the variational one for its energy: what its
+        forces do is what the cell stores. The forces of equilibrium are no gradient, and do work
+        that nothing stores
+    reach : how far a table goes beyond straight yarns, in units of the strain at their strength;
+        above 1 where yarns do not fail, since forces beyond a table follow its last cell and may
+        grow without bound
 
     Raises
     ------
@@ -92,27 +98,32 @@ class CellModel:
         return self.fabric.weave.h0
 
     @property
-    def yarn_tuples(self) -> tuple[tuple[float, ...], ...]:
+    def yarns(self) -> tuple[CellYarn, ...]:
         """The two yarns as `crossover_kernels` takes them."""
         weave = self.fabric.weave
-        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws)
-        return tuple(
-            (
-                w,
-                S0,
-                yarn.EA,
-                h0,
-                law.a,
-                law.b,
-                law.F0 if law.form == "regularised" else 0.0,
+        found = []
+        for m, law in enumerate(self.used_laws):
+            shift = 0.0
+            if law.form == "regularised":
+                shift = law.F0
+            yarn = CellYarn(
+                w=weave.w[m],
+                S0=weave.S0[m],
+                EA=weave.yarns[m].EA,
+                h0=self.h0[m],
+                a=law.a,
+                b=law.b,
+                shift=shift,
             )
-            for w, S0, yarn, h0, law in rows
-        )
+            found.append(yarn)
+        return tuple(found)
 
     def alone(self, family: int, stretch: ArrayLike) -> FloatArray:
-        """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at stretches of the cell."""
-        w, S0, EA = self.yarn_tuples[family][:3]
-        return EA * np.maximum(2 * w * np.asarray(stretch, float) - S0, 0) / S0
+        """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at
+        stretches of the cell."""
+        yarn = self.yarns[family]
+        longer = np.maximum(2 * yarn.w * np.asarray(stretch, float) - yarn.S0, 0)
+        return yarn.EA * longer / yarn.S0
 
     def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
         """The cell at given stretches.
@@ -123,8 +134,8 @@ class CellModel:
 
         Returns
         -------
-        dict of arrays: T1, T2 [N] tensions, N1, N2 [N] forces conjugate to the cell lengths, F [N] contact force,
-        h1, h2 [m] heights, W [J] stored energy
+        dict of arrays: T1, T2 [N] tensions, N1, N2 [N] forces conjugate to the cell lengths, F [N]
+        contact force, h1, h2 [m] heights, W [J] stored energy
 
         Raises
         ------
@@ -134,7 +145,7 @@ class CellModel:
             np.asarray(stretch1, float), np.asarray(stretch2, float)
         )
         out = np.empty((8, stretch1.size))
-        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), *self._arguments(), out):
+        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), self.crossover, out):
             raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
         return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
 
@@ -144,14 +155,16 @@ class CellModel:
         bounds = []
         for w, S0, yarn, crossing in zip(weave.w, weave.S0, weave.yarns, weave.yarns[::-1]):
             lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
-            # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
+            # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure
+            # test is inside
             bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * yarn.failure_strain)))
         return tuple(bounds)
 
     def _contact_loss(self, w, S0):
         """Stretch below which a yarn's free height fills the cell; 0 where it cannot.
 
-        A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no greater one.
+        A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no
+        greater one.
         """
         full = sum(self.h0) - self.crossover_gap
         if not full > 0:
@@ -164,20 +177,24 @@ class CellModel:
             return 0.0
         from scipy.optimize import brentq
 
-        return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
+        if too_long(straight) > 0:
+            return brentq(too_long, _CLOSED, straight)
+        return straight
 
     def table(self, n: int = 201) -> CellTable:
         """Fill a table of n x n stretches; see CellTable.fill."""
         return CellTable.fill(self, n)
 
-    def _arguments(self):
-        warp, weft = self.yarn_tuples
-        return (
-            warp,
-            weft,
-            self.crossover_gap,
-            FORMS[self.cell_formulation],
-            self.cell_model != "decoupled",
+    @property
+    def crossover(self) -> Crossover:
+        """The crossover as `crossover_kernels` takes it."""
+        warp, weft = self.yarns
+        return Crossover(
+            warp=warp,
+            weft=weft,
+            gap=self.crossover_gap,
+            form=FORMS[self.cell_formulation],
+            coupled=self.cell_model != "decoupled",
         )
 
 
@@ -190,11 +207,13 @@ class CellTable:
     model : CellModel, or surface_cell.SurfaceCell
     stretch1, stretch2 : (n1,), (n2,) [-] uniform
     values : dict of (n1, n2) arrays T1, T2, N1, N2, W, and what else `CellModel.solve` gives
-    tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
-    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline (`coefficients.spline`), which panels
-        and coupons read. With 201 stretches its forces are within 0.2 % of the strength of the cell's, and within 3e-5
-        in the mean
-    residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
+    tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the
+        grid
+    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline
+        (`coefficients.spline`), which panels and coupons read. With 201 stretches its forces are
+        within 0.2 % of the strength of the cell's, and within 3e-5 in the mean
+    residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms
+        force
     """
 
     model: Any
@@ -223,7 +242,7 @@ class CellTable:
             raise InputError(key="table_size", value=n, allowed="at least 8")
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         out = np.empty((8, n, n))
-        if not fill_kernels.fill(x, y, *model._arguments(), out):
+        if not fill_kernels.fill(x, y, model.crossover, out):
             raise UnstableError(
                 "the crossover did not close", where=f"the table of fabric {model.fabric.name}"
             )
@@ -231,7 +250,8 @@ class CellTable:
 
     @classmethod
     def straight(cls, model: CellModel, n: int = 8) -> CellTable:
-        """The table of straight yarns that do not press on each other, T = E A (stretch - 1): nothing is solved."""
+        """The table of straight yarns that do not press on each other, T = E A (stretch - 1):
+        nothing is solved."""
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         strains = np.meshgrid(np.maximum(x - 1, 0), np.maximum(y - 1, 0), indexing="ij")
         weave = model.fabric.weave
@@ -246,7 +266,8 @@ class CellTable:
     def of_values(
         cls, model: CellModel, x: FloatArray, y: FloatArray, values: dict[str, FloatArray]
     ) -> CellTable:
-        """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
+        """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of
+        them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.cell_formulation == "variational":
             fx = values["N1"] * 2 * w1 * (x[1] - x[0])
@@ -266,7 +287,8 @@ class CellTable:
         fy: FloatArray,
         residual: float = 0.0,
     ) -> CellTable:
-        """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
+        """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per
+        cell of the grid."""
         W = values["W"].copy()
         fx = fx.copy()
         fy = fy.copy()
@@ -297,7 +319,8 @@ class CellTable:
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
 
     def stiffness(self) -> float:
-        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of fabric) over the table."""
+        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of fabric)
+        over the table."""
         return self._stiffness[0]
 
     def tautness(self) -> float:
@@ -322,7 +345,8 @@ class CellTable:
 
 
 def _dense_packing(w, crossing):
-    """Stretch of a cell of the half length w at which the yarns that cross it lie side by side, as round solid rods.
+    """Stretch of a cell of the half length w at which the yarns that cross it lie side by side, as
+    round solid rods.
 
     At most 1: fabric that is denser than that does not become denser.
     """

@@ -19,7 +19,8 @@ _PIECE = 2000  # cells that are worked on together, so that what is in between s
 
 
 def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
-    """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
+    """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line,
+    and these."""
     columns = table.spline.reshape(-1, 9)
     rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
     rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
@@ -27,17 +28,19 @@ def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
 
 
 def beyond(table: CellTable) -> tuple[float, ...]:
-    """What `table_kernels` goes on with beyond the table: its reach in cells along both stretches, and at its corner
-    both slopes of the potential and both its curvatures [J]."""
+    """What `table_kernels` goes on with beyond the table: its reach in cells along both stretches,
+    and at its corner both slopes of the potential and both its curvatures [J]."""
     corner = table.spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
-    (_, first1, second1), (_, first2, second2) = corner.sum(axis=1), corner.sum(axis=0)
+    _, first1, second1 = corner.sum(axis=1)
+    _, first2, second2 = corner.sum(axis=0)
     curvatures = max(2 * second1, 0.0), max(2 * second2, 0.0)
     reaches = (REACH / step for step in table.steps)
     return tuple(map(float, (*reaches, first1 + 2 * second1, first2 + 2 * second2, *curvatures)))
 
 
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
-    """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
+    """Of warp and weft: the bounds that the forces of the variational form give of the tensions
+    (`_ceiling`)."""
     found = []
     weave = table.model.fabric.weave
     spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
@@ -50,7 +53,9 @@ def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
                 np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1))
                 for x in (spline, tensions)
             )
-            W, T = (W, T) if family == 0 else (W.swapaxes(0, 1), T[[0, 2, 1, 3]])
+            if family == 1:
+                W = W.swapaxes(0, 1)
+                T = T[[0, 2, 1, 3]]
             force = np.stack([W[1], W[1] + 2 * W[2]]) / scale
             none = np.zeros_like(T[0])
             tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
@@ -60,10 +65,12 @@ def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
 
 
 def _bounds(force, tension):
-    """(4, cells) [N] lowest and highest force, most that the tension is above it, and highest tension of each cell.
+    """(4, cells) [N] lowest and highest force, most that the tension is above it, and highest
+    tension of each cell.
 
-    force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
-    its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
+    force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local
+    coordinate, at both ends of its own, along which both are linear. A quadratic lies between the
+    least and most of its Bernstein coefficients.
     """
     found, excess, tensions = map(_bernstein, (force, tension - force, tension))
     return np.stack(
@@ -72,7 +79,8 @@ def _bounds(force, tension):
 
 
 def _ceiling(low, high, over, top):
-    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps."""
+    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its
+    steps."""
     most = max(high.max(), top.max())
     unit = most / _STEPS
     rounding = 1e-9 * most

@@ -1,20 +1,23 @@
-"""A crossover's cell straight from a 3D response surface: no law of compression and no centreline in between.
+"""A crossover's cell straight from a 3D response surface: no law of compression and no centreline
+in between.
 
-A `fabrics.surface.ResponseSurface` has the forces T1, T2 at the ends of the yarns over a rectangle of end
-displacements d, from which the stretches are Lambda_i = 1 + d_i / w_i. Inside the rectangle they are interpolated
-monotonically along each direction (no overshoot where contact begins). Outside, with c the nearest place of the
-rectangle and A_i the tension of yarn i alone (erratum E-14),
+A `fabrics.surface.ResponseSurface` has the forces T1, T2 at the ends of the yarns over a rectangle
+of end displacements d, from which the stretches are Lambda_i = 1 + d_i / w_i. Inside the rectangle
+they are interpolated monotonically along each direction (no overshoot where contact begins).
+Outside, with c the nearest place of the rectangle and A_i the tension of yarn i alone (erratum
+E-14),
 
     T_i(Lambda) = max(0, A_i(Lambda_i) + phi (T_i(c) - A_i(c_i)))
 
-which is continuous. Above the rectangle phi = 1: yarns stiffen as straight ones. Below it phi falls linearly to zero
-at the stretch at which contact is lost, where the free heights of the two yarns fill the cell.
+which is continuous. Above the rectangle phi = 1: yarns stiffen as straight ones. Below it phi falls
+linearly to zero at the stretch at which contact is lost, where the free heights of the two yarns
+fill the cell.
 
 direct         the tables are T1, T2 themselves
 variational    the forces are the gradient of the potential W that is next to T1, T2 in the sense of least squares:
                minimise  sum over i of (dW/d(2 w_i Lambda_i) - T_i)^2 / (T_i + T_0)^2,   W = 0 where both are slack,
-               T_0 a twentieth of the strength. The rest, the part of the surface that no potential has, is
-               reported as a number.
+               T_0 a twentieth of the strength. The rest, the part of the surface that no potential
+               has, is reported as a number.
 """
 
 from __future__ import annotations
@@ -35,10 +38,9 @@ from shellfabric.cell.model import CellModel, CellTable
 FORMS = ("variational", "direct")
 _SLACK = 1e-4  # share of the strength below which a sampled force counts as none
 _FLOOR = 0.05  # share of the strength below which differences count as if the force were that
-_TRUST, _TRUSTED = (
-    0.03,
-    4e-3,
-)  # least weight of the extension, and [-] the stretch over which it falls to 1 / e
+# least weight of the extension, and [-] the stretch over which it falls to 1 / e
+_TRUST = 0.03
+_TRUSTED = 4e-3
 _LEAST_FADE = 2e-3  # [-] stretch over which contact is lost at the least
 
 
@@ -54,7 +56,8 @@ class SurfaceCell:
 
     Raises
     ------
-    InputError : unknown formulation, a surface of another fabric, or one whose rectangle does not hold rest
+    InputError : unknown formulation, a surface of another fabric, or one whose rectangle does not
+        hold rest
     """
 
     fabric: Fabric
@@ -79,7 +82,8 @@ class SurfaceCell:
 
     @property
     def region(self) -> tuple[tuple[float, float], ...]:
-        """((lowest, highest), (lowest, highest)) stretches that the surface was sampled over, of warp and weft."""
+        """((lowest, highest), (lowest, highest)) stretches that the surface was sampled over, of
+        warp and weft."""
         axes = zip((self.surface.d1, self.surface.d2), self.fabric.weave.w)
         return tuple((1 + axis[0] / w, 1 + axis[-1] / w) for axis, w in axes)
 
@@ -130,12 +134,13 @@ class SurfaceCell:
         ]
         trust = np.maximum(np.exp(-np.maximum(beyond[0][:, None], beyond[1]) / _TRUSTED), _TRUST)
         W, fx, fy, residual = potential(values["T1"] * per[0], values["T2"] * per[1], floor, trust)
-        kept = self.cell_formulation == "variational"
-        values |= {
-            "W": W,
-            "N1": fx / per[0] if kept else values["T1"],
-            "N2": fy / per[1] if kept else values["T2"],
-        }
+        values["W"] = W
+        if self.cell_formulation == "variational":
+            values["N1"] = fx / per[0]
+            values["N2"] = fy / per[1]
+        else:
+            values["N1"] = values["T1"]
+            values["N2"] = values["T2"]
         return CellTable.of(self, x, y, values, fx, fy, residual)
 
     def _alone(self, m, stretch):
@@ -144,31 +149,33 @@ class SurfaceCell:
         return np.maximum(weave.yarns[m].EA * (2 * weave.w[m] * stretch / weave.S0[m] - 1), 0.0)
 
     def _contact(self, m, stretch, others):
-        """(n, k) the share phi of contact that is left at n stretches of yarn m, for k stretches of the other."""
+        """(n, k) the share phi of contact that is left at n stretches of yarn m, for k stretches of
+        the other."""
         lowest = self.region[m][0]
         lost = np.minimum([self._lost(m, other) for other in others], lowest - _LEAST_FADE)
         return np.clip((stretch[:, None] - lost) / (lowest - lost), 0.0, 1.0)
 
     def _lost(self, m, other):
-        """Stretch of yarn m below which it leaves the other yarn, which has the stretch `other` and bears nothing."""
+        """Stretch of yarn m below which it leaves the other yarn, which has the stretch `other` and
+        bears nothing."""
         weave = self.fabric.weave
         height = sum(weave.h0) - free_height(other * weave.w[1 - m], weave.S0[1 - m])
         low = 0.5
         high = weave.S0[m] / (2 * weave.w[m])
         for _ in range(60):  # the length at this height rises with the stretch
             middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high)
-                if arc_length(middle * weave.w[m], height) < weave.S0[m]
-                else (low, middle)
-            )
+            if arc_length(middle * weave.w[m], height) < weave.S0[m]:
+                low = middle
+            else:
+                high = middle
         return low
 
 
 def potential(
     fx: FloatArray, fy: FloatArray, floor: FloatArray, trust: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """The potential whose slopes are next to given ones, by least squares of the relative difference.
+    """The potential whose slopes are next to given ones, by least squares of the relative
+    difference.
 
     Parameters
     ----------
@@ -179,7 +186,8 @@ def potential(
     Returns
     -------
     W : (n1, n2) [J], 0 where there is neither slope
-    wx, wy : (n1, n2) [J] its slopes: those given, and half of what the fit changes on either side of a node
+    wx, wy : (n1, n2) [J] its slopes: those given, and half of what the fit changes on either side
+        of a node
     residual : [-] rms of these changes over the rms of the slopes, where trust is full
     """
     from scipy.sparse import coo_matrix
@@ -218,12 +226,14 @@ def potential(
 
 
 def _rises(f):
-    """(n1-1, n2) rise of a function along the first direction from its slopes f, by the trapezoid with its end term."""
+    """(n1-1, n2) rise of a function along the first direction from its slopes f, by the trapezoid
+    with its end term."""
     turn = np.gradient(f, axis=0)
     return 0.5 * (f[:-1] + f[1:]) + (turn[:-1] - turn[1:]) / 12
 
 
 def _corrected(f, other, change):
-    """(n1, n2) slopes f with the mean change of the rises beside a node; none where there is no other slope either."""
+    """(n1, n2) slopes f with the mean change of the rises beside a node; none where there is no
+    other slope either."""
     padded = np.concatenate([change[:1], change, change[-1:]])
     return np.where((f != 0) | (other != 0), f + 0.5 * (padded[:-1] + padded[1:]), 0.0)

@@ -1,9 +1,10 @@
 """Tables of cells kept from run to run, by the content of the cell and the code that fills them.
 
-What the cell's equations give at the grid is kept, under the cell and the number of stretches, and the coefficients are
-made anew, so that a kept table is the filled one to the last bit. The files lie in the user's cache folder
-(`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or `~/.cache/weavecell`); the least recently used are removed.
-With WEAVECELL_CACHE_DIR empty nothing is kept.
+What the cell's equations give at the grid is kept, under the cell and the number of stretches, and
+the coefficients are made anew, so that a kept table is the filled one to the last bit. The files
+lie in the user's cache folder (`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or
+`~/.cache/weavecell`); the least recently used are removed. With WEAVECELL_CACHE_DIR empty nothing
+is kept.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def folder() -> Path | None:
     """Folder of the kept tables, or None where none are kept."""
     given = os.environ.get("WEAVECELL_CACHE_DIR")
     if given is not None:
-        return Path(given, "tables") if given else None
+        if given:
+            return Path(given, "tables")
+        return None
     root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(root, "weavecell", "tables")
 
@@ -54,7 +57,8 @@ def table(model: CellModel, n: int = 201) -> CellTable:
 
 
 def trim(place: Path, most: float) -> None:
-    """Remove the files of a folder that were used longest ago, until the others have at most `most` bytes."""
+    """Remove the files of a folder that were used longest ago, until the others have at most `most`
+    bytes."""
     files = sorted(
         (file.stat().st_mtime, file.stat().st_size, file)
         for file in place.glob(f"*.{ARRAYS.suffix}")

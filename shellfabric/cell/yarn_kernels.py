@@ -1,4 +1,5 @@
-"""One yarn of the crossover's cell: the length of its cosine, and its tension. All yarns have the half length w.
+"""One yarn of the crossover's cell: the length of its cosine, and its tension. All yarns have the
+half length w.
 
 With k = pi h / 2 w:  S = (4 w / pi) E(-k^2)          (thesis eqs. 4-1, 4-3)
 Tension at the strain e = (S - S0) / S0: EA e         (eq. 4-7)
@@ -13,7 +14,8 @@ _MAX_STEPS = 200
 
 @kernel()
 def elliptic(k2):
-    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits at small k2."""
+    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits
+    at small k2."""
     a = 1.0
     b = math.sqrt(1.0 + k2)
     total = -0.5 * k2
@@ -21,7 +23,9 @@ def elliptic(k2):
     c2 = k2
     while c2 > 1e-17 * a * a:
         c = 0.5 * (a - b)
-        a, b = 0.5 * (a + b), math.sqrt(a * b)
+        mean = 0.5 * (a + b)
+        b = math.sqrt(a * b)
+        a = mean
         power *= 2.0
         c2 = c * c
         total += power * c2
@@ -31,10 +35,14 @@ def elliptic(k2):
 
 @kernel()
 def arc(w, h):
-    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum E-09)."""
+    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum
+    E-09)."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
-    slope = -2.0 * K_minus_E / k if k > 0.0 else 0.0
+    if k > 0.0:
+        slope = -2.0 * K_minus_E / k
+    else:
+        slope = 0.0
     return 4.0 * w / math.pi * E, slope
 
 
@@ -44,16 +52,15 @@ def arc_curvature(w, h):
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
-    return (
-        math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
-        if k > 0.0
-        else 0.25 * math.pi**2 / w
-    )
+    if k > 0.0:
+        return math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    return 0.25 * math.pi**2 / w
 
 
 @kernel()
 def free_height(w, S0):
-    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched straight."""
+    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched
+    straight."""
     excess = S0 / (2.0 * w) - 1.0
     if excess <= 0.0:
         return 0.0
@@ -76,7 +83,8 @@ def tension(S, dS, S0, EA):
 
 @kernel()
 def yarn_alone(stretch, w0, S0, EA):
-    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full lengths)."""
+    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full
+    lengths)."""
     slack = 2.0 * stretch * w0 - S0
     if slack <= 0.0:
         return 0.0, 0.0

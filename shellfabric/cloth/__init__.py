@@ -1,1 +1,2 @@
-"""Kernels of the woven membrane: element forces, bending, packing, yarn failure, energies, boundary, smooth surface."""
+"""Kernels of the woven membrane: element forces, bending, packing, yarn failure, energies,
+boundary, smooth surface."""

@@ -1,20 +1,27 @@
-"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction.
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by
+friction.
 
-Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the next; being
-without inverse mass it takes no other. f is the force of the fabric on it along the yarn, v its velocity.
+Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for
+the next; being without inverse mass it takes no other. f is the force of the fabric on it along the
+yarn, v its velocity.
 
     prescribed  u = pull-in x (t - start) / (end - start), from 0 to the whole of it
     gripped     Coulomb's law without regularisation: the clamp takes of m v + dt f what it can, dt F at most, and the
-                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it while it slips
+                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it
+                while it slips
 
-The energy audit gets the work of the fabric on prescribed nodes, that on the grips, and the kinetic energy of gripped
-nodes, all in the form in which central differences balance them: forces at whole steps over the motion between.
+The energy audit gets the work of the fabric on prescribed nodes, that on the grips, and the kinetic
+energy of gripped nodes, all in the form in which central differences balance them: forces at whole
+steps over the motion between.
 """
 
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-BOUNDARY_WORK, CLAMP_FRICTION, KINETIC = 0, 1, 2  # of state.slip_energy
+# of state.slip_energy
+BOUNDARY_WORK = 0
+CLAMP_FRICTION = 1
+KINETIC = 2
 
 
 @kernel()
@@ -25,18 +32,26 @@ def slip_fraction(time, start, end):
 
 @unit(later=True, time="number")
 def update_slip_nodes(state, const, time):
-    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the
+    work of the last."""
     kinetic = 0.0
     for m in range(const.slip_node.size):
-        k, c = const.slip_node[m], const.slip_axis[m]
-        pull, start, end = const.slip_data[m, 0], const.slip_data[m, 1], const.slip_data[m, 2]
-        grip, mass = const.slip_data[m, 3], const.slip_data[m, 4]
+        k = const.slip_node[m]
+        c = const.slip_axis[m]
+        pull = const.slip_data[m, 0]
+        start = const.slip_data[m, 1]
+        end = const.slip_data[m, 2]
+        grip = const.slip_data[m, 3]
+        mass = const.slip_data[m, 4]
         force = state.f_int[c][k] + state.f_int_above[c][k]
         before = state.v[c][k]
         if grip > 0.0:
             free = before + const.dt * force / mass
             most = const.dt * grip / mass
-            after = max(free - most, 0.0) if free > 0.0 else min(free + most, 0.0)
+            if free > 0.0:
+                after = max(free - most, 0.0)
+            else:
+                after = min(free + most, 0.0)
             force = mass * (free - after) / const.dt
             kinetic += 0.5 * mass * before * after
             state.slip_energy[CLAMP_FRICTION] += (

@@ -1,132 +1,187 @@
-"""Energies of an audit, eight nodes, edges or quadrilaterals at a time: of motion, and of what whole fabric stores.
+"""Energies of an audit: of motion, and of what yarns and trellis store, broken or not
+(`membrane_kernels`).
 
-Those of yarns and trellis are the energies of `failure_kernels.stored_energy` where no yarn has failed and every edge
-has its four crossing edges. An audit looks at all of the fabric: one by one it would cost as much as the steps between
-two audits.
+    yarn     E = n (kappa W / 2 + (1 - kappa) U_alone)      of an edge, n = y / 2 w the crossovers that it stands for
+    trellis  E = alpha V U(gamma)                           of a quadrilateral
+
+An audit looks at all of the fabric, and most of it is whole: there kappa and alpha are one, and
+means plain ones.
 """
 
-from shellfabric.cloth.membrane_kernels import mean_crossing_warp, mean_crossing_weft
-from shellfabric.cloth.table_kernels import potential_at
-from shellfabric.cloth.trellis_kernels import arcsine, regularized_stretch
-from shellfabric.jit.simd import (
-    WIDTH,
-    broadcast,
-    floor,
-    fma,
-    gather,
-    gather_rows8,
-    greater,
-    head_mask,
-    load,
-    load_or_broadcast,
-    maximum,
-    minimum,
-    reduce_add,
-    to_int32,
-    where,
-)
-from shellfabric.state import unit
+import numpy as np
 
-WARP = 0
+from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cloth.damage_kernels import (
+    edges_in_row,
+    sum_crossing,
+    trellis_intact_fraction,
+    yarn_properties,
+)
+from shellfabric.cloth.membrane_kernels import INTACT, ONE, WARP, WEFT
+from shellfabric.cloth.table_kernels import potential
+from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import item_or_scalar
+from shellfabric.state import unit
 
 
 @unit("number")
 def kinetic_energy(const, state, i):
     """[J] kinetic energy of the free nodes of row i, m v(n-1/2) v(n+1/2) / 2."""
-    found = broadcast(0.0)
-    for j in range(0, const.row_stride, WIDTH):
-        k = i * const.row_stride + j
-        inverse = load(state.inverse_mass, k)
-        per = const.dt * inverse
-        free = where(greater(inverse, 0.0), 0.5 * load(state.mass, k), 0.0)
+    found = 0.0
+    for j in range(const.row_stride):
+        k = np.uint64(i * const.row_stride + j)
+        inverse = state.inverse_mass[k]
+        if inverse == 0.0:  # held
+            continue
         for c in range(3):
-            v, f = (
-                load(state.v[c], k),
-                load(state.f_int[c], k)
-                + load(state.f_int_above[c], k)
-                + load(state.f_contact[c], k),
-            )
+            v = state.v[c][k]
+            f = state.f_int[c][k] + state.f_int_above[c][k] + state.f_contact[c][k]
             if const.has_backing:
-                f = f + load(state.f_block_cloth[c], k)
-            found = found + where(head_mask(const.row_stride - j), free * v * fma(per, f, v), 0.0)
-    return reduce_add(found)
+                f += state.f_block_cloth[c][k]
+            found += 0.5 * state.mass[k] * v * (v + const.dt * inverse * f)
+    return found
 
 
-@unit("number")
-def yarn_energy(const, state, family, i, begin, end):
-    """[J] of the edges (i, begin) .. (i, end - 1) of a family, all of which have four crossing edges."""
-    x0, rx, top1, y0, ry, top2, across = const.table_grid
-    own, other, s = state.stretch[family], state.stretch[1 - family], const.row_stride
-    found, w = broadcast(0.0), const.w1 if family == WARP else const.w2
-    for j in range(begin, end, WIDTH):
-        k = i * s + j
-        if family == WARP:
-            mean = mean_crossing_warp(
-                const.mean_weight2,
-                k,
-                load(other, k - 1),
-                load(other, k),
-                load(other, k + s - 1),
-                load(other, k + s),
+@unit("2 numbers")
+def stored_energy(const, state, first, last):
+    """(energy of the yarns, of the trellis) [J] of the element rows first .. last - 1 and the weft
+    at their far end.
+
+    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the
+    cells store.
+    """
+    yarns = 0.0
+    trellis = 0.0
+    for i in range(first, last):
+        whole = row_intact(const, state, i)
+        inner = whole and i > 0
+        yarns += row_energy(const, state, WARP, i, whole)
+        yarns += row_energy(const, state, WEFT, i, inner)
+        trellis += trellis_energy(const, state, i, whole)
+    # the last row of weft edges may be the rim of the panel
+    inner = row_intact(const, state, last) and 0 < last < const.ni
+    return yarns + row_energy(const, state, WEFT, last, inner), trellis
+
+
+@kernel(_nrt=False)
+def row_intact(const, state, i):
+    """Whether no failed yarn has a part in the energy of row i."""
+    return state.block_damage[min(i, const.ni - 1) // const.rows_per_block] == INTACT
+
+
+@unit("number", whole="flag")
+def row_energy(const, state, family, i, whole):
+    """[J] of the edges (i, 0), (i, 1), ... of a family. whole : none has failed, nor the four that
+    cross each; of warp edges but for those at the ends of the row, which two cross."""
+    s = const.row_stride
+    found = 0.0
+    for j in range(edges_in_row(const, family)):
+        k = np.uint64(i * s + j)
+        length = state.yarn_length[family][k]
+        if length == 0.0:  # failed
+            continue
+        if whole and (family == WEFT or 0 < j < const.nj):
+            per_length = cell_energy(
+                const, state, family, k, mean_crossing(const, state, family, k)
             )
-            l1, l2 = load(own, k), mean
         else:
-            mean = mean_crossing_weft(
-                const.mean_weight1,
-                k,
-                load(other, k - s),
-                load(other, k - s + 1),
-                load(other, k),
-                load(other, k + 1),
-            )
-            l1, l2 = mean, load(own, k)
-        p, q = maximum((l1 - x0) * rx, 0.0), maximum((l2 - y0) * ry, 0.0)
-        cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
-        row = to_int32(fma(cell1, across, cell2))
-        table, level, p, q = (
-            gather_rows8(const.potential_coefficients, row),
-            gather(const.potential_constant, row),
-            p - cell1,
-            q - cell2,
-        )
-        over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
-        W = potential_at(
-            minimum(p, 1.0), minimum(q, 1.0), over1, over2, table, level, const.table_beyond
-        )
-        found = found + where(head_mask(end - j), load(state.yarn_length[family], k) * W, 0.0)
-    return 0.25 / w * reduce_add(found)
+            per_length = edge_energy(const, state, family, i, j)
+        found += length * per_length
+    return found
 
 
-@unit("number")
-def trellis_energy(const, state, i):
-    """[J] of the quadrilaterals of row i."""
-    s, G1, G2, gamma1, gamma2 = const.row_stride, const.G1, const.G2, const.gamma1, const.gamma2
-    found, span, L1, L2 = (
-        broadcast(0.0),
-        const.gamma2 - const.gamma1,
-        state.stretch[0],
-        state.stretch[1],
+@kernel(_nrt=False)
+def mean_crossing(const, state, family, k):
+    """Mean stretch of the four edges that cross the edge at slot k."""
+    s = np.uint64(const.row_stride)
+    other = state.stretch[1 - family]
+    if family == WARP:
+        before = item_or_scalar(const.mean_weight2, k)
+        lines_before = other[k - ONE] + other[k + s - ONE]
+        lines_behind = other[k] + other[k + s]
+    else:
+        before = item_or_scalar(const.mean_weight1, k)
+        lines_before = other[k - s] + other[k - s + ONE]
+        lines_behind = other[k] + other[k + ONE]
+    return 0.5 * (before * lines_before + (1.0 - before) * lines_behind)
+
+
+@kernel(_nrt=False)
+def cell_energy(const, state, family, k, mean):
+    """[J/m] of crossed yarn of the edge at slot k, whose crossing edges have a mean stretch: W / 4
+    w."""
+    own = state.stretch[family][k]
+    l1 = own
+    l2 = mean
+    w = const.w1
+    if family == WEFT:
+        l1 = mean
+        l2 = own
+        w = const.w2
+    W = potential(
+        l1,
+        l2,
+        const.table_grid,
+        const.potential_coefficients,
+        const.table_beyond,
+        const.potential_constant,
     )
-    for j in range(0, const.nj, WIDTH):
-        k, dot = i * s + j, broadcast(0.0)
-        for c in range(3):
-            u = state.u[c]
-            rise, run = load(u, k + s + 1) - load(u, k), load(u, k + s) - load(u, k + 1)
-            a, b = (
-                load_or_broadcast(const.inv_dx, k) * (rise + run),
-                load_or_broadcast(const.inv_dy, k) * (rise - run),
-            )
-            dot = fma(a + (2.0 if c == 0 else 0.0), b + (2.0 if c == 1 else 0.0), dot)
-        one, other = (
-            regularized_stretch(load(L1, k) + load(L1, k + 1))[0],
-            regularized_stretch(load(L2, k) + load(L2, k + s))[0],
-        )
-        sine = dot / (one * other)
-        angle = arcsine(sine)
-        middle, beyond = minimum(maximum(angle - gamma1, 0.0), span), maximum(angle - gamma2, 0.0)
-        U = (0.5 * G1) * angle * angle + ((G2 - G1) / (6.0 * span)) * middle * middle * middle
-        U = U + (0.5 * (G2 - G1)) * beyond * (beyond + span)
-        found = found + where(
-            head_mask(const.nj - j), load_or_broadcast(const.trellis_volume, k) * U, 0.0
-        )
-    return reduce_add(found)
+    return 0.25 / w * W
+
+
+@kernel(_nrt=False)
+def edge_energy(const, state, family, i, j):
+    """[J/m] of yarn of the edge (i, j), where yarns that cross it may have failed."""
+    k = np.uint64(i * const.row_stride + j)
+    other = 1 - family
+    intact = state.intact_fraction[other]
+    count, present, total = sum_crossing(const, family, i, j, intact, state.stretch[other], 0)
+    crossed = present / count
+    found = 0.0
+    if crossed > 0.0:
+        found += crossed * cell_energy(const, state, family, k, total / present)
+    if crossed < 1.0:
+        w, S0, EA = yarn_properties(const, family)
+        alone = yarn_alone(state.stretch[family][k], w, S0, EA)[1]
+        found += (1.0 - crossed) / (2.0 * w) * alone
+    return found
+
+
+@unit("number", whole="flag")
+def trellis_energy(const, state, i, whole):
+    """[J] of the quadrilaterals of row i. whole : no yarn beside them has failed."""
+    found = 0.0
+    for j in range(const.nj):
+        k = np.uint64(i * const.row_stride + j)
+        if whole:
+            left = 1.0
+        else:
+            left = trellis_intact_fraction(const, state, k)
+        if left > 0.0:
+            sine = shear_sine(const, state, k)
+            V = item_or_scalar(const.trellis_volume, k)
+            found += left * shear_energy(sine, V, const.G1, const.G2, const.gamma1, const.gamma2)
+    return found
+
+
+@kernel(_nrt=False)
+def shear_sine(const, state, k):
+    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
+    s = np.uint64(const.row_stride)
+    dot = 0.0
+    for c in range(3):
+        u = state.u[c]
+        rise = u[k + s + ONE] - u[k]
+        run = u[k + s] - u[k + ONE]
+        a = item_or_scalar(const.inv_dx, k) * (rise + run)
+        b = item_or_scalar(const.inv_dy, k) * (rise - run)
+        if c == 0:
+            a += 2.0
+        if c == 1:
+            b += 2.0
+        dot += a * b
+    L1, L2 = state.stretch
+    f1 = regularized_stretch_scalar(L1[k] + L1[k + ONE])
+    f2 = regularized_stretch_scalar(L2[k] + L2[k + s])
+    return dot / (f1 * f2)

@@ -1,42 +1,35 @@
 """Failure of yarns: criterion, removal and energies. Forces of damaged elements: `damage_kernels`.
 
-What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of fibres as wide as the
-line. Each line breaks by itself, at one place. What is held against the strength T_u of the yarn that is nearest to the
-line is a tension averaged over one fixed length l across the fibres (`Fabric.failure_length`), and over the time that a
-wave needs across it:
+What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of
+fibres as wide as the line. Each line breaks by itself, at one place. What is held against the
+strength T_u of the yarn that is nearest to the line is a tension averaged over one fixed length l
+across the fibres (`Fabric.failure_length`), and over the time that a wave needs across it:
 
     M(y) = int k(y - y') phi T dy' / int k(y - y') phi dy',     k(y) = max(0, 1 - |y| / l)
     dF/dt = (M - F) / t_f,   t_f = 2 max(l, h) / c_w,           the edge breaks where F > T_u
 
-phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of the edge, c_w the
-wave speed along the yarn in the weave. Both lengths are needed. The first wave in a crimped yarn is a shock, which a
-mesh overshoots by up to two thirds for about the time that a wave needs across an element; and beside the rim of a nose
-the tension of a membrane is singular, so that without a length it grows with every finer mesh. M is the exact integral
-over lines of constant tension (`panel.failure.mean_weights`).
+phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of
+the edge, c_w the wave speed along the yarn in the weave. Both lengths are needed. The first wave in
+a crimped yarn is a shock, which a mesh overshoots by up to two thirds for about the time that a
+wave needs across an element; and beside the rim of a nose the tension of a membrane is singular, so
+that without a length it grows with every finer mesh. M is the exact integral over lines of constant
+tension (`panel.failure.mean_weights`).
 
-F follows M only where one of them is above half of the strength, and is half of it elsewhere: fabric that is far from
-failure costs nothing. The reported peak is the smaller of M and F. The strength is that of the yarn, or follows the
-strain rate (`strength_kernels`).
+F follows M only where one of them is above half of the strength, and is half of it elsewhere:
+fabric that is far from failure costs nothing. The reported peak is the smaller of M and F. The
+strength is that of the yarn, or follows the strain rate (`strength_kernels`).
 
-What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it: see
-`membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has
-acted.
+What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it:
+see `membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in
+which its old force has acted.
 """
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth import energy_kernels, strength_kernels
-from shellfabric.cloth.damage_kernels import (
-    WARP,
-    WEFT,
-    sum_crossing,
-    trellis_intact_fraction,
-    yarn_properties,
-)
-from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
-from shellfabric.cloth.table_kernels import max_value, potential
-from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
+from shellfabric.cloth import strength_kernels
+from shellfabric.cloth.damage_kernels import edges_in_row
+from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT, WEFT_FAILED
+from shellfabric.cloth.table_kernels import max_value
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 from shellfabric.state import unit
@@ -45,11 +38,19 @@ from shellfabric.state import unit
 @kernel(_nrt=False)
 def mean_tension(const, state, family, i, j):
     """M [N] of the edge (i, j): see the module."""
-    lines, tension, intact = const.warp_lines, state.T[family], state.intact_fraction[family]
-    line, step, k = j, 1, i * const.row_stride
+    lines = const.warp_lines
+    tension = state.T[family]
+    intact = state.intact_fraction[family]
+    line = j
+    step = 1
+    k = i * const.row_stride
     if family == WEFT:
-        lines, line, step, k = const.weft_lines, i, const.row_stride, j
-    total, weight = 0.0, 0.0
+        lines = const.weft_lines
+        line = i
+        step = const.row_stride
+        k = j
+    total = 0.0
+    weight = 0.0
     for m in range(lines.weights.shape[1]):
         at = np.uint64(k + (lines.first[line] + m) * step)
         part = lines.weights[line, m] * intact[at]
@@ -60,7 +61,8 @@ def mean_tension(const, state, family, i, j):
 
 @kernel(_nrt=False)
 def may_fail(const, state, block):
-    """Whether an edge of a block may break, follow a tension above half of its strength, or have a new peak tension."""
+    """Whether an edge of a block may break, follow a tension above half of its strength, or have a
+    new peak tension."""
     most = state.block_max_tension[block]
     return (
         state.warm_blocks[block]
@@ -71,27 +73,36 @@ def may_fail(const, state, block):
 
 @unit("integer")
 def find_failures(const, state, family, first, last):
-    """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that break in state.failed.
+    """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that
+    break in state.failed.
 
-    Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with its edge and step.
-    Returns how many edges break.
+    Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with
+    its edge and step. Returns how many edges break.
     """
-    lines, s, columns, count = const.warp_lines, const.row_stride, const.nj + 1, 0
+    lines = const.warp_lines
+    s = const.row_stride
+    columns = const.nj + 1
+    count = 0
     lowest = const.half_strength1
     if family == WEFT:
-        lines, columns, lowest = const.weft_lines, const.nj, const.half_strength2
-    tension, slow, intact = (
-        state.T[family],
-        state.filtered_tension[family],
-        state.intact_fraction[family],
-    )
+        lines = const.weft_lines
+        columns = const.nj
+        lowest = const.half_strength2
+    tension = state.T[family]
+    slow = state.filtered_tension[family]
+    intact = state.intact_fraction[family]
     for i in range(first, last):
         watched = min(state.peak_tension[family], lowest)
         if not state.warm_rows[family, i] and max_value(i * s, columns, tension) <= watched:
             continue
         state.warm_rows[family, i] = False
         for j in range(columns):
-            k, (line, place) = np.uint64(i * s + j), (j, i) if family == WARP else (i, j)
+            k = np.uint64(i * s + j)
+            line = j
+            place = i
+            if family == WEFT:
+                line = i
+                place = j
             half = lines.half_strength[line]
             if intact[k] == 0.0 or (
                 slow[k] <= half and tension[k] <= min(state.peak_tension[family], half)
@@ -102,10 +113,8 @@ def find_failures(const, state, family, first, last):
                 slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
             if min(mean, slow[k]) > state.peak_tension[family]:
                 state.peak_tension[family] = min(mean, slow[k])
-                state.peak_segment[family, 0], state.peak_segment[family, 1] = (
-                    k,
-                    state.counter[0] + 1,
-                )
+                state.peak_segment[family, 0] = k
+                state.peak_segment[family, 1] = state.counter[0] + 1
             if slow[k] <= half:
                 continue
             state.warm_rows[family, i] = True
@@ -124,10 +133,13 @@ def find_failures(const, state, family, first, last):
 
 @unit(later=True)
 def break_edges(const, state, family, first, last):
-    """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
-    columns = const.nj + 1 if family == WARP else const.nj
-    for i in range(first, min(last, const.ni - 1 if family == WARP else const.ni) + 1):
-        for j in range(columns):
+    """Remove the yarn of the edges of the node rows first .. last that `find_failures` has
+    marked."""
+    end = min(last + 1, const.ni)
+    if family == WEFT:
+        end = min(last, const.ni) + 1
+    for i in range(first, end):
+        for j in range(edges_in_row(const, family)):
             k = np.uint64(i * const.row_stride + j)
             if state.failed[family][k] != 0 and state.intact_fraction[family][k] > 0.0:
                 state.intact_fraction[family][k] = state.yarn_length[family][k] = 0.0
@@ -136,114 +148,38 @@ def break_edges(const, state, family, first, last):
 
 @kernel(_nrt=False)
 def flag_elements(const, state, family, i, j):
-    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces depend on it."""
-    bit = WARP_FAILED if family == WARP else WEFT_FAILED
+    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces
+    depend on it."""
     for side in range(2):
-        p, q = (i, j - side) if family == WARP else (i - side, j)
+        bit = WARP_FAILED
+        p = i
+        q = j - side
+        if family == WEFT:
+            bit = WEFT_FAILED
+            p = i - side
+            q = j
         if 0 <= p < const.ni and 0 <= q < const.nj:
             state.element_flag[np.uint64(p * const.row_stride + q)] |= bit
     for row in range(max(i - 2, 0), min(i + 2, const.ni - 1) + 1):
         state.block_damage[row // const.rows_per_block] = 2
 
 
-@unit("2 numbers")
-def stored_energy(const, state, first, last):
-    """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
-
-    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
-    """
-    cells, trellis = 0.0, 0.0
-    for family in range(2):
-        for i in range(first, last if family == WARP else last + 1):
-            lines = const.row_stride if family == WARP else const.nj
-            begin, end = lines, lines  # of what is whole, and has four crossing edges
-            if row_intact(const, state, i) and family == WARP:
-                begin, end = 1, const.nj
-            elif row_intact(const, state, i) and 0 < i < const.ni:
-                begin, end = 0, const.nj
-            for j in range(begin):
-                cells += edge_energy(const, state, family, i, j)
-            for j in range(end, lines):
-                cells += edge_energy(const, state, family, i, j)
-            cells += energy_kernels.yarn_energy(const, state, family, i, begin, end)
-    for i in range(first, last):
-        if row_intact(const, state, i):
-            trellis += energy_kernels.trellis_energy(const, state, i)
-            continue
-        for j in range(const.nj):
-            k = np.uint64(i * const.row_stride + j)
-            left = trellis_intact_fraction(const, state, k)
-            if left > 0.0:
-                sine = shear_sine(const, state, k)
-                V = item_or_scalar(const.trellis_volume, k)
-                trellis += left * shear_energy(
-                    sine, V, const.G1, const.G2, const.gamma1, const.gamma2
-                )
-    return cells, trellis
-
-
-@kernel(_nrt=False)
-def row_intact(const, state, i):
-    """Whether no failed yarn has a part in the energy of row i."""
-    return state.block_damage[min(i, const.ni - 1) // const.rows_per_block] == 0
-
-
-@kernel(_nrt=False)
-def edge_energy(const, state, family, i, j):
-    """[J] of the edge (i, j), of which yarns may have failed, as those that cross it may."""
-    w, S0, EA = yarn_properties(const, family)
-    k = np.uint64(i * const.row_stride + j)
-    y = state.yarn_length[family][k]
-    if y == 0.0:
-        return 0.0
-    L = state.stretch[family][k]
-    other = 1 - family
-    count, present, total = sum_crossing(
-        const, family, i, j, state.intact_fraction[other], state.stretch[other], 0
-    )
-    crossed, found = present / count, 0.0
-    if crossed > 0.0:
-        pair = (L, total / present) if family == WARP else (total / present, L)
-        W = potential(
-            *pair,
-            const.table_grid,
-            const.potential_coefficients,
-            const.table_beyond,
-            const.potential_constant,
-        )
-        found += 0.5 * y / (2.0 * w) * crossed * W
-    if crossed < 1.0:
-        found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
-    return found
-
-
 @unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
-    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
-    work, viscous = 0.0, 0.0
+    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the
+    same rows."""
+    work = 0.0
+    viscous = 0.0
     for family in range(2):
-        cv = const.cv1 if family == WARP else const.cv2
-        for i in range(first, last if family == WARP else last + 1):
+        cv = const.cv1
+        end = last
+        if family == WEFT:
+            cv = const.cv2
+            end = last + 1
+        for i in range(first, end):
             for j in range(const.row_stride):
                 k = np.uint64(i * const.row_stride + j)
                 d = state.dstretch[family][k]
                 work += 0.5 * state.yarn_length[family][k] * state.N[family][k] * d
                 viscous += 0.5 * state.yarn_length[family][k] * item_or_scalar(cv, k) * d * d
     return work, viscous
-
-
-@kernel()
-def shear_sine(const, state, k):
-    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
-    s, L1, L2 = np.uint64(const.row_stride), state.stretch[WARP], state.stretch[WEFT]
-    dot = 0.0
-    for c in range(3):
-        u = state.u[c]
-        u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
-        a = item_or_scalar(const.inv_dx, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
-        b = item_or_scalar(const.inv_dy, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
-        dot += a * b
-    return dot / (
-        regularized_stretch_scalar(L1[k] + L1[k + ONE])
-        * regularized_stretch_scalar(L2[k] + L2[k + s])
-    )

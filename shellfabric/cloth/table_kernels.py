@@ -1,14 +1,17 @@
-"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient (biquadratic).
+"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient
+(biquadratic).
 
-Beyond the table, which ends 2 % above the strength, come lines beside a yarn that has failed: they stand for a part of
-its fibres and are drawn out far. With the local coordinates p, q cut off at 1 and what is beyond, a and b,
+Beyond the table, which ends 2 % above the strength, come lines beside a yarn that has failed: they
+stand for a part of its fibres and are drawn out far. With the local coordinates p, q cut off at 1
+and what is beyond, a and b,
 
-    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2 + g(a) g(b) W_pq
+    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2
+    + g(a) g(b) W_pq
 
-g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn stiffens no more,
-and what it does to the one that crosses it saturates, as in the cell. Forces are continuous and those of one
-potential; the tangent stays positive and, for five fabrics, below the largest of the table, which the time step is
-made for (docs/theory-cell.md).
+g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn
+stiffens no more, and what it does to the one that crosses it saturates, as in the cell. Forces are
+continuous and those of one potential; the tangent stays positive and, for five fabrics, below the
+largest of the table, which the time step is made for (docs/theory-cell.md).
 """
 
 import math
@@ -47,36 +50,42 @@ def saturated(over, reach):
 
 @unit("number", l1="n", l2="n", grid="7 numbers", table="cells, 4", reaches="2 numbers", T="n")
 def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
-    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
+    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at
+    least 0.
 
-    grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
-        second. Below the table its edge, which is exact there; above it linear, but for `reaches`, the cells to which
-        either stretch counts beyond it.
+    grid : where the table begins, cells per stretch and number of the last cell, of both stretches;
+        cells along the second. Below the table its edge, which is exact there; above it linear, but
+        for `reaches`, the cells to which either stretch counts beyond it.
     """
     x0, rx, top1, y0, ry, top2, across = grid
     greatest = broadcast(0.0)
     for j in range(0, n, WIDTH):
         m = m0 + j
-        p, q = maximum((load(l1, m) - x0) * rx, 0.0), maximum((load(l2, m) - y0) * ry, 0.0)
-        cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
+        p = maximum((load(l1, m) - x0) * rx, 0.0)
+        q = maximum((load(l2, m) - y0) * ry, 0.0)
+        cell1 = floor(minimum(p, top1))
+        cell2 = floor(minimum(q, top2))
         c = gather_rows4(table, to_int32(fma(cell1, across, cell2)))
-        p, q = p - cell1, q - cell2
+        p = p - cell1
+        q = q - cell2
         if any_lane(greater(maximum(p, q), 1.0)):
             p = minimum(p, 1.0) + saturated(maximum(p - 1.0, 0.0), reaches[0])[0]
             q = minimum(q, 1.0) + saturated(maximum(q - 1.0, 0.0), reaches[1])[0]
         tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
         store(T, m, tension)
-        greatest = maximum(
-            greatest, tension if n - j >= WIDTH else where(head_mask(n - j), tension, 0.0)
-        )
+        if n - j < WIDTH:
+            tension = where(head_mask(n - j), tension, 0.0)
+        greatest = maximum(greatest, tension)
     return reduce_max(greatest)
 
 
 @kernel(forceinline=True)
 def gradient(p, q, c):
     """W_p and W_q at eight places in the table."""
-    flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
-    flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
+    flat1 = fma(q, fma(q, c[6], c[4]), c[0])
+    turn1 = fma(q, fma(q, c[7], c[5]), c[1])
+    flat2 = fma(p, fma(p, c[5], c[4]), c[2])
+    turn2 = fma(p, fma(p, c[7], c[6]), c[3])
     return fma(p + p, turn1, flat1), fma(q + q, turn2, flat2)
 
 
@@ -90,14 +99,14 @@ def mixed(p, q, c):
 def gradient_beyond(p, q, c, beyond):
     """`gradient` at eight places, of which some are beyond the table."""
     reach1, reach2, t1, t2, k1, k2 = beyond
-    over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
-    p, q = minimum(p, 1.0), minimum(q, 1.0)
+    over1 = maximum(p - 1.0, 0.0)
+    over2 = maximum(q - 1.0, 0.0)
+    p = minimum(p, 1.0)
+    q = minimum(q, 1.0)
     force1, force2 = gradient(p, q, c)
-    (far1, slope1), (far2, slope2), both = (
-        saturated(over1, reach1),
-        saturated(over2, reach2),
-        mixed(p, q, c),
-    )
+    far1, slope1 = saturated(over1, reach1)
+    far2, slope2 = saturated(over2, reach2)
+    both = mixed(p, q, c)
     force1 = (
         where(greater(over1, 0.0), slope1 * (force1 - t1) + (t1 + k1 * over1), force1)
         + slope1 * far2 * both
@@ -126,39 +135,51 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
     beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : of N1 and of N2
 
-    Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p q, p q q, p p q q.
-    Returns the largest p and q, the places in the table in units of its cells, and the largest N1 and N2, at least 0.
+    Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p
+    q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells,
+    and the largest N1 and N2, at least 0.
 
-    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
-    N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
-    and what waits fills all the room that a processor has for it.
+    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which
+    are kept in spots, N1 and N2, and the second what stands there. In one loop the rows wait for
+    their number and the sums for the rows, and what waits fills all the room that a processor has
+    for it.
     """
-    far1, far2, high1, high2 = broadcast(0.0), broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    far1 = broadcast(0.0)
+    far2 = broadcast(0.0)
+    high1 = broadcast(0.0)
+    high2 = broadcast(0.0)
     x0, rx, top1, y0, ry, top2, across = grid
     for start in range(m0, m0 + n, spots.size):
         stop = min(start + spots.size, m0 + n)
         whole = stop - (stop - start) % WIDTH
         for j in range(start, stop, WIDTH):
-            p, q = maximum((load(l1, j) - x0) * rx, 0.0), maximum((load(l2, j) - y0) * ry, 0.0)
-            cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
+            p = maximum((load(l1, j) - x0) * rx, 0.0)
+            q = maximum((load(l2, j) - y0) * ry, 0.0)
+            cell1 = floor(minimum(p, top1))
+            cell2 = floor(minimum(q, top2))
             store_int32(spots, j - start, to_int32(fma(cell1, across, cell2)))
             store(N1, j, p - cell1)
             store(N2, j, q - cell2)
             if j < whole:
-                far1, far2 = maximum(far1, p), maximum(far2, q)
+                far1 = maximum(far1, p)
+                far2 = maximum(far2, q)
             else:
                 far1 = maximum(far1, where(head_mask(stop - j), p, 0.0))
                 far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
         for j in range(start, stop, WIDTH):
-            p, q, c = load(N1, j), load(N2, j), gather8_indexed(table, spots, j - start)
+            p = load(N1, j)
+            q = load(N2, j)
+            c = gather8_indexed(table, spots, j - start)
             force1, force2 = gradient(p, q, c)
             if any_lane(greater(maximum(p, q), 1.0)):
                 force1, force2 = gradient_beyond(p, q, c, beyond)
-            force1, force2 = factors[0] * force1, factors[1] * force2
+            force1 = factors[0] * force1
+            force2 = factors[1] * force2
             store(N1, j, force1)
             store(N2, j, force2)
             if j < whole:
-                high1, high2 = maximum(high1, force1), maximum(high2, force2)
+                high1 = maximum(high1, force1)
+                high2 = maximum(high2, force2)
             else:
                 high1 = maximum(high1, where(head_mask(stop - j), force1, 0.0))
                 high2 = maximum(high2, where(head_mask(stop - j), force2, 0.0))
@@ -167,13 +188,17 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
 @kernel(forceinline=True)
 def potential_at(p, q, over1, over2, c, level, beyond):
-    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or of eight."""
+    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or
+    of eight."""
     reach1, reach2, t1, t2, k1, k2 = beyond
-    far1, far2 = saturated(over1, reach1)[0], saturated(over2, reach2)[0]
-    one, two = c[0] + q * (c[4] + q * c[6]), c[1] + q * (c[5] + q * c[7])
+    far1 = saturated(over1, reach1)[0]
+    far2 = saturated(over2, reach2)[0]
+    one = c[0] + q * (c[4] + q * c[6])
+    two = c[1] + q * (c[5] + q * c[7])
     W = level + q * (c[2] + q * c[3]) + p * (one + p * two)
     turn2 = c[3] + p * (c[6] + p * c[7])
-    slope1, slope2 = one + 2.0 * p * two, c[2] + p * (c[4] + p * c[5]) + 2.0 * q * turn2
+    slope1 = one + 2.0 * p * two
+    slope2 = c[2] + p * (c[4] + p * c[5]) + 2.0 * q * turn2
     W = W + far1 * (slope1 - t1) + over1 * (t1 + 0.5 * k1 * over1)
     W = W + far2 * (slope2 - t2) + over2 * (t2 + 0.5 * k2 * over2)
     return W + far1 * far2 * mixed(p, q, c)
@@ -181,11 +206,16 @@ def potential_at(p, q, over1, over2, c, level, beyond):
 
 @kernel()
 def potential(l1, l2, grid, table, beyond, level):
-    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
+    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,)
+    [J] : of 1."""
     x0, rx, top1, y0, ry, top2, across = grid
-    p, q = max((l1 - x0) * rx, 0.0), max((l2 - y0) * ry, 0.0)
-    cell1, cell2 = math.floor(min(p, top1)), math.floor(min(q, top2))
-    m, p, q = np.int64(cell1 * across + cell2), p - cell1, q - cell2
+    p = max((l1 - x0) * rx, 0.0)
+    q = max((l2 - y0) * ry, 0.0)
+    cell1 = math.floor(min(p, top1))
+    cell2 = math.floor(min(q, top2))
+    m = np.int64(cell1 * across + cell2)
+    p = p - cell1
+    q = q - cell2
     return potential_at(
         min(p, 1.0), min(q, 1.0), max(p - 1.0, 0.0), max(q - 1.0, 0.0), table[m], level[m], beyond
     )

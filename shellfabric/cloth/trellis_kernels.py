@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from shellfabric.cloth.membrane_kernels import scratch_slot
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -36,7 +37,8 @@ ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 
 @kernel()
 def trellis_law(gamma, G1, G2, gamma1, gamma2):
-    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35, erratum E-11)."""
+    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35,
+    erratum E-11)."""
     g = abs(gamma)
     rise = (G2 - G1) / (gamma2 - gamma1)
     middle = min(max(g - gamma1, 0.0), gamma2 - gamma1)
@@ -61,9 +63,12 @@ def arcsine_terms(z, z2, m):
 
 @kernel(forceinline=True)
 def arcsine(sine):
-    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
+    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1
+    - x) / 2) above."""
     x = minimum(fabs(sine), 0.999)
-    high, root, z = greater(x, 0.5), x, x * x
+    high = greater(x, 0.5)
+    root = x
+    z = x * x
     if any_lane(high):
         z = where(high, fma(x, -0.5, broadcast(0.5)), z)
         root = where(high, sqrt(z), x)
@@ -77,12 +82,14 @@ def arcsine(sine):
 
 @kernel()
 def shear_slope(sine, G1, G2, gamma1, gamma2):
-    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6 degrees count as that.
+    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6
+    degrees count as that.
 
     `trellis_law` written without branches.
     """
     x = minimum(fabs(sine), 0.999)
-    angle, cosine = arcsine(x), 1.0 - x * x
+    angle = arcsine(x)
+    cosine = 1.0 - x * x
     span = gamma2 - gamma1
     middle = minimum(maximum(angle - gamma1, 0.0), span)
     stress = fma((0.5 * (G2 - G1) / span) * middle, middle, G1 * angle)
@@ -106,12 +113,17 @@ def regularized_stretch_scalar(stretch):
 
 
 @kernel(forceinline=True)
-def shear_sines(j, s, A, B, l1, l2):
-    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches, and these, summed."""
+def shear_sines(work, j, s):
+    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches,
+    and these, summed."""
+    A = work.A
+    B = work.B
+    l1, l2 = work.stretch
     dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
     dot = fma(load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s), dot)
     dot = fma(load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s), dot)
-    along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
+    along = load(l1, j) + load(l1, j + 1)
+    over = load(l2, j) + load(l2, j + s)
     product = along * over
     if any_lane(greater(2.0 * FADE_STRETCH, minimum(along, over))):
         product = regularized_stretch(along)[0] * regularized_stretch(over)[0]
@@ -119,37 +131,54 @@ def shear_sines(j, s, A, B, l1, l2):
     return dot * share, share, along, over
 
 
-@unit(
-    A="3 x n",
-    B="3 x n",
-    stretches="2 x n",
-    V="per slot",
-    law="4 numbers",
-    turn1="n",
-    turn2="n",
-    cross="n",
-)
-def trellis_forces(k0, m0, n, s, A, B, stretches, V, law, turn1, turn2, cross):
-    """Shear forces of n elements.
+@unit()
+def trellis_forces(state, const, work, first, last):
+    """Shear forces of a block's elements and of the row before them, which shares their first weft
+    edges.
 
-    stretches : of warp and weft edges;  law : G1, G2 [Pa], gamma1, gamma2 [rad], see `trellis_law`
-    turn1, turn2 : -dE/dLambda that it gives to each of its two warp and its two weft edges
-    cross : dE/d(a.b) over four, a and b being doubled
+    Into work.trellis_turn -dE/dLambda that an element gives to each of its two warp and its two
+    weft edges, and into work.trellis_cross dE/d(a.b) over four, a and b being doubled.
     """
-    (l1, l2), (G1, G2, gamma1, gamma2) = stretches, law
-    next_sine, next_share, next_along, next_over = shear_sines(m0, s, A, B, l1, l2)
-    for j in range(m0, m0 + n, WIDTH):
-        sine, share, along, over = next_sine, next_share, next_along, next_over
-        next_sine, next_share, next_along, next_over = shear_sines(j + WIDTH, s, A, B, l1, l2)
-        crossed = (
-            load_or_broadcast(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
-        )
+    s = const.row_stride
+    low = max(first - 1, 0)
+    m = scratch_slot(const, first, low)
+    end = scratch_slot(const, first, last)
+    turn1, turn2 = work.trellis_turn
+    cross = work.trellis_cross
+    next_sine, next_share, next_along, next_over = shear_sines(work, m, s)
+    for j in range(m, end, WIDTH):
+        sine = next_sine
+        share = next_share
+        along = next_along
+        over = next_over
+        # looked up one step ahead: their load and division take long, and the law waits for them
+        next_sine, next_share, next_along, next_over = shear_sines(work, j + WIDTH, s)
+        volume = load_or_broadcast(const.trellis_volume, low * s + j - m)
+        slope = shear_slope(sine, const.G1, const.G2, const.gamma1, const.gamma2)
+        crossed = volume * slope * share
         turned = crossed * sine
         store(cross, j, crossed)
         if any_lane(greater(2.0 * FADE_STRETCH, minimum(along, over))):
-            (along, slope1), (over, slope2) = regularized_stretch(along), regularized_stretch(over)
-            along, over = along * slope2, over * slope1
+            along, slope1 = regularized_stretch(along)
+            over, slope2 = regularized_stretch(over)
+            along = along * slope2
+            over = over * slope1
         store(turn1, j, turned * over)
         store(turn2, j, turned * along)
-    for j in range(m0 + s - 1, m0 + n, s):  # idle slots
-        turn1[j] = turn2[j] = cross[j] = 0.0
+    for j in range(m + s - 1, end, s):
+        clear_slot(work, j)  # idle
+    # beyond the panel there is no trellis
+    if first == 0:
+        for j in range(s, 2 * s):
+            clear_slot(work, j)
+    if last == const.ni:
+        for j in range(end, end + s):
+            clear_slot(work, j)
+
+
+@kernel()
+def clear_slot(work, j):
+    """No element stands at the slot j of the scratch."""
+    work.trellis_turn[0][j] = 0.0
+    work.trellis_turn[1][j] = 0.0
+    work.trellis_cross[j] = 0.0

@@ -1,1 +1,2 @@
-"""Coupons: quasi-static by dynamic relaxation (uniaxial, biaxial, bias extension, picture frame); yarn pull-out."""
+"""Coupons: quasi-static by dynamic relaxation (uniaxial, biaxial, bias extension, picture frame);
+yarn pull-out."""

@@ -1,8 +1,9 @@
 """Contact force of a crossover whose yarns resist bending, for the threshold of slip.
 
-The yarns of the cell are perfectly flexible: one without tension does not press back, and the contact force is zero
-however much the other is stretched. With the bending stiffness B a yarn keeps its crimp. The energy of a cosine of the
-height h against its height h0 at rest, over the length 2 w of the cell, is
+The yarns of the cell are perfectly flexible: one without tension does not press back, and the
+contact force is zero however much the other is stretched. With the bending stiffness B a yarn keeps
+its crimp. The energy of a cosine of the height h against its height h0 at rest, over the length 2 w
+of the cell, is
 
     U = K (h - h0)^2 / 2,     K = B pi^4 / (16 w^3)
 
@@ -10,12 +11,13 @@ with which the balance of each yarn at the contact force F is
 
     T dS/dh + K (h - h0) = q F
 
-with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) + d2(F) + g = h01 + h02
-(`cell.crossover_kernels`).
-Yarns of fibres that slide freely on one another have the lower bound of B, n E pi d^4 / 64; those of a solid section of
-the fibres' area the upper one, E A^2 / 4 pi (`panel.grid`).
+with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) +
+d2(F) + g = h01 + h02 (`cell.crossover_kernels`). Yarns of fibres that slide freely on one another
+have the lower bound of B, n E pi d^4 / 64; those of a solid section of the fibres' area the upper
+one, E A^2 / 4 pi (`panel.grid`).
 
-The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the flexible cell.
+The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the
+flexible cell.
 """
 
 from __future__ import annotations
@@ -29,13 +31,15 @@ from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.state import CellYarn
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
 BISECTIONS = 60
 
 
 def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, float]:
-    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid section.
+    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid
+    section.
 
     fibre_diameter : [m]; 12 um is that of aramid fibres
     """
@@ -45,7 +49,8 @@ def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, fl
 
 
 def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as `yarn_kernels.arc`."""
+    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as
+    `yarn_kernels.arc`."""
     k = 0.5 * pi * h / w
     E = ellipe(-(k**2))
     K = ellipk(-(k**2))
@@ -53,17 +58,18 @@ def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
     return 4 * w / pi * E, slope
 
 
-def heights(
-    yarn: tuple[float, ...], bending: float, stretch: FloatArray, force: FloatArray
-) -> FloatArray:
+def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
     """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
 
     Parameters
     ----------
-    yarn : of CellModel.yarn_tuples
+    yarn : of `CellModel.yarns`
     bending : [N m2]
     """
-    w0, S0, EA, h0 = yarn[:4]
+    w0 = yarn.w
+    S0 = yarn.S0
+    EA = yarn.EA
+    h0 = yarn.h0
     w = w0 * stretch[:, None] * np.ones_like(force)
     stiffness = bending * pi**4 / (16 * w0**3)
     low = np.zeros_like(w)
@@ -80,12 +86,11 @@ def heights(
     return 0.5 * (low + high)
 
 
-def compression(yarn: tuple[float, ...], force: FloatArray) -> FloatArray:
+def compression(yarn: CellYarn, force: FloatArray) -> FloatArray:
     """[m] of a yarn at the contact forces [N]."""
-    a, b, shift = yarn[4:7]
-    return (
-        np.zeros_like(force) if a == 0 else a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
-    )
+    if yarn.a == 0:
+        return np.zeros_like(force)
+    return yarn.a - yarn.b * (np.maximum(force, 1e-300) + yarn.shift) ** (-1 / 3)
 
 
 def contact_forces(
@@ -104,17 +109,14 @@ def contact_forces(
     largest : [N] of the forces that are looked for
     """
     force = largest * np.linspace(0, 1, FORCES) ** 2
-    warp, weft = model.yarn_tuples
-    h1, h2 = (
-        heights(yarn, B, x, force)
-        for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2))
-    )
+    warp, weft = model.yarns
+    h1 = heights(warp, bending[0], stretch1, force)
+    h2 = heights(weft, bending[1], stretch2, force)
     own = h1 + compression(warp, force) + model.crossover_gap - sum(model.h0)
     other = h2 + compression(weft, force)
     found = np.empty((stretch1.size, stretch2.size))
-    for row, out in zip(
-        own, found
-    ):  # of what closes the cell, which rises with the force: where it is zero
+    # what closes the cell rises with the force: where is it zero?
+    for row, out in zip(own, found):
         r = row + other
         n = np.clip(np.argmax(r > 0, axis=1), 1, None)
         n[r[:, -1] <= 0] = force.size - 1
@@ -127,20 +129,22 @@ def contact_forces(
 
 
 def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses has none."""
+    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses
+    has none."""
     model = table.model
     slack = table.stretch1[:1]
-    weft = model.yarn_tuples[1]
+    weft = model.yarns[1]
     force = contact_forces(model, bending, slack, table.stretch2, _largest(table))[0]
     h = np.array(
         [heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)]
     )
-    S, _ = cosine(weft[0] * table.stretch2, h)
-    return weft[2] * np.maximum(S / weft[1] - 1, 0)
+    S, _ = cosine(weft.w * table.stretch2, h)
+    return weft.EA * np.maximum(S / weft.S0 - 1, 0)
 
 
 def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists bending."""
+    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists
+    bending."""
     if not any(bending):
         return table.values["F"]
     return contact_forces(table.model, bending, table.stretch1, table.stretch2, _largest(table))

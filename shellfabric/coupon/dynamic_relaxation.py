@@ -1,16 +1,19 @@
-"""Dynamic relaxation with kinetic damping: all velocities are zeroed at each peak of the kinetic energy.
+"""Dynamic relaxation with kinetic damping: all velocities are zeroed at each peak of the kinetic
+energy.
 
 The nodes move without damping under the out-of-balance forces f,
 
     v <- v + f / m,    x <- x + v        (time step 1, fictitious masses m)
 
 and when the kinetic energy has passed a peak, they start again from there at rest.
-The masses are m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums of the stiffness,
-which the body returns with its forces: the highest frequency is then below 2 (Gershgorin), and every node moves
-as fast as its own stiffness lets it. The largest so far, because a yarn that has just gone slack has a node without
-stiffness, which a small force would throw across its neighbours. There is no damping coefficient to choose.
+The masses are m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums
+of the stiffness, which the body returns with its forces: the highest frequency is then below 2
+(Gershgorin), and every node moves as fast as its own stiffness lets it. The largest so far, because
+a yarn that has just gone slack has a node without stiffness, which a small force would throw across
+its neighbours. There is no damping coefficient to choose.
 
-A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, force_floor), in Euclidean norms.
+A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, force_floor), in
+Euclidean norms.
 """
 
 from __future__ import annotations
@@ -69,7 +72,8 @@ def relax(
 
     Parameters
     ----------
-    forces : forces(x) -> f (n, d) [N], b (n,) [N/m] bound on the block row sums of the stiffness, energies
+    forces : forces(x) -> f (n, d) [N], b (n,) [N/m] bound on the block row sums of the stiffness,
+        energies
     x : (n, d) [m] start, the held nodes where they shall be
     held : (n,) bool
     tolerance : [-] of the out-of-balance force against the reaction
@@ -110,7 +114,10 @@ def relax(
             energy = now
         x += v
     scale = max(reaction, force_floor)
-    residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
+    if scale > 0 or np.isnan(scale):
+        residual = out / scale
+    else:
+        residual = float(out > 0)
     return State(
         load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled
     )
@@ -132,20 +139,24 @@ def relax_path(
 ) -> tuple[tuple[State, ...], bool]:
     """Move the supports of a body step by step and relax it at each.
 
-    Each step starts from the last two states, extrapolated; the first, and one after a body that carried nothing and so
-    had no definite shape, from the last state with the supports' motion spread over the body.
+    Each step starts from the last two states, extrapolated; the first, and one after a body that
+    carried nothing and so had no definite shape, from the last state with the supports' motion
+    spread over the body.
 
     Parameters
     ----------
-    body : has forces(x) as in `relax`, and spread(u, held) -> (n, d) [m], a smooth motion with u on the held nodes
+    body : has forces(x) as in `relax`, and spread(u, held) -> (n, d) [m], a smooth motion with u on
+        the held nodes
     x : (n, d) [m] nodes at rest
     held : (n,) bool
     path : path(load) -> (n, d) [m] where the held nodes shall be; other rows are not read
     loads : rising shares of the path
     tolerance, force_floor, max_iterations : as in `relax`
-    hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by returning True
+    hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by
+        returning True
     progress : called as progress(state) after every step that the run goes on from
-    done : states of the first loads, from an interrupted run: the others come out as they would have, bit for bit
+    done : states of the first loads, from an interrupted run: the others come out as they would
+        have, bit for bit
 
     Returns
     -------
@@ -153,8 +164,8 @@ def relax_path(
 
     Raises
     ------
-    UnstableError : a step did not settle, or a hook's; its attribute `states` holds what was computed, the state that
-        was refused last
+    UnstableError : a step did not settle, or a hook's; its attribute `states` holds what was
+        computed, the state that was refused last
     """
     states = list(done)
     ended = False
@@ -193,13 +204,20 @@ def relax_path(
 
 def _start(body, x, held, states, load, target, force_floor):
     """(n, d) [m] from where a load step begins: see `relax_path`."""
-    done, last = (states[-1].load, states[-1].x) if states else (0.0, np.array(x, float))
-    if (
-        states and states[-1].history[-1, 1] > force_floor
-    ):  # it carried a load, and so had a definite shape
-        before, earlier = (
-            (states[-2].load, states[-2].x) if len(states) > 1 else (0.0, np.array(x, float))
-        )
+    if states:
+        done = states[-1].load
+        last = states[-1].x
+    else:
+        done = 0.0
+        last = np.array(x, float)
+    # it carried a load, and so had a definite shape
+    if states and states[-1].history[-1, 1] > force_floor:
+        if len(states) > 1:
+            before = states[-2].load
+            earlier = states[-2].x
+        else:
+            before = 0.0
+            earlier = np.array(x, float)
         return last + (load - done) / (done - before) * (last - earlier)
     return last + body.spread(np.where(held[:, None], target - last, 0.0), held)
 

@@ -1,14 +1,16 @@
-"""A piece of fabric cut from a weave for a quasi-static test: its yarns as a grid, whatever the outline.
+"""A piece of fabric cut from a weave for a quasi-static test: its yarns as a grid, whatever the
+outline.
 
-The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across the yarns would be
-kept from shearing by the stiffness of the yarns themselves (tension locking), which here is a thousand times that of
-the trellis. A cut across the yarns is then a staircase, as it is in the fabric.
+The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across
+the yarns would be kept from shearing by the stiffness of the yarns themselves (tension locking),
+which here is a thousand times that of the trellis. A cut across the yarns is then a staircase, as
+it is in the fabric.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -22,14 +24,17 @@ from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
 from shellfabric.driver import memory
 from shellfabric.panel.failure import mean_weights
+from shellfabric.state import Segments
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave
 
 
-# [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point of the grid that a
-# coupon is cut from, then 1,900 to 2,500 of each element, most of them in `Coupon.spread`
-GRID_POINT, ELEMENT = 80.0, 2500.0
+# [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point
+# of the grid that a coupon is cut from, then 1,900 to 2,500 of each element, most of them in
+# `Coupon.spread`
+GRID_POINT = 80.0
+ELEMENT = 2500.0
 
 
 @dataclass(frozen=True)
@@ -41,13 +46,16 @@ class Coupon:
     table : CellTable of the fabric, in the variational form (forces are the gradient of an energy)
     points : (n, 2) [m] nodes at rest
     edges : ((e1, 2), (e2, 2)) node numbers of the warp and of the weft segments
-    cells : ((e1,), (e2,)) crossovers that a segment stands for; 1 inside, 1/2 on the outline, over the number of
-        elements in a crossover
-    across : ((e1, 4), (e2, 4)) segments of the other family that meet a segment's ends; -1 where there is none
-    quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along weft
+    cells : ((e1,), (e2,)) crossovers that a segment stands for; 1 inside, 1/2 on the outline, over
+        the number of elements in a crossover
+    across : ((e1, 4), (e2, 4)) segments of the other family that meet a segment's ends; -1 where
+        there is none
+    quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along
+        weft
     spacing : (dX, dY) [m] lengths of a segment at rest
     trellis : whether the fabric's shear law acts; a fabric without one has none
-    yarn_share : [-] share of the yarns' stiffness with which they are computed (`quasistatic.yarn_share`)
+    yarn_share : [-] share of the yarns' stiffness with which they are computed
+        (`quasistatic.yarn_share`)
 
     Raises
     ------
@@ -63,7 +71,6 @@ class Coupon:
     spacing: tuple[float, float]
     trellis: bool = True
     yarn_share: float = 1.0
-    _scratch: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         if self.table.model.cell_formulation != "variational":
@@ -72,55 +79,54 @@ class Coupon:
                 value=self.table.model.cell_formulation,
                 allowed="variational in a quasi-static run",
             )
-        object.__setattr__(
-            self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges)))
-        )
 
     @property
     def weave(self) -> Weave:
         return self.table.model.fabric.weave
 
     @cached_property
-    def _arguments(self):
+    def _segments(self):
+        """What the kernels take, with scratch."""
         table = self.table
         weave = self.weave
-        (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
-        grid = (
-            table.stretch1[0],
-            rx,
-            table.stretch1.size - 2,
-            table.stretch2[0],
-            ry,
-            table.stretch2.size - 2,
-        )
-        rows = zip(weave.w, weave.S0, weave.yarns)
-        yarns = tuple((w, S0, self.yarn_share * yarn.EA) for w, S0, yarn in rows)
-        V = self.spacing[0] * self.spacing[1] * weave.thickness
-        law = (
-            (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
-            if self.trellis and shear
-            else (0.0, 0.0, 0.0, 0.5, 1.0)
-        )
-        potential = self.yarn_share * table.spline.reshape(-1, 9)
-        return (
-            self.edges,
-            self.cells,
-            self.across,
-            self.quads,
-            self.spacing,
-            potential,
-            grid,
-            yarns,
-            law,
+        counts = [len(edges) for edges in self.edges]
+        volume = 0.0
+        law = {"G1": 0.0, "G2": 0.0, "gamma1": 0.5, "gamma2": 1.0}
+        shear = table.model.fabric.shear
+        if self.trellis and shear:
+            volume = self.spacing[0] * self.spacing[1] * weave.thickness
+            law = {name: getattr(shear, name) for name in law}
+        grid = []
+        for axis, step in zip((table.stretch1, table.stretch2), table.steps):
+            grid += [axis[0], 1 / step, axis.size - 2.0]
+        return Segments(
+            nodes=[np.ascontiguousarray(edges) for edges in self.edges],
+            cells=[np.ascontiguousarray(cells) for cells in self.cells],
+            across=[np.ascontiguousarray(across) for across in self.across],
+            quads=np.ascontiguousarray(self.quads),
+            length=self.spacing,
+            potential=self.yarn_share * table.spline.reshape(-1, 9),
+            grid=tuple(grid),
+            half_width=weave.w,
+            yarn_length=weave.S0,
+            stiffness=tuple(self.yarn_share * yarn.EA for yarn in weave.yarns),
+            volume=volume,
+            **law,
+            stretch=[np.zeros(n) for n in counts],
+            direction=[np.zeros((n, 2)) for n in counts],
+            pull=[np.zeros(n) for n in counts],
+            row=[np.zeros(n) for n in counts],
         )
 
     def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
-        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
-        f, bound, stored, sheared = kernels.forces(x, *self._arguments, self._scratch)
+        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis)
+        [J] at x (n, 2)."""
+        f, bound, stored, sheared = kernels.forces(x, self._segments)
         return f, bound, (stored, sheared)
 
     def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
-        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its neighbours' mean."""
+        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its
+        neighbours' mean."""
         n = len(self.points)
         pairs = np.concatenate(self.edges)
         joined = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
@@ -134,7 +140,8 @@ class Coupon:
         return out
 
     def shear_angles(self, x: FloatArray) -> FloatArray:
-        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has closed."""
+        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has
+        closed."""
         return kernels.angles(x, self.quads, *self.spacing)
 
     def stretches(self, x: FloatArray) -> tuple[FloatArray, ...]:
@@ -154,21 +161,25 @@ class Coupon:
             count = there.sum(axis=1)
             mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
             alone = model.alone(m, own)
-            pair = (own, mean) if m == 0 else (mean, own)
-            crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[
-                ("T1", "T2")[m]
-            ]
+            own = np.where(count > 0, own, 1.0)
+            mean = np.where(count > 0, mean, 1.0)
+            if m == 0:
+                crossed = model.solve(own, mean)["T1"]
+            else:
+                crossed = model.solve(mean, own)["T2"]
             found.append(self.yarn_share * np.where(count > 0, crossed, alone))
         return tuple(found)
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against the strength, M of
-        `cloth.failure_kernels`; without its low-pass, since the test is quasi-static."""
+        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against
+        the strength, M of `cloth.failure_kernels`; without its low-pass, since the test is
+        quasi-static."""
         return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
 
     @cached_property
     def _means(self):
-        """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each segment."""
+        """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each
+        segment."""
         length = self.table.model.fabric.failure_length
         means = []
         for family, (edges, cells) in enumerate(zip(self.edges, self.cells)):
@@ -214,9 +225,10 @@ def mesh_coupon(
     reach : [m] of the farthest point of the coupon from the origin
     angle : [rad] from the x axis to the warp
     elements_per_crossover : along each side
-    offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an element on the origin
-    woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points [m]; None: everywhere.
-        Yarns that have been removed leave the others alone
+    offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an
+        element on the origin
+    woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points
+        [m]; None: everywhere. Yarns that have been removed leave the others alone
     trellis, yarn_share : see Coupon
 
     Raises
@@ -239,9 +251,8 @@ def mesh_coupon(
     x = c * X - s * Y
     y = s * X + c * Y
     present = _present_yarns(x, y, outline, woven)
-    count = _beside(
-        *present
-    )  # an edge stands for half of each element beside it in which its yarn is present
+    # an edge stands for half of each element beside it in which its yarn is present
+    count = _beside(*present)
     number = -np.ones(X.shape, int)
     edges = []
     used = np.zeros(X.shape, bool)
@@ -271,15 +282,19 @@ def mesh_coupon(
 
 
 def _present_yarns(x, y, outline, woven):
-    """[(elements), (elements)] bool: where warp and weft are present, of the elements that lie whole in the outline."""
+    """[(elements), (elements)] bool: where warp and weft are present, of the elements that lie
+    whole in the outline."""
     inside = outline(x, y)
     full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
     centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
-    return [full & part for part in (woven(*centre) if woven else (True, True))]
+    if woven is None:
+        return [full, full]
+    return [full & part for part in woven(*centre)]
 
 
 def _beside(warp, weft):
-    """Number of elements with warp beside each warp edge, and of elements with weft beside each weft edge."""
+    """Number of elements with warp beside each warp edge, and of elements with weft beside each
+    weft edge."""
     count = [
         np.zeros((warp.shape[0], warp.shape[1] + 1), int),
         np.zeros((weft.shape[0] + 1, weft.shape[1]), int),
@@ -292,7 +307,8 @@ def _beside(warp, weft):
 
 
 def _meeting(edges, crossed, others, others_crossed, nodes):
-    """(e, 4): edges of the other family at the ends of each edge, where both are crossed; -1 where there is none."""
+    """(e, 4): edges of the other family at the ends of each edge, where both are crossed; -1 where
+    there is none."""
     at = -np.ones((nodes, 2), int)
     numbers = np.flatnonzero(others_crossed)
     at[others[numbers, 0], 1] = numbers

@@ -1,20 +1,23 @@
-"""Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it crosses are in tension.
+"""Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it
+crosses are in tension.
 
-The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at its stretch x; the
-piece of yarn there is 1/x times the piece that fills the cell. At each crossover that the yarn slides through
+The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at
+its stretch x; the piece of yarn there is 1/x times the piece that fills the cell. At each crossover
+that the yarn slides through
 
     T_ahead - T_behind = c0 + mu F_c(x),    x the mean of the two stretches
 
-Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it, and so on up to the
-crosshead. What the crosshead has drawn out is what the pieces hold less than at first, and what has come from the tail.
+Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it,
+and so on up to the crosshead. What the crosshead has drawn out is what the pieces hold less than at
+first, and what has come from the tail.
 
-1. The front of slip runs from the crosshead to the tail; behind it the yarn has no tension and lies still.
+1. The front of slip runs from the crosshead to the tail. Behind it the yarn is slack and lies still.
 2. All crossovers slide, and the tail moves on.
 3. The tail leaves one crossover after the other.
 
-The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not press back, however
-much the crossing yarns are stretched. With mu alone there is then no load; the cohesion is what it begins with. Yarns
-that resist bending press back (`contact_force`).
+The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not
+press back, however much the crossing yarns are stretched. With mu alone there is then no load; the
+cohesion is what it begins with. Yarns that resist bending press back (`contact_force`).
 """
 
 from __future__ import annotations
@@ -33,9 +36,8 @@ from shellfabric.coupon import contact_force
 
 TAIL = 0.5  # of a spacing: yarn beyond the last crossover
 BISECTIONS = 50  # 1e-15 of the table's range
-FRONTS = (
-    17  # tensions at the front of slip between two crossovers, of which samples are interpolated
-)
+# tensions at the front of slip between two crossovers, of which samples are interpolated
+FRONTS = 17
 
 
 @dataclass(frozen=True)
@@ -49,12 +51,13 @@ class PullOut:
     pre_tension : [N] of each crossing yarn, before the yarn is drawn
     mu : [-] coefficient of friction of yarn on yarn
     cohesion : [N] c0, friction of a crossover without contact force
-    bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of flexible yarns
+    bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of
+        flexible yarns
 
     Raises
     ------
-    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the strength of the
-        crossing yarns
+    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the
+        strength of the crossing yarns
     """
 
     table: CellTable
@@ -71,7 +74,10 @@ class PullOut:
                 key="cell_formulation", value=self.table.model.cell_formulation, allowed=allowed
             )
         for key in ("crossover_friction", "crossover_cohesion"):
-            value = self.mu if key == "crossover_friction" else self.cohesion
+            if key == "crossover_friction":
+                value = self.mu
+            else:
+                value = self.cohesion
             if not 0 <= value < inf:
                 raise InputError(key=key, value=value, allowed="at least 0")
         if not min(self.bending) >= 0:
@@ -89,7 +95,8 @@ class PullOut:
 
     @cached_property
     def crossing_stretch(self) -> float:
-        """[-] stretch at which the crossing yarns have the pre-tension, while the drawn yarn has none."""
+        """[-] stretch at which the crossing yarns have the pre-tension, while the drawn yarn has
+        none."""
         if self.pre_tension == 0:
             return 1.0
         stretch = self.table.stretch2
@@ -127,8 +134,8 @@ class PullOut:
         Parameters
         ----------
         behind : (k,) [-] stretch behind it
-        at_tail : whether the tail is behind it, which presses on nothing: the contact force is then of the stretch
-            ahead alone
+        at_tail : whether the tail is behind it, which presses on nothing: the contact force is then
+            of the stretch ahead alone
 
         Returns
         -------
@@ -138,7 +145,10 @@ class PullOut:
         high = np.full_like(behind, self.table.stretch1[-1])
         for _ in range(BISECTIONS):
             ahead = 0.5 * (low + high)
-            pressed = ahead if at_tail else 0.5 * (behind + ahead)
+            if at_tail:
+                pressed = ahead
+            else:
+                pressed = 0.5 * (behind + ahead)
             friction = np.interp(pressed, self.table.stretch1, self.thresholds)
             slides = self.tension(ahead) > self.tension(behind) + friction
             low = np.where(slides, low, ahead)
@@ -146,7 +156,8 @@ class PullOut:
         return low
 
     def stretches(self, first: FloatArray) -> FloatArray:
-        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first ones `first` (k,)."""
+        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first
+        ones `first` (k,)."""
         found = [first]
         while len(found) < self.crossings:
             found.append(self.stretch_ahead(found[-1]))
@@ -208,7 +219,8 @@ def follow(coupon: PullOut, displacement: float, *, samples: int = 500) -> PullO
 
     Raises
     ------
-    InputError : a displacement that is not positive, no sample, or more crossovers than the yarn can be drawn through
+    InputError : a displacement that is not positive, no sample, or more crossovers than the yarn
+        can be drawn through
     """
     if not 0 < displacement < inf:
         raise InputError(key="displacement", value=displacement, allowed="above 0")
@@ -240,8 +252,9 @@ def _path(coupon):
 
     Returns
     -------
-    (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the crossovers that the
-    yarn slides through, those that its end has left, and the yarn [m] that its tail has given
+    (states, crossings) [-] stretches of the pieces towards the crosshead; and of each state the
+    crossovers that the yarn slides through, those that its end has left, and the yarn [m] that its
+    tail has given
     """
     n = coupon.crossings
     slack = coupon.slack
@@ -263,7 +276,8 @@ def _path(coupon):
         end = coupon.spacing * (TAIL + left) / slack
         rows.append(np.repeat(row, 2, axis=0))
         counts += [(n - left, left, start), (n - left, left, end)]
-        # when the end leaves the next crossover the pieces shorten, and its tail moves on by as much
+        # when the end leaves the next crossover the pieces shorten, and its tail moves on by as
+        # much
         if left < n:
             next_row = _with_slack(slack, n, ahead[:, : n - left - 1])
             start = end + coupon.spacing * np.sum(1 / next_row - 1 / row)
@@ -271,7 +285,8 @@ def _path(coupon):
 
 
 def _with_slack(slack, n, ahead):
-    """(k, n) stretches: `ahead` (k, pieces) of the pieces at the crosshead, slack of those behind."""
+    """(k, n) stretches: `ahead` (k, pieces) of the pieces at the crosshead, slack of those
+    behind."""
     found = np.full((len(ahead), n), slack)
     found[:, n - ahead.shape[1] :] = ahead
     return found

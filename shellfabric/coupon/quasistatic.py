@@ -1,8 +1,9 @@
 """Quasi-static tests on coupons: bias extension, picture frame, uniaxial and biaxial tension.
 
-Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
-(`coupon.solver`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
-bands (thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
+Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the
+rest (`coupon.solver`). A run names what has gone wrong with it: yarns that have passed one another,
+shear that has run into bands (thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords
+`relaxing` go to `coupon.solver.run`.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 ZONES = ("A", "B", "C")
-# [-] yarns over shear: of 1e4, 3e4, 1e5 and 3e5 the greatest at which strips of dry glass weave find an equilibrium
+# [-] yarns over shear: of 1e4, 3e4, 1e5 and 3e5 the greatest at which strips of dry glass weave
+# find an equilibrium
 STIFFEST = 3e4
-MOST_SOFTENED = (
-    0.02  # [-] of the work: more than this may not go into yarns whose stiffness is lowered
-)
+# [-] of the work: more than this may not go into yarns whose stiffness is lowered
+MOST_SOFTENED = 0.02
 DIRECTIONS = {"warp": 1, "weft": -1}  # order of (warp, weft) that gives (along, across)
 _SLACK = 1e-6  # of a half side: by which a node on the outline may miss it
 _INNER = 1 - _SLACK
@@ -46,10 +47,11 @@ def bias_extension(
     trellis: bool = True,
     **relaxing: Any,
 ) -> Result:
-    """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (thesis section 4.4.3).
+    """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (thesis section
+    4.4.3).
 
-    The load runs along y. In a weave with equal counts length and width are rounded to whole diagonals of an element,
-    and the grid is laid so that the corners of the clamps are crossovers.
+    The load runs along y. In a weave with equal counts length and width are rounded to whole
+    diagonals of an element, and the grid is laid so that the corners of the clamps are crossovers.
 
     Parameters
     ----------
@@ -62,8 +64,8 @@ def bias_extension(
     Raises
     ------
     InputError : a coupon that is not longer than wide
-    UnstableError : shear in bands, yarns that passed one another, no equilibrium, yarns that were computed too soft
-        (`yarn_share`); its attribute `result` holds the run
+    UnstableError : shear in bands, yarns that passed one another, no equilibrium, yarns that were
+        computed too soft (`yarn_share`); its attribute `result` holds the run
     """
     coupon, grips, (length, width) = bias_coupon(
         table, length, width, elements_per_crossover, trellis
@@ -108,11 +110,15 @@ def bias_coupon(
     elements_per_crossover: int = 1,
     trellis: bool = True,
 ) -> tuple[Coupon, IntArray, tuple[float, float]]:
-    """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of `bias_extension`."""
+    """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of
+    `bias_extension`."""
     if not length > width > 0:
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
     slack = 1e-6 * width
+    share = 1.0
+    if trellis:
+        share = yarn_share(table.model.fabric)
     row = 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
     coupon = mesh_coupon(
         table,
@@ -122,22 +128,21 @@ def bias_coupon(
         offset=offset,
         elements_per_crossover=elements_per_crossover,
         trellis=trellis,
-        yarn_share=yarn_share(table.model.fabric) if trellis else 1.0,
+        yarn_share=share,
     )
     y = coupon.points[:, 1]
-    return (
-        coupon,
-        np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)),
-        (length, width),
-    )
+    held = length / 2 - slack
+    grips = np.select([y > held, y < -held], [1, 2])
+    return coupon, grips, (length, width)
 
 
 def yarn_share(fabric: Fabric) -> float:
     """[-] share of the yarns' stiffness with which a bias coupon is computed: 1 up to STIFFEST.
 
-    The ratio is E A over the shear stiffness of a spacing, spacing x thickness x G1: 2e3 of the thesis's fabrics, 3e5
-    of a dry glass weave, whose yarns act as if they did not stretch. Relaxation finds no equilibrium at such a ratio.
-    What softer yarns change is measured in every run (`softened_work`).
+    The ratio is E A over the shear stiffness of a spacing, spacing x thickness x G1: 2e3 of the
+    thesis's fabrics, 3e5 of a dry glass weave, whose yarns act as if they did not stretch.
+    Relaxation finds no equilibrium at such a ratio. What softer yarns change is measured in every
+    run (`softened_work`).
     """
     weave = fabric.weave
     shear = fabric.shear
@@ -149,11 +154,12 @@ def yarn_share(fabric: Fabric) -> float:
 
 
 def softened_work(coupon: Coupon, state: State) -> float:
-    """[-] share of the work up to a state that went into yarns of a lowered stiffness; 0 if they have their own.
+    """[-] share of the work up to a state that went into yarns of a lowered stiffness; 0 if they
+    have their own.
 
-    The energy of an equilibrium falls with the share s of the stiffness by dE/ds = E_yarns / s. E_yarns itself goes as
-    1 / s where the shear sets the tensions, so that yarns that do not stretch would take more work by E_yarns, and
-    halving s takes off as much.
+    The energy of an equilibrium falls with the share s of the stiffness by dE/ds = E_yarns / s.
+    E_yarns itself goes as 1 / s where the shear sets the tensions, so that yarns that do not
+    stretch would take more work by E_yarns, and halving s takes off as much.
     """
     if coupon.yarn_share == 1:
         return 0.0
@@ -162,14 +168,16 @@ def softened_work(coupon: Coupon, state: State) -> float:
 
 
 def zones(coupon: Coupon, length: float, width: float) -> IntArray:
-    """(q,) index into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns lead to a clamp (Fig. 4-25)."""
+    """(q,) index into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns lead to a
+    clamp (Fig. 4-25)."""
     x, y = coupon.points[coupon.quads].mean(axis=1).T
     reach = (length - width) / 2
     return 2 - (np.abs(y - x) > reach).astype(int) - (np.abs(y + x) > reach)
 
 
 def concentration(gamma: FloatArray, centre: BoolArray) -> float:
-    """[-] shear angle that one element in a hundred exceeds, over the median of the elements `centre`.
+    """[-] shear angle that one element in a hundred exceeds, over the median of the elements
+    `centre`.
 
     A hundredth is about one row of elements, the narrowest band there is.
     """
@@ -183,10 +191,11 @@ def bias_size(result: Result) -> tuple[float, float]:
 
 
 def inextensible_shear(length: float, width: float, elongation: float) -> float:
-    """Shear angle [rad] of zone C if yarns do not stretch: the zone's diagonal, length - width, takes all of it.
+    """Shear angle [rad] of zone C if yarns do not stretch: the zone's diagonal, length - width,
+    takes all of it.
 
-    With the angle between the yarns at 90 degrees - gamma a cell's diagonal grows by sqrt(1 + sin gamma), so that
-    sin gamma = (1 + elongation / (length - width))^2 - 1 (erratum E-31).
+    With the angle between the yarns at 90 degrees - gamma a cell's diagonal grows by sqrt(1 + sin
+    gamma), so that sin gamma = (1 + elongation / (length - width))^2 - 1 (erratum E-31).
     """
     sine = (1 + elongation / (length - width)) ** 2 - 1
     if not 0 <= sine <= 1:
@@ -205,7 +214,8 @@ def picture_frame(
     elements_per_crossover: int = 1,
     **relaxing: Any,
 ) -> Result:
-    """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
+    """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad]
+    (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
     coupon, half = _cut_rectangle(table, (crossovers, crossovers), "warp", elements_per_crossover)
@@ -221,7 +231,8 @@ def picture_frame(
 
 
 def frame_stress(result: Result) -> FloatArray:
-    """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle, over the volume."""
+    """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle,
+    over the volume."""
     x, y = result.coupon.points.T
     volume = (
         len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
@@ -248,9 +259,11 @@ def uniaxial(
     elements_per_crossover: int = 1,
     **relaxing: Any,
 ) -> Result:
-    """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free sides.
+    """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free
+    sides.
 
-    Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole crossovers.
+    Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole
+    crossovers.
     """
     if direction not in DIRECTIONS:
         raise InputError(key="direction", value=direction, allowed=" or ".join(DIRECTIONS))
@@ -263,7 +276,9 @@ def uniaxial(
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
-    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    hooks: list[Callable[..., object]] = [no_fold(coupon)]
+    if failure:
+        hooks.append(at_strength(coupon))
     return run(coupon, grips, path, strain, steps, hooks, **relaxing)
 
 
@@ -279,15 +294,18 @@ def biaxial(
     elements_per_crossover: int = 1,
     **relaxing: Any,
 ) -> Result:
-    """Pull a cross-shaped specimen by its four arms, the warp along x (thesis section 5.3, Figure 5-58).
+    """Pull a cross-shaped specimen by its four arms, the warp along x (thesis section 5.3, Figure
+    5-58).
 
-    The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path of such strains,
-    strain(load) with load from 0 to 1, and carry their yarn ends without turning; read the strain of the middle from
-    `middle_strain`. Grips: 1 and 2 at +x and -x, 3 and 4 at +y and -y.
+    The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path
+    of such strains, strain(load) with load from 0 to 1, and carry their yarn ends without turning;
+    read the strain of the middle from `middle_strain`. Grips: 1 and 2 at +x and -x, 3 and 4 at +y
+    and -y.
 
     Parameters
     ----------
-    centre, arm : [crossovers] side of the central square, length of an arm; Figure 5-58 with the sizes is missing
+    centre, arm : [crossovers] side of the central square, length of an arm; Figure 5-58 with the
+        sizes is missing
     cross_yarns_removed : from the arms, so that the middle is pulled by single yarns
     """
     weave = table.model.fabric.weave
@@ -300,14 +318,17 @@ def biaxial(
         along = np.abs(y) < half[1] + slack
         return (along & (np.abs(x) < full[0] + slack)) | (across & (np.abs(y) < full[1] + slack))
 
-    def woven(x, y):
-        return np.abs(y) < half[1], np.abs(x) < half[0]
+    woven = None
+    if cross_yarns_removed:
+
+        def woven(x, y):
+            return np.abs(y) < half[1], np.abs(x) < half[0]
 
     coupon = mesh_coupon(
         table,
         outline,
         max(full),
-        woven=woven if cross_yarns_removed else None,
+        woven=woven,
         elements_per_crossover=elements_per_crossover,
         offset=_about((centre, centre), elements_per_crossover),
     )
@@ -317,19 +338,25 @@ def biaxial(
         [1, 2, 3, 4],
     )
 
-    along = strain if callable(strain) else lambda load: load * np.asarray(strain)
+    def along(load):
+        if callable(strain):
+            return strain(load)
+        return load * np.asarray(strain)
 
     def path(load):
         return coupon.points * (
             1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
         )
 
-    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    hooks: list[Callable[..., object]] = [no_fold(coupon)]
+    if failure:
+        hooks.append(at_strength(coupon))
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
 
 
 def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
-    """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a coupon."""
+    """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a
+    coupon."""
     coupon = result.coupon
     found = []
     inside = [
@@ -342,15 +369,19 @@ def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
 
 
 def _cut_rectangle(table, crossovers, direction, elements_per_crossover):
-    """(Coupon, half its sides [m]) of so many crossovers along x and y; the yarns of `direction` lie along x."""
+    """(Coupon, half its sides [m]) of so many crossovers along x and y; the yarns of `direction`
+    lie along x."""
     order = DIRECTIONS[direction]
+    angle = 0.0
+    if direction == "weft":
+        angle = pi / 2
     half = np.array(crossovers) * table.model.fabric.weave.w[::order]
     outer = (1 + _SLACK) * half
     coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(x) < outer[0]) & (np.abs(y) < outer[1]),
         max(half),
-        angle=0.0 if direction == "warp" else pi / 2,
+        angle=angle,
         elements_per_crossover=elements_per_crossover,
         offset=_about(crossovers[::order], elements_per_crossover),
     )
@@ -358,7 +389,8 @@ def _cut_rectangle(table, crossovers, direction, elements_per_crossover):
 
 
 def _fit_diagonals(table, length, width, m):
-    """Length and width as whole diagonals of a square element, and the offset that puts clamp corners on nodes."""
+    """Length and width as whole diagonals of a square element, and the offset that puts clamp
+    corners on nodes."""
     (dX, dY) = (2 * w / m for w in table.model.fabric.weave.w)
     if abs(dX - dY) > 1e-9 * dX:
         return length, width, (0.0, 0.0)

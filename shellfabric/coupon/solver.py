@@ -1,8 +1,8 @@
-"""A run of a coupon: its grips are moved step by step, the rest relaxes (`dynamic_relaxation`), and what goes wrong is
-named.
+"""A run of a coupon: its grips are moved step by step, the rest relaxes (`dynamic_relaxation`), and
+what goes wrong is named.
 
-Yarns that have passed one another and a yarn at its strength are looked for here; what one test alone can suffer
-(shear in bands) is handed in by that test (`quasistatic`).
+Yarns that have passed one another and a yarn at its strength are looked for here; what one test
+alone can suffer (shear in bands) is handed in by that test (`quasistatic`).
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ from fabrics.base.errors import InputError
 
 
 def free() -> float:
-    """[bytes] that this process can still take: what the system has available, and its own limit of addresses
-    (`ulimit -v`) less those in use; infinite where the system does not state it."""
+    """[bytes] that this process can still take: what the system has available, and its own limit of
+    addresses (`ulimit -v`) less those in use; infinite where the system does not state it."""
     try:
         import resource
 
@@ -23,7 +23,9 @@ def free() -> float:
     except (ImportError, OSError, StopIteration):  # not Linux
         return inf
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return available if limit == resource.RLIM_INFINITY else max(0.0, min(available, limit - used))
+    if limit == resource.RLIM_INFINITY:
+        return available
+    return max(0.0, min(available, limit - used))
 
 
 def check(needed: float, content: str, key: str, value: object) -> None:

@@ -1,16 +1,17 @@
 """Explicit time integration: one driver for panel, pack of plies and coupon.
 
-The driver makes the steps of a model up to the next sample, takes the sample, audits the energy, guards the run and
-calls the hooks, as hook(solver), until the run is over. It knows no physics: a model derives from `ExplicitSolver`, and
-its kernels make the steps.
+The driver makes the steps of a model up to the next sample, takes the sample, audits the energy,
+guards the run and calls the hooks, as hook(solver), until the run is over. It knows no physics: a
+model derives from `ExplicitSolver`, and its kernels make the steps.
 
-Energy audit. Each energy is computed on its own, not from the others. The energy error, the last of the energies, is
-their sum less the sum at the start.
+Energy audit. Each energy is computed on its own, not from the others. The energy error, the last of
+the energies, is their sum less the sum at the start.
 
-Threads. Some kernels make their steps with several threads, which wait for each other at a barrier (`jit.barrier`). The
-worker threads wait in their kernel while the main thread samples: waking takes them longer than a step. On a processor
-that other processes share, a thread that has lost its core holds up the others at every barrier; a run that was left to
-choose its number of threads then goes on with one. No result depends on the number of threads.
+Threads. Some kernels make their steps with several threads, which wait for each other at a barrier
+(`jit.barrier`). The worker threads wait in their kernel while the main thread samples: waking takes
+them longer than a step. On a processor that other processes share, a thread that has lost its core
+holds up the others at every barrier; a run that was left to choose its number of threads then goes
+on with one. No result depends on the number of threads.
 """
 
 from __future__ import annotations
@@ -29,29 +30,26 @@ from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
 Result = TypeVar("Result")
-Hook: TypeAlias = Callable[
-    [Any], object
-]  # called with the solver after a sample; what it returns is not read
+# called with the solver after a sample; what it returns is not read
+Hook: TypeAlias = Callable[[Any], object]
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
-    5
-)  # why a kernel ends its steps; as the step kernels have it
+# why a kernel ends its steps; as the step kernels have it
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
-ENERGY_CHECK_SHARE = (
-    0.05  # of the strike energy that may be exchanged from one check of the energy to the next
-)
-BUSY_TIME, BUSY_SHARE = (
-    0.05,
-    0.75,
-)  # [s] of steps with several threads after which the main thread must have had so
-# much of the processor that the run goes on with them
+# of the strike energy that may be exchanged from one check of the energy to the next
+ENERGY_CHECK_SHARE = 0.05
+# after so many seconds of steps with several threads the main thread must have had this share of
+# the time on its processor, or the run goes on with one
+BUSY_TIME = 0.05
+BUSY_SHARE = 0.75
 
 
 class ExplicitSolver:
     """One run of a model; the base class of the solvers.
 
-    A model provides `steps`, `advance`, `observe`, `node_speeds`, `where` and, for checkpoints, `checkpoint_identity`
-    and `checkpoint_arrays`. It sets `share` and `threads` and calls `_begin` when its state is made.
+    A model provides `steps`, `advance`, `observe`, `node_speeds`, `where` and, for checkpoints,
+    `checkpoint_identity` and `checkpoint_arrays`. It sets `share` and `threads` and calls `_begin`
+    when its state is made.
 
     Parameters
     ----------
@@ -59,13 +57,15 @@ class ExplicitSolver:
     strike_velocity : [m/s]
     end_time : [s]
     interval : [s] between samples
-    energy_error_limit : share of the strike energy that the energy error may reach before the run counts as unstable
+    energy_error_limit : share of the strike energy that the energy error may reach before the run
+        counts as unstable
 
     Attributes
     ----------
     sample_names : of the columns of a sample: "t", those of `observe`, energy_names
     energy_names : of the energies; the last is the energy error
-    contacts : ((energy, name in messages), ...) of contacts, which can store and lose energy but not give any
+    contacts : ((energy, name in messages), ...) of contacts, which can store and lose energy but
+        not give any
     history_columns : number of columns of step_history
     counters : names of the numbers that a checkpoint keeps
     share : modelled part of the whole [-]
@@ -75,9 +75,11 @@ class ExplicitSolver:
     steps_per_sample, last_step : steps from one sample to the next, and in all
     reason : why the kernels have ended, RUNNING where they have not
     checks : number of energy checks between samples
-    exchange : share of the strike energy that may be exchanged between two checks; infinite for no checks
+    exchange : share of the strike energy that may be exchanged between two checks; infinite for no
+        checks
     wall_time : [s] spent in the kernels
-    threads, reduces_threads : number of threads, and whether the run may go on with one where others use the processor
+    threads, reduces_threads : number of threads, and whether the run may go on with one where
+        others use the processor
 
     Raises
     ------
@@ -146,11 +148,13 @@ class ExplicitSolver:
         return self.steps * self.const.dt
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
-        """Make as many steps as there are rows in `history`, or fewer where the run ends or an energy check is due.
+        """Make as many steps as there are rows in `history`, or fewer where the run ends or an
+        energy check is due.
 
         Parameters
         ----------
-        history : (steps, history_columns), filled; without rows the kernels are compiled and workers released
+        history : (steps, history_columns), filled; without rows the kernels are compiled and
+            workers released
 
         Returns
         -------
@@ -159,8 +163,8 @@ class ExplicitSolver:
         raise NotImplementedError
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
-        """([...], [...]): the columns of a sample between time and energies; energies [J] of the modelled part, in the
-        order of energy_names but for the error."""
+        """([...], [...]): the columns of a sample between time and energies; energies [J] of the
+        modelled part, in the order of energy_names but for the error."""
         raise NotImplementedError
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
@@ -185,7 +189,8 @@ class ExplicitSolver:
         raise NotImplementedError
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """{name: array, or named tuple of arrays} of the state, into which a checkpoint puts back what it has kept."""
+        """{name: array, or named tuple of arrays} of the state, into which a checkpoint puts back
+        what it has kept."""
         raise NotImplementedError
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
@@ -214,7 +219,9 @@ class ExplicitSolver:
     @property
     def residual_velocity(self) -> float:
         """[m/s] along the normal at the end; 0 of a stopped projectile, which has turned back."""
-        return 0.0 if self.outcome == OUTCOMES[STOPPED] else float(self.sample("v")[-1])
+        if self.outcome == OUTCOMES[STOPPED]:
+            return 0.0
+        return float(self.sample("v")[-1])
 
     @property
     def strike_energy(self) -> float:
@@ -245,8 +252,9 @@ class ExplicitSolver:
 
         Raises
         ------
-        UnstableError : a number that is not finite, an energy error beyond its limit, a contact that gains energy, or
-            a node that is too fast (`guards.speed_limit`); samples and state stay as they are
+        UnstableError : a number that is not finite, an energy error beyond its limit, a contact
+            that gains energy, or a node that is too fast (`guards.speed_limit`); samples and state
+            stay as they are
         """
         try:
             with self._workers():
@@ -264,7 +272,8 @@ class ExplicitSolver:
 
     @contextmanager
     def _workers(self):
-        """Worker threads, released at the end whatever happens; all kernels are compiled before the steps begin."""
+        """Worker threads, released at the end whatever happens; all kernels are compiled before the
+        steps begin."""
         with ThreadPoolExecutor(max(1, self.threads - 1)) as self._pool:
             self._start_workers()
             try:
@@ -277,7 +286,8 @@ class ExplicitSolver:
                 self.advance(self._rows(0))
 
     def _start_workers(self):
-        """Have the workers wait for the next steps. They meet in new memory: some may not have left the old yet."""
+        """Have the workers wait for the next steps. They meet in new memory: some may not have left
+        the old yet."""
         self._shared = np.zeros(barrier.SLOTS, np.int64)
         for me in range(1, self.threads):
             self._pool.submit(self.run_worker, self._shared, me)

@@ -1,1 +1,2 @@
-"""What compiled code needs: tables of arrays, units of compilation, SIMD type, thread barrier, aligned arrays."""
+"""What compiled code needs: tables of arrays, units of compilation, SIMD type, thread barrier,
+aligned arrays."""

@@ -4,10 +4,10 @@ import numpy as np
 
 
 def aligned_zeros(count, slots, kind=float):
-    """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache sets."""
+    """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache
+    sets."""
     width = (-(-slots // 16) | 1) * 16
-    whole = np.zeros(
-        count * width + 64, kind
-    )  # of any kind, up to 63 bytes lie before a cache line
+    # of any kind, up to 63 bytes lie before a cache line
+    whole = np.zeros(count * width + 64, kind)
     start = -whole.ctypes.data % 64 // whole.itemsize
     return tuple(whole[start + m * width : start + m * width + slots] for m in range(count))

@@ -1,7 +1,8 @@
 """Spin barrier for threads in compiled kernels, and the number of threads of a run.
 
-Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at the barrier, an atomic
-counter in shared memory. A waiting thread spins on it, and after a while yields the processor in between.
+Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at
+the barrier, an atomic counter in shared memory. A waiting thread spins on it, and after a while
+yields the processor in between.
 """
 
 import os
@@ -13,27 +14,29 @@ from numba.extending import intrinsic
 
 from shellfabric.jit.compile import kernel
 
-MIN_ELEMENTS_THREADED = (
-    10_000  # elements below which the threads would wait for each other longer than they save
-)
-COUNTER, STOP, SLOTS = (
-    0,
-    16,
-    32,
-)  # slots of the shared array: far from each other, in cache lines of their own
+# elements below which the threads would wait for each other longer than they save
+MIN_ELEMENTS_THREADED = 10_000
+# slots of the shared array: far from each other, in cache lines of their own
+COUNTER = 0
+STOP = 16
+SLOTS = 32
 ABORTED = 2  # of slot STOP: a thread has raised an exception, and nobody waits any more
 _SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
 
 def threads_for(given, elements):
-    """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
+    """Number of threads of a run: as given, or all that the process may use if the panel is large
+    enough."""
     if given is not None:
         return given
-    allowed = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    return allowed if elements >= MIN_ELEMENTS_THREADED else 1
+    if hasattr(os, "sched_getaffinity"):
+        allowed = len(os.sched_getaffinity(0))
+    else:
+        allowed = os.cpu_count() or 1
+    if elements >= MIN_ELEMENTS_THREADED:
+        return allowed
+    return 1
 
 
 def _slot(context, builder, signature, arguments):
@@ -58,7 +61,10 @@ def _load_acquire(typing, shared, slot):
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
-        more = {"typ": _WORD} if "typ" in ir.IRBuilder.load_atomic.__code__.co_varnames else {}
+        if "typ" in ir.IRBuilder.load_atomic.__code__.co_varnames:
+            more = {"typ": _WORD}
+        else:
+            more = {}
         return builder.load_atomic(place, "acquire", 8, **more)
 
     return types.int64(shared, slot), codegen
@@ -78,7 +84,8 @@ def _sched_yield(typing):
 
 @kernel()
 def barrier_wait(shared, count):
-    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at first."""
+    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at
+    first."""
     if count == 1:
         return
     goal = (_fetch_add(shared, COUNTER) // count + 1) * count

@@ -4,14 +4,16 @@
     @unit(...)      compiled by itself, once, and called through a pointer (`shellfabric.state.unit`)
     @entry(...)     called by Python
 
-A unit has the types that the tables of `shellfabric.state` give to the names of its parameters, so that they are known
-where its file is imported. Its callers hold no code of it, but a symbol: the address of a cell with the address of its
-machine code. At first the cell leads to Python, which loads the machine code from the cache, or compiles it, and puts
-its address there: a run compiles what it calls, and nothing has to be listed. A unit whose tables have `per_slot`
-numbers has two cells, of a uniform and of a graded panel.
+A unit has the types that the tables of `shellfabric.state` give to the names of its parameters, so
+that they are known where its file is imported. Its callers hold no code of it, but a symbol: the
+address of a cell with the address of its machine code. At first the cell leads to Python, which
+loads the machine code from the cache, or compiles it, and puts its address there: a run compiles
+what it calls, and nothing has to be listed. A unit whose tables have `per_slot` numbers has two
+cells, of a uniform and of a graded panel.
 
-Kernels call each other across files: the cache of each file is emptied by a change in any file that it imports
-(`kernel_cache`). The decorators put them there, so that a program imports the kernels that it uses and no others.
+Kernels call each other across files: the cache of each file is emptied by a change in any file that
+it imports (`kernel_cache`). The decorators put them there, so that a program imports the kernels
+that it uses and no others.
 """
 
 from __future__ import annotations
@@ -73,7 +75,8 @@ event.register("numba:compile", _Announcer())
 
 
 def entry(**options):
-    """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all kernels here."""
+    """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all
+    kernels here."""
 
     def decorated(function):
         with kernel_cache(function.__code__.co_filename):
@@ -96,10 +99,11 @@ def kernel(**options):
 
 
 class _Inner(CPUDispatcher):
-    """A kernel that has no way in from Python, and makes itself one when Python calls it, as a test does.
+    """A kernel that has no way in from Python, and makes itself one when Python calls it, as a test
+    does.
 
-    A constant among its arguments does not make it a variant of its own, as it would in numba: where it is inlined LLVM
-    sees the constant all the same.
+    A constant among its arguments does not make it a variant of its own, as it would in numba:
+    where it is inlined LLVM sees the constant all the same.
     """
 
     def get_call_template(self, args, kws):
@@ -123,15 +127,16 @@ class _Inner(CPUDispatcher):
 
 
 def units(tables: Mapping[str, type[Row]]) -> Callable[..., Any]:
-    """The decorator of kernels that are compiled by themselves, whose parameters may have the names of these tables.
+    """The decorator of kernels that are compiled by themselves, whose parameters may have the names
+    of these tables.
 
     A parameter that is named after the plural of a table is a list of its rows.
     """
 
     def unit(returns="nothing", *, later=False, **kinds):
         """returns : type of the result;  later : whether few runs call it, so that it is compiled when one does;
-        kinds : of parameters that are neither rows nor integers, as texts of `table.type_of`, or the table that a row
-        is of."""
+        kinds : of parameters that are neither rows nor integers, as texts of `table.type_of`, or
+        the table that a row is of."""
 
         def decorated(function):
             names = inspect.signature(function).parameters
@@ -153,18 +158,23 @@ def _type_on(grid, name, known):
     kind = known.get(name, "integer")
     if name not in known and name.removesuffix("s") in known:
         return RowsType(known[name.removesuffix("s")].types[grid])
-    return type_of(kind, grid) if isinstance(kind, str) else kind.types[grid]
+    if isinstance(kind, str):
+        return type_of(kind, grid)
+    return kind.types[grid]
 
 
 class Unit:
     """A kernel that is compiled by itself for the types of its parameters.
 
-    function, returns : the plain function, numba type of its result;  grids : types of its parameters on each grid
+    function, returns : the plain function, numba type of its result;  grids : types of its
+        parameters on each grid
     later : see `units`
     """
 
     def __init__(self, function, returns, grids, later):
-        self.py_func, self.returns, self.later = function, returns, later
+        self.py_func = function
+        self.returns = returns
+        self.later = later
         self.__module__ = function.__module__
         with kernel_cache(function.__code__.co_filename):
             self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
@@ -190,7 +200,8 @@ class Unit:
         raise TypeError(f"{self.py_func.__qualname__} is not compiled for ({names})")
 
     def lower(self, context, builder, sig, arguments):
-        """A call: load the address from the cell, and call what is there by numba's own convention."""
+        """A call: load the address from the cell, and call what is there by numba's own
+        convention."""
         symbol = self.cells[sig.args].symbol
         convention = context.call_conv
         kind = convention.get_function_type(sig.return_type, sig.args).as_pointer()
@@ -232,10 +243,13 @@ def _fits(kind, given):
 
 
 class Cell:
-    """Where the address of the machine code of a unit stands: at first that of a way to Python, which compiles it."""
+    """Where the address of the machine code of a unit stands: at first that of a way to Python,
+    which compiles it."""
 
     def __init__(self, unit, kinds, number):
-        self.unit, self.kinds, self.full = unit, kinds, False
+        self.unit = unit
+        self.kinds = kinds
+        self.full = False
         name = f"{unit.py_func.__module__}.{unit.py_func.__qualname__}"
         self.symbol = f"unit_{name}_{number}".replace(".", "_")
         self.way_to_python = self._way_to_python()  # kept: its machine code lives as long
@@ -244,10 +258,12 @@ class Cell:
         llvm.add_symbol(self.symbol, self.place)
 
     def fill(self):
-        """Load or compile the machine code, and put its address into the cell; whether it was compiled just now."""
+        """Load or compile the machine code, and put its address into the cell; whether it was
+        compiled just now."""
         if self.full:
             return False
-        dispatcher, returns = self.unit.dispatcher, self.unit.returns
+        dispatcher = self.unit.dispatcher
+        returns = self.unit.returns
         dispatcher.compile(self.kinds)
         found = dispatcher.overloads[self.kinds]
         if found.signature.return_type != returns:
@@ -277,8 +293,8 @@ class Cell:
 
 @intrinsic
 def call_module(typing, cell, own, state, const, first, last, acting):
-    """Call the unit that a cell leads to, given by its address, as `panel.forces` has it: (state, const, own, first,
-    last, acting) -> number."""
+    """Call the unit that a cell leads to, given by its address, as `panel.forces` has it: (state,
+    const, own, first, last, acting) -> number."""
     kinds = state, const, types.voidptr, *(types.int64,) * 3
 
     def codegen(context, builder, sig, arguments):
@@ -296,7 +312,8 @@ def call_module(typing, cell, own, state, const, first, last, acting):
 
 
 class PythonCell:
-    """A cell that leads to a Python function without parameters: a module (`call_module`) that stores nothing.
+    """A cell that leads to a Python function without parameters: a module (`call_module`) that
+    stores nothing.
 
     state, const : rows of the types that it is called with
     """
@@ -324,4 +341,6 @@ def _c_type(kind):
         return ctypes.c_void_p
     if isinstance(kind, ir.IntType):
         return C_TYPES[kind.width]
-    return ctypes.c_float if isinstance(kind, ir.FloatType) else ctypes.c_double
+    if isinstance(kind, ir.FloatType):
+        return ctypes.c_float
+    return ctypes.c_double

@@ -6,11 +6,11 @@
     gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
     load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
 
-+, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
-instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
-it is to run: one pass with many inputs, no checks whether arrays overlap, and every element treated alike wherever it
-stands in a loop, so that results do not depend on how work is cut. Processors with narrower registers do the same in
-several instructions.
++, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop
+into vector instructions, which it gives up on where a loop has many arrays or a look-up in it. With
+this type a loop is written as it is to run: one pass with many inputs, no checks whether arrays
+overlap, and every element treated alike wherever it stands in a loop, so that results do not depend
+on how work is cut. Processors with narrower registers do the same in several instructions.
 """
 
 import operator
@@ -24,7 +24,8 @@ from numba.extending import intrinsic, lower_builtin, models, overload, register
 from shellfabric.jit.compile import kernel
 
 WIDTH = 8
-_DOUBLE, _INT = ir.DoubleType(), ir.IntType(64)
+_DOUBLE = ir.DoubleType()
+_INT = ir.IntType(64)
 _FLOAT64X8 = ir.VectorType(_DOUBLE, WIDTH)
 _INT64X8 = ir.VectorType(_INT, WIDTH)
 _INT32X8 = ir.VectorType(ir.IntType(32), WIDTH)
@@ -51,7 +52,9 @@ class MaskType(types.Type):
         super().__init__(name="Mask")
 
 
-FLOAT64X8, INT32X8, MASK = Float64x8Type(), Int32x8Type(), MaskType()
+FLOAT64X8 = Float64x8Type()
+INT32X8 = Int32x8Type()
+MASK = MaskType()
 
 
 @register_model(Float64x8Type)
@@ -83,8 +86,8 @@ def _broadcast(builder, value, kind):
 
 
 def _operator(symbol, instruction):
-    """Both operands vectors, or one a float. Typed and lowered like numba's own operators: an `overload` would have
-    its function compiled from byte code at every place that it is used."""
+    """Both operands vectors, or one a float. Typed and lowered like numba's own operators: an
+    `overload` would have its function compiled from byte code at every place that it is used."""
     pairs = (FLOAT64X8, FLOAT64X8), (FLOAT64X8, types.float64), (types.float64, FLOAT64X8)
 
     class Operator(ConcreteTemplate):
@@ -113,21 +116,40 @@ def _function(name, count):
     """An LLVM function of `count` numbers that works lane by lane."""
 
     def codegen(context, builder, signature, arguments):
-        values = [
-            _broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args)
-        ]
-        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * count)
-        return builder.call(
-            cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values
-        )
+        if signature.return_type is not FLOAT64X8:
+            function = _llvm_function(builder, f"llvm.{name}.f64", _DOUBLE, count)
+            return builder.call(function, arguments)
+        function = _llvm_function(builder, f"llvm.{name}.v{WIDTH}f64", _FLOAT64X8, count)
+        pairs = zip(arguments, signature.args)
+        return builder.call(function, [_broadcast(builder, value, kind) for value, kind in pairs])
 
     return codegen
 
 
+def _llvm_function(builder, name, number, count):
+    """A function of LLVM's from `count` numbers to one."""
+    kind = ir.FunctionType(number, [number] * count)
+    return cgutils.get_or_insert_function(builder.module, kind, name)
+
+
+def _constant(kind, value):
+    """The same number in all lanes."""
+    if isinstance(kind, ir.VectorType):
+        value = [value] * WIDTH
+    return ir.Constant(kind, value)
+
+
+def _signature(*kinds):
+    """Of a function of floats, or of vectors and floats."""
+    if FLOAT64X8 in kinds:
+        return FLOAT64X8(*kinds)
+    return types.float64(*(types.float64,) * len(kinds))
+
+
 @intrinsic
 def fma(typing, a, b, c):
-    """a b + c"""
-    return FLOAT64X8(a, b, c), _function("fmuladd", 3)
+    """a b + c, of vectors or of floats."""
+    return _signature(a, b, c), _function("fmuladd", 3)
 
 
 @intrinsic
@@ -138,29 +160,32 @@ def sqrt(typing, a):
 
 @intrinsic
 def rsqrt(typing, a):
-    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of third order from it.
+    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of
+    third order from it.
 
-    That is exact but for the last digit, and half as dear as a root and a division of sixteen digits.
+    That is exact but for the last digit, and half as dear as a root and a division of sixteen
+    digits.
     """
 
     def codegen(context, builder, signature, arguments):
         (a,) = arguments
-        small = ir.VectorType(ir.FloatType(), WIDTH)
-        root = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(small, [small]), f"llvm.sqrt.v{WIDTH}f32"
-        )
-        guess = builder.fdiv(
-            ir.Constant(small, [1.0] * WIDTH), builder.call(root, [builder.fptrunc(a, small)])
-        )
-        guess = builder.fpext(guess, _FLOAT64X8)
-        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * 3)
-        fuse = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64")
-        number = lambda value: ir.Constant(_FLOAT64X8, [value] * WIDTH)  # noqa: E731
+        wide = _DOUBLE
+        small = ir.FloatType()
+        suffix = ""
+        if signature.return_type is FLOAT64X8:
+            wide = _FLOAT64X8
+            small = ir.VectorType(small, WIDTH)
+            suffix = f"v{WIDTH}"
+        number = lambda value, kind=wide: _constant(kind, value)  # noqa: E731
+        root = _llvm_function(builder, f"llvm.sqrt.{suffix}f32", small, 1)
+        fuse = _llvm_function(builder, f"llvm.fmuladd.{suffix}f64", wide, 3)
+        root = builder.call(root, [builder.fptrunc(a, small)])
+        guess = builder.fpext(builder.fdiv(number(1.0, small), root), wide)
         off = builder.call(fuse, [builder.fneg(builder.fmul(a, guess)), guess, number(1.0)])
         step = builder.call(fuse, [off, number(0.375), number(0.5)])
         return builder.call(fuse, [builder.fmul(guess, off), step, guess])
 
-    return FLOAT64X8(a), codegen
+    return _signature(a), codegen
 
 
 @intrinsic
@@ -321,17 +346,24 @@ def load(typing, array, k):
     def codegen(context, builder, signature, arguments):
         kind = signature.args[0]
         small = kind.dtype == types.float32
-        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
+        if small:
+            part = ir.VectorType(ir.FloatType(), WIDTH)
+        else:
+            part = _FLOAT64X8
         pointer = _pointer(context, builder, kind, *arguments, part)
         found = builder.load(pointer, align=4 if small else 8, **_load_type(part))
-        return builder.fpext(found, _FLOAT64X8) if small else found
+        if small:
+            return builder.fpext(found, _FLOAT64X8)
+        return found
 
     return FLOAT64X8(array, k), codegen
 
 
 def _load_type(part):
     """llvmlite of late wants the type of what is loaded."""
-    return {"typ": part} if "typ" in ir.IRBuilder.load.__code__.co_varnames else {}
+    if "typ" in ir.IRBuilder.load.__code__.co_varnames:
+        return {"typ": part}
+    return {}
 
 
 @intrinsic
@@ -339,11 +371,14 @@ def store(typing, array, k, value):
     """array[k : k + 8] = value; float32 arrays take it rounded."""
 
     def codegen(context, builder, signature, arguments):
-        kind, (array, k, value) = signature.args[0], arguments
+        kind = signature.args[0]
+        array, k, value = arguments
         value = _broadcast(builder, value, signature.args[2])
         small = kind.dtype == types.float32
-        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
-        value = builder.fptrunc(value, part) if small else value
+        part = _FLOAT64X8
+        if small:
+            part = ir.VectorType(ir.FloatType(), WIDTH)
+            value = builder.fptrunc(value, part)
         builder.store(
             value, _pointer(context, builder, kind, array, k, part), align=4 if small else 8
         )
@@ -354,7 +389,8 @@ def store(typing, array, k, value):
 
 @intrinsic
 def shift_in_prev(typing, last, x):
-    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before x."""
+    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before
+    x."""
 
     def codegen(context, builder, signature, arguments):
         return builder.shuffle_vector(
@@ -362,16 +398,6 @@ def shift_in_prev(typing, last, x):
         )
 
     return FLOAT64X8(last, x), codegen
-
-
-@intrinsic
-def shift_in_next(typing, x, following):
-    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector after x."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(1, WIDTH + 1))))
-
-    return FLOAT64X8(x, following), codegen
 
 
 def load_or_broadcast(values, k):
@@ -442,7 +468,7 @@ def store_int32(typing, array, k, cell):
 
 @intrinsic
 def gather8_indexed(typing, table, array, k):
-    """As `gather_rows8`, with the row numbers in array[k : k + 8]."""
+    """Gather the rows of a table (n, 8) whose numbers are array[k : k + 8], transposed: eight vectors."""
 
     def codegen(context, builder, signature, arguments):
         table, array, k = arguments
@@ -490,17 +516,6 @@ def gather_rows4(typing, table, cell):
     return types.UniTuple(FLOAT64X8, 4)(table, cell), codegen
 
 
-@intrinsic
-def gather_rows8(typing, table, cell):
-    """Gather the rows `cell` of a table (n, 8), transposed: eight vectors."""
-
-    def codegen(context, builder, signature, arguments):
-        found = _table_rows(context, builder, signature.args[0], arguments, 8)
-        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
-
-    return types.UniTuple(FLOAT64X8, 8)(table, cell), codegen
-
-
 def _table_rows(context, builder, kind, arguments, count):
     """The rows of a table of `count` columns, each as a vector."""
     table, cell = arguments
@@ -534,21 +549,27 @@ def _transposed(builder, rows, count):
             for a, b in ((0, 1), (2, 3))
             for m in ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15])
         ]  # (c0 c2) of 0 1; (c1 c3) of 0 1; the same of 2 3
-        low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+        low = [0, 1, 8, 9, 4, 5, 12, 13]
+        high = [2, 3, 10, 11, 6, 7, 14, 15]
         return [
             builder.shuffle_vector(pairs[p], pairs[p + 2], ir.Constant(_INT32X8, m))
             for p, m in ((0, low), (1, low), (0, high), (1, high))
         ]
-    even, odd = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+    even = [0, 8, 2, 10, 4, 12, 6, 14]
+    odd = [1, 9, 3, 11, 5, 13, 7, 15]
     shuffle = lambda a, b, m: builder.shuffle_vector(a, b, ir.Constant(_INT32X8, m))  # noqa: E731
     first = [shuffle(rows[r], rows[r + 1], m) for r in (0, 2, 4, 6) for m in (even, odd)]
-    low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+    low = [0, 1, 8, 9, 4, 5, 12, 13]
+    high = [2, 3, 10, 11, 6, 7, 14, 15]
     second = {}
     for g in (0, 4):  # rows g .. g + 3
         for parity in (0, 1):
-            a, b = first[g + parity], first[g + 2 + parity]
-            second[g, parity], second[g, parity + 2] = shuffle(a, b, low), shuffle(a, b, high)
-    lower, upper = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
+            a = first[g + parity]
+            b = first[g + 2 + parity]
+            second[g, parity] = shuffle(a, b, low)
+            second[g, parity + 2] = shuffle(a, b, high)
+    lower = [0, 1, 2, 3, 8, 9, 10, 11]
+    upper = [4, 5, 6, 7, 12, 13, 14, 15]
     return [shuffle(second[0, m], second[4, m], lower) for m in range(4)] + [
         shuffle(second[0, m], second[4, m], upper) for m in range(4)
     ]
@@ -579,4 +600,5 @@ def _tree_reduction(symbol):
     return fold
 
 
-reduce_add, reduce_max = _tree_reduction("+"), _tree_reduction(">")
+reduce_add = _tree_reduction("+")
+reduce_max = _tree_reduction(">")

@@ -4,13 +4,15 @@
         ni = integer("-", "elements along the warp")
         u = array("3 x slots", "m", "displacement of the nodes", kept=True)
 
-From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a checkpoint keeps (`kept`) and
-the page for developers. A kernel gets a row as one pointer to words of eight bytes: a number is a word, an array its
-address and its shape. It loads the words of what it names; they do not change, so the loads are invariant. Who makes a
-row keeps the arrays alive, and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is
-compiled does not depend on how many there are.
+From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a
+checkpoint keeps (`kept`) and the page for developers. A kernel gets a row as one pointer to words
+of eight bytes: a number is a word, an array its address and its shape. It loads the words of what
+it names; they do not change, so the loads are invariant. Who makes a row keeps the arrays alive,
+and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is compiled
+does not depend on how many there are.
 
-What does not fit its line is refused where a row is made: a kernel would read memory that is not there.
+What does not fit its line is refused where a row is made: a kernel would read memory that is not
+there.
 """
 
 from __future__ import annotations
@@ -47,7 +49,9 @@ from shellfabric.jit.aligned import aligned_zeros
 
 WORD = ir.IntType(64)
 KINDS = ("int64", "int32", "uint8", "boolean", "float32")  # of arrays, besides doubles
-UNIFORM, GRADED = 0, 1  # grids: what is one number on a uniform one may be an array on a graded one
+# grids: what is one number on a uniform one may be an array on a graded one
+UNIFORM = 0
+GRADED = 1
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,8 @@ def per_slot(unit: str, meaning: str) -> Any:
 
 
 def per_family(unit: str, meaning: str) -> Any:
-    """Field of a number for warp and weft on a uniform grid, of an array of slots for each on a graded one."""
+    """Field of a number for warp and weft on a uniform grid, of an array of slots for each on a
+    graded one."""
     kinds = array_type("2"), array_type("2 x slots")
     return Field("2, or 2 x slots if graded", unit, meaning, kinds)
 
@@ -135,8 +140,8 @@ PER_SLOT = types.float64, array_type("slots")  # on a uniform and on a graded gr
 
 
 def type_of(text: str, grid: int) -> Any:
-    """numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2 x per slot", the shape of an
-    array, or several of these between semicolons."""
+    """numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2 x per
+    slot", the shape of an array, or several of these between semicolons."""
     if ";" in text:
         return types.Tuple([type_of(part.strip(), grid) for part in text.split(";")])
     if text in NAMED:
@@ -145,7 +150,9 @@ def type_of(text: str, grid: int) -> Any:
         return types.UniTuple(types.float64, int(text.split()[0]))
     if text.endswith("per slot"):
         count = text.removesuffix("per slot").removesuffix(" x ")
-        return types.UniTuple(PER_SLOT[grid], int(count)) if count else PER_SLOT[grid]
+        if count:
+            return types.UniTuple(PER_SLOT[grid], int(count))
+        return PER_SLOT[grid]
     return array_type(text)
 
 
@@ -179,7 +186,8 @@ class Row:
 
     Raises
     ------
-    TypeError : a name is missing or unknown, or a value is not what its line says: strided, of another type or shape
+    TypeError : a name is missing or unknown, or a value is not what its line says: strided, of
+        another type or shape
     """
 
     fields: ClassVar[dict[str, Field]] = {}
@@ -198,7 +206,9 @@ class Row:
             delattr(cls, name)
         uniform = RowType(cls, UNIFORM)
         graded = RowType(cls, GRADED)
-        cls.types = uniform, graded if graded.members != uniform.members else uniform
+        if graded.members == uniform.members:
+            graded = uniform
+        cls.types = uniform, graded
 
     def __init__(self, **values: Any) -> None:
         table = type(self)
@@ -207,7 +217,7 @@ class Row:
             raise TypeError(f"{table.__name__}: missing or unknown: {', '.join(wrong)}")
         for name, field in table.fields.items():
             if isinstance(field.kinds[UNIFORM], types.UniTuple):
-                values[name] = _as_tuples(values[name])
+                values[name] = _as_tuples(field.kinds[UNIFORM], values[name])
         kind = table.types[_grid_of(table, values)]
         words: list[int] = []
         for name, (member, _) in kind.members.items():
@@ -241,7 +251,8 @@ class Row:
     def nested(self) -> dict[str, Any]:
         """{name: value}, of rows in it too."""
         values = self._asdict()
-        return {name: v.nested() if isinstance(v, Row) else v for name, v in values.items()}
+        rows = {name: value for name, value in values.items() if isinstance(value, Row)}
+        return values | {name: value.nested() for name, value in rows.items()}
 
     def _replace(self, **changes: Any) -> Any:
         """A row with other values; the arrays that are not named are shared."""
@@ -249,8 +260,8 @@ class Row:
 
     @classmethod
     def zeros(cls, **sizes: int) -> dict[str, Any]:
-        """{name: zeros} of all arrays of the table whose shapes have no other sizes than these. Flat arrays of slots
-        begin with a cache line."""
+        """{name: zeros} of all arrays of the table whose shapes have no other sizes than these.
+        Flat arrays of slots begin with a cache line."""
         found = {name: _zeros(field.shape, sizes) for name, field in cls.fields.items()}
         return {name: value for name, value in found.items() if value is not None}
 
@@ -266,7 +277,8 @@ class Row:
 
 
 def _check_lengths(table, values):
-    """Hold the arrays of a row to the lengths that their shapes name: one of each name but `n`, or none at all.
+    """Hold the arrays of a row to the lengths that their shapes name: one of each name but `n`, or
+    none at all.
 
     Raises
     ------
@@ -275,7 +287,10 @@ def _check_lengths(table, values):
     known = {}
     for name, field in table.fields.items():
         value = values[name]
-        arrays = value if isinstance(value, tuple) else (value,)
+        if isinstance(value, tuple):
+            arrays = value
+        else:
+            arrays = (value,)
         if not isinstance(arrays[0], np.ndarray) or len(set(field.kinds)) > 1:
             continue
         _, dimensions, _ = parts_of(field.shape)
@@ -283,7 +298,10 @@ def _check_lengths(table, values):
             for word, length in zip(dimensions, found.shape):
                 if word[0] == "n" or not found.size:
                     continue
-                needed = int(word) if word.isdigit() else known.setdefault(word, length)
+                if word.isdigit():
+                    needed = int(word)
+                else:
+                    needed = known.setdefault(word, length)
                 if length != needed:
                     place = f"{table.__name__}.{name}"
                     raise TypeError(f"{place}: {length} instead of {needed} of {word}")
@@ -297,15 +315,17 @@ def _nothing(kind):
     """The least value of a numba type."""
     if isinstance(kind, types.UniTuple):
         return (_nothing(kind.dtype),) * kind.count
-    dtype = numpy_support.as_dtype(kind.dtype if isinstance(kind, types.Array) else kind)
-    return np.zeros((0,) * kind.ndim, dtype) if isinstance(kind, types.Array) else dtype.type(0)
+    if isinstance(kind, types.Array):
+        return np.zeros((0,) * kind.ndim, numpy_support.as_dtype(kind.dtype))
+    return numpy_support.as_dtype(kind).type(0)
 
 
-def _as_tuples(value):
-    if isinstance(value, np.ndarray):
-        return value if value.ndim == 1 else tuple(map(_as_tuples, value))
-    if isinstance(value, (tuple, list)):
-        return tuple(map(_as_tuples, value))
+def _as_tuples(kind, value):
+    """Lists, and arrays of arrays, as the tuples that a numba type needs."""
+    if not isinstance(kind, types.UniTuple):
+        return value
+    if isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 1):
+        return tuple(_as_tuples(kind.dtype, part) for part in value)
     return value
 
 
@@ -316,9 +336,13 @@ def _grid_of(table, values):
         if uniform == graded:
             continue
         if isinstance(uniform, types.Float):
-            return GRADED if isinstance(values[name], np.ndarray) else UNIFORM
+            if isinstance(values[name], np.ndarray):
+                return GRADED
+            return UNIFORM
         if isinstance(uniform, RowType):
-            return GRADED if values[name]._numba_type_ == graded else UNIFORM
+            if values[name]._numba_type_ == graded:
+                return GRADED
+            return UNIFORM
     return UNIFORM
 
 
@@ -332,14 +356,18 @@ def _zeros(shape, sizes):
     if not counts and dimensions != ["slots"]:
         return np.zeros(lengths, dtype)
     found = aligned_zeros(*counts or [1], *lengths, dtype)
-    return found if counts else found[0]
+    if counts:
+        return found
+    return found[0]
 
 
 def width(kind: Any) -> int:
     """Words of a value of a numba type."""
     if isinstance(kind, types.UniTuple):
         return kind.count * width(kind.dtype)
-    return 1 + kind.ndim if isinstance(kind, types.Array) else 1
+    if isinstance(kind, types.Array):
+        return 1 + kind.ndim
+    return 1
 
 
 def words_of(kind: Any, value: Any, name: str) -> list[int]:
@@ -481,7 +509,9 @@ class _Attribute(AttributeTemplate):
     key = RowType
 
     def generic_resolve(self, kind, name):
-        return kind.members[name][0] if name in kind.members else None
+        if name in kind.members:
+            return kind.members[name][0]
+        return None
 
 
 @lower_getattr_generic(RowType)

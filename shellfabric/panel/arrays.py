@@ -19,9 +19,8 @@ from shellfabric.state import Constants, State, Work
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
 SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
-MOST_POINTS = (
-    32  # along a side of an element: all those of an element are kept in memory, four numbers each
-)
+# along a side of an element: all those of an element are kept in memory, four numbers each
+MOST_POINTS = 32
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 
 
@@ -39,20 +38,39 @@ def constants(panel: PanelGrid) -> Constants:
 
 def _constants(panel):
     """The constants, computed anew."""
-    (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
-    weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
-    (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
+    ni, nj = panel.counts
+    dx, dy = panel.spacing
+    mirror_x, mirror_y = panel.mirrors
+    weave = panel.weave
+    table = panel.table
+    knobs = panel.numerics
+    dt = panel.time_step
+    w1, w2 = weave.w
+    S01, S02 = weave.S0
+    warp, weft = weave.yarns
     rx, ry = (1 / step for step in table.steps)
-    shear = panel.fabric.shear if panel.trellis else None
-    G1, G2, gamma1, gamma2 = (
-        (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
-    )
+    if panel.trellis:
+        shear = panel.fabric.shear
+    else:
+        shear = None
+    if shear:
+        G1 = shear.G1
+        G2 = shear.G2
+        gamma1 = shear.gamma1
+        gamma2 = shear.gamma2
+    else:
+        G1 = 0.0
+        G2 = 0.0
+        gamma1 = 0.5
+        gamma2 = 1.0
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
-    (x0, y0), shot = panel.origin, panel.shot
+    x0, y0 = panel.origin
+    shot = panel.shot
     rim_node, rim_axis, rim = edges.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
-    # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
+    # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
+    # first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots: dict[str, Any] = {
@@ -122,18 +140,18 @@ def _constants(panel):
         EA2=weft.EA,
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
-        rate_law=np.zeros((2, 3, 0)) if panel.rate_law is None else panel.rate_law,
+        rate_law=panel.rate_law,
         erosion_gap_ratio=knobs.widest,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
         projectile_radius=shot.radius,
         edge_radius=shot.edge_radius,
         projectile_mass=shot.mass * panel.share,
-        free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
+        free_dofs=(float(not mirror_x), float(not mirror_y), 1.0),
         perforation_delay_steps=max(1, round(knobs.clear_time / dt)),
         nose_shape=shot.number,
         nose_parameters=shot.form,
-        projectile_length=inf if shot.length is None else shot.length,
+        projectile_length=shot.length or inf,
         frame=shot.frame,
         tilted=shot.tilted,
         window_follows=roaming,
@@ -153,12 +171,14 @@ def _constants(panel):
 
 
 def state(panel: PanelGrid, strike_velocity: float) -> State:
-    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s].
+    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+    `strike_velocity` [m/s].
 
     The kernels of a run compute its forces before the first step.
     """
     const = constants(panel)
-    state, ni = undeformed(panel, const, strike_velocity), const.ni
+    state = undeformed(panel, const, strike_velocity)
+    ni = const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
         state.active_rows[:] = (
@@ -166,10 +186,8 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
             min(state.contact_window[1] + 2, ni),
         )
     if np.any(const.slip_data[:, 0]):
-        state.active_rows[:] = (
-            0,
-            ni,
-        )  # edges with a prescribed pull-in move before any wave comes to them
+        # edges with a prescribed pull-in move before any wave comes to them
+        state.active_rows[:] = (0, ni)
     return state
 
 
@@ -183,7 +201,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     loose = np.flatnonzero(panel.loose())
     found["inverse_mass"][loose] = 1.0 / mass[loose]
     found["dt_over_mass"][:] = const.dt * found["inverse_mass"]
-    lengths = zip(found["yarn_length"], _yarn_lengths(panel, const), found["stretch"])
+    lengths = zip(found["yarn_length"], _yarn_lengths(panel), found["stretch"])
     for y, length, stretch in lengths:
         y[: length.size] = length
         stretch[:] = 1.0
@@ -191,8 +209,13 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
         found["T"] = found["N"]
     found["intact_fraction"] = tuple((y > 0).astype(float) for y in found["yarn_length"])
     _fill_half_strengths(const, found["filtered_tension"])
-    found["rate_damage"] = aligned_zeros(2, slots if const.rate_law.size else 0)
-    found["f_block_cloth"] = aligned_zeros(3, slots if const.has_backing else 0)
+    # arrays that most runs do not need are empty
+    found["rate_damage"] = aligned_zeros(2, 0)
+    if const.rate_law.size:
+        found["rate_damage"] = aligned_zeros(2, slots)
+    found["f_block_cloth"] = aligned_zeros(3, 0)
+    if const.has_backing:
+        found["f_block_cloth"] = aligned_zeros(3, slots)
     found |= contact.contact_state(
         const.window_limits, const.points_per_side, const.shape_functions, const.friction
     )
@@ -211,17 +234,17 @@ def work(panel: PanelGrid) -> Work:
     """Scratch of one thread, for one block of elements."""
     const = constants(panel)
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
-    # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
-    rows["T1"] = rows["dW_own1"]
-    rows["T2"] = rows["dW_own2"]
-    rows["f_over_stretch1"] = rows["dW_crossing1"]
-    rows["f_over_stretch2"] = rows["dW_crossing2"]
-    rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
+    # arrays that are needed last share the room of those no longer needed then: scratch is to fit
+    # into the cache
+    rows["T"] = rows["dW_own"]
+    rows["f_over_stretch"] = rows["dW_crossing"]
+    rows["f_next_row"] = *rows["mean_stretch"], rows["dW_own"][0]
     return Work(**rows, contact_scratch=contact.scratch(const))
 
 
 def _bending(panel):
-    """Bending stiffness of the nodes: of each family, or on a graded panel of each slot (see `bending_kernels`)."""
+    """Bending stiffness of the nodes: of each family, or on a graded panel of each slot (see
+    `bending_kernels`)."""
     if panel.sides is None:
         return np.array(
             [n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]
@@ -239,7 +262,8 @@ def _block(panel):
 
 def _contact(panel, mass):
     """Constants of the contact of elements of a mass [kg]."""
-    knobs, usual = panel.numerics, panel.numerics.contact_points or USUAL_POINTS
+    knobs = panel.numerics
+    usual = panel.numerics.contact_points or USUAL_POINTS
     points = max(2, -(-usual * panel.finest // panel.lines_per_crossover))
     if knobs.contact_points is None:
         resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
@@ -249,25 +273,17 @@ def _contact(panel, mass):
     )
 
 
-def _yarn_lengths(panel, const):
-    """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
-    if panel.sides is not None:
-        (a, b), (m, n) = panel.sides, map(grading.tributary, panel.sides)
-        warp, weft = np.zeros((2, const.ni + 1, const.row_stride))
-        warp[:-1], weft[:, :-1] = np.multiply.outer(a, n), np.multiply.outer(m, b)
-        return [(panel.weave.warp_count * warp).ravel(), (panel.weave.weft_count * weft).ravel()]
-    found, area = [], const.dx * const.dy
-    for count, axis in ((panel.weave.warp_count, 0), (panel.weave.weft_count, 1)):
-        y = np.zeros((const.ni + 1, const.row_stride))
-        lines = np.moveaxis(y, axis, 0)[:-1]
-        lines[:] = area * count
-        lines[:, [0, -1]] *= 0.5
-        found.append(y.ravel())
-    return found
+def _yarn_lengths(panel):
+    """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half
+    on the rim."""
+    counts = panel.weave.warp_count, panel.weave.weft_count
+    areas = grading.edge_areas(*panel.element_sides)
+    return [(count * area).ravel() for count, area in zip(counts, areas)]
 
 
 def _fill_half_strengths(const, slots):
-    """Fill (warp, weft) slots of the nodes with half of the strength of their lines, as finite numbers."""
+    """Fill (warp, weft) slots of the nodes with half of the strength of their lines, as finite
+    numbers."""
     warp, weft = (
         np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines)
     )
@@ -277,8 +293,8 @@ def _fill_half_strengths(const, slots):
 
 
 def _near(panel, roaming):
-    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams, on a
-    graded panel those of the first zone."""
+    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if
+    it roams, on a graded panel those of the first zone."""
     if roaming:
         return panel.first_zone()
     bounds = []

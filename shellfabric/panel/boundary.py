@@ -1,11 +1,14 @@
-"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides on its own.
+"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides
+on its own.
 
-A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and highest x), weft yarns
-at the two weft sides. An edge is given as one side for all four, or as (warp, weft), each one side for both ends or a
-pair (lowest, highest). Nodes of a slipping side move along the yarns that end there and not otherwise; where two sides
-meet that are not free, the corner is held.
+A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and
+highest x), weft yarns at the two weft sides. An edge is given as one side for all four, or as
+(warp, weft), each one side for both ends or a pair (lowest, highest). Nodes of a slipping side move
+along the yarns that end there and not otherwise; where two sides meet that are not free, the corner
+is held.
 
-Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
+Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes
+move in.
 """
 
 from __future__ import annotations
@@ -19,7 +22,8 @@ from fabrics.base.errors import InputError
 
 @dataclass(frozen=True)
 class PullIn:
-    """A side that slips in the clamp by a given amount, from a triangular zone (thesis section 6.4.3).
+    """A side that slips in the clamp by a given amount, from a triangular zone (thesis section
+    6.4.3).
 
     Parameters
     ----------
@@ -71,14 +75,15 @@ Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` ta
 
 
 def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
-    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its forms.
+    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its
+    forms.
 
     Raises
     ------
     InputError : a side that is none of those above
     """
-    families = edge if isinstance(edge, tuple) else (edge, edge)
-    pairs = tuple(family if isinstance(family, tuple) else (family, family) for family in families)
+    families = _both(edge)
+    pairs = tuple(map(_both, families))
     if [len(pair) for pair in pairs] != [2, 2]:
         raise InputError(
             key="boundary", value=edge, allowed="one side, or (warp, weft) of one or two sides each"
@@ -92,6 +97,13 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     return pairs
 
 
+def _both(given):
+    """A pair as it is, anything else twice."""
+    if isinstance(given, tuple):
+        return given
+    return given, given
+
+
 def slips(edge: Any) -> bool:
     """Whether a side of it is not simply clamped or free."""
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
@@ -99,7 +111,8 @@ def slips(edge: Any) -> bool:
 
 def pull_in(edge: Any) -> tuple[float, ...]:
     """(warp, weft) [m] by which fabric slips into the panel at most, of edges without grips."""
-    return tuple(
-        max(side.length if isinstance(side, PullIn) else 0.0 for side in pair)
-        for pair in sides(edge)
-    )
+    found = []
+    for pair in sides(edge):
+        lengths = [side.length for side in pair if isinstance(side, PullIn)]
+        found.append(max(lengths, default=0.0))
+    return tuple(found)

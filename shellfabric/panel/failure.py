@@ -1,4 +1,5 @@
-"""What the failure criterion has for the grid lines of a panel: strengths, weights of means, low-pass factors.
+"""What the failure criterion has for the grid lines of a panel: strengths, weights of means,
+low-pass factors.
 
 The criterion and its equations: `cloth.failure_kernels`.
 """
@@ -14,14 +15,16 @@ from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.state import FailureLines
 
-WATCHED = (
-    0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
-)
+# of the strength: below it a tension is followed without a delay, above it low-passed
+WATCHED = 0.5
 
 
 def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
-    """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the weft."""
-    x, sides, families = panel.lines(), panel.element_sides, []
+    """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the
+    weft."""
+    x = panel.lines()
+    sides = panel.element_sides
+    families = []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
     law = panel.rate_law
     for own, (yarn, count) in enumerate(
@@ -29,11 +32,14 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
     ):
         across = 1 - own
         strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
-        strength = strength if panel.yarn_failure else np.full_like(strength, inf)
+        if not panel.yarn_failure:
+            strength = np.full_like(strength, inf)
         first, weights = mean_weights(x[across], panel.fabric.failure_length, panel.mirrors[across])
         wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
-        half = WATCHED * (1.0 if law is None else law[own, 0, 0]) * strength
+        half = WATCHED * strength
+        if law.size:
+            half *= law[own, 0, 0]
         families.append(
             FailureLines(
                 strength=strength,
@@ -47,25 +53,29 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
 
 
 def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray, FloatArray]:
-    """Weights of the lines in the mean about each of them: the integral of max(0, 1 - |y| / length) / length.
+    """Weights of the lines in the mean about each of them: the integral of max(0, 1 - |y| / length)
+    / length.
 
-    A line stands for the fabric up to halfway to its neighbours, so that the integral is exact for tensions that are
-    constant there. Beyond the last line there is nothing.
+    A line stands for the fabric up to halfway to its neighbours, so that the integral is exact for
+    tensions that are constant there. Beyond the last line there is nothing.
 
     Parameters
     ----------
     x : (lines,) [m] places of the lines, rising
     length : [m] half width of the mean
-    mirrored : whether the first line is a plane of symmetry, behind which its neighbours have their images
+    mirrored : whether the first line is a plane of symmetry, behind which its neighbours have their
+        images
 
     Returns
     -------
     first : (lines,) the first line that has a weight
-    weights : (lines, n) [-] of the lines first ... first + n - 1, which add up to 1 away from the rims
+    weights : (lines, n) [-] of the lines first ... first + n - 1, which add up to 1 away from the
+        rims
     """
     x = np.asarray(x, float)
     middles = 0.5 * (x[1:] + x[:-1])
-    low, high = np.insert(middles, 0, x[0]), np.append(middles, x[-1])
+    low = np.insert(middles, 0, x[0])
+    high = np.append(middles, x[-1])
     weights = _hat_integral(low, high, x, length)
     if mirrored:
         weights += _hat_integral(2 * x[0] - high, 2 * x[0] - low, x, length)
@@ -77,7 +87,8 @@ def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray,
 
 
 def _hat_integral(low, high, x, length):
-    """(lines, lines) integral of the hat about x of the first index from low to high of the second."""
+    """(lines, lines) integral of the hat about x of the first index from low to high of the
+    second."""
     ends = (np.clip((end - x[:, None]) / length, -1.0, 1.0) for end in (low, high))
     at_low, at_high = (end - 0.5 * end * np.abs(end) for end in ends)
     return at_high - at_low

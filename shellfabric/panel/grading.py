@@ -1,17 +1,20 @@
 """Graded panels: small elements about the impact point, longer ones further away.
 
-Lines of the grid are further apart the further they are from the impact point, along warp and weft alike, so that the
-elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or 4 x 4 in the corners, 1 x 2 or 1 x 4 in
-the arms between. Each line stands for the fabric up to halfway to its neighbours: mass, forces and trellis
-(`membrane_kernels`). Stretches, tension and strength are those of one yarn. Waves shorter than about eight of the
-longer elements do not pass where zones meet.
+Lines of the grid are further apart the further they are from the impact point, along warp and weft
+alike, so that the elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or
+4 x 4 in the corners, 1 x 2 or 1 x 4 in the arms between. Each line stands for the fabric up to
+halfway to its neighbours: mass, forces and trellis (`membrane_kernels`). Stretches, tension and
+strength are those of one yarn. Waves shorter than about eight of the longer elements do not pass
+where zones meet.
 
-A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements are `side` crossovers
-long, a whole number or one over a whole number (1/2, 1/3, ...). The last `until` is infinite. Each zone but the last
-goes on until the rest can be filled with whole elements of the next.
+A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements
+are `side` crossovers long, a whole number or one over a whole number (1/2, 1/3, ...). The last
+`until` is infinite. Each zone but the last goes on until the rest can be filled with whole elements
+of the next.
 
-Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover every axis is that
-of one yarn, where they are longer it is that of all the yarns that its line stands for.
+Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover
+every axis is that of one yarn, where they are longer it is that of all the yarns that its line
+stands for.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 
 
 
 def exact(side: float) -> Fraction:
-    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a whole number.
+    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a
+    whole number.
 
     Raises
     ------
@@ -42,7 +46,10 @@ def exact(side: float) -> Fraction:
     value = float(side)
     if 1 <= value <= 64 and value == int(value):
         return Fraction(int(value))
-    n = round(1 / value) if 0 < value < 1 else 0
+    if 0 < value < 1:
+        n = round(1 / value)
+    else:
+        n = 0
     if not (2 <= n <= MOST_LINES and abs(value * n - 1) <= _SNAP):
         allowed = f"sides of 1, 2, ... 64 crossovers, or 1/2, 1/3, ... 1/{MOST_LINES} of one"
         raise InputError(key="grading", value=side, allowed=allowed)
@@ -78,11 +85,12 @@ def check(grading: Any) -> None:
 def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     """(n,) [crossovers] sides of the elements from the impact point out to `length`.
 
-    Zones are laid out over the whole crossovers of the length. Elements like the last one fill what remains, and the
-    last is as much longer as is needed to end at `length`.
+    Zones are laid out over the whole crossovers of the length. Elements like the last one fill what
+    remains, and the last is as much longer as is needed to end at `length`.
     """
     zones = [(until, exact(side)) for until, side in grading]
-    found, at = [], Fraction(0)
+    found = []
+    at = Fraction(0)
     whole = Fraction(int(length + 1e-9))
     whole -= whole % zones[0][1]
     for (until, side), after in zip(zones, (*zones[1:], None)):
@@ -97,7 +105,8 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
 
 
 def with_line_at(sides: FloatArray, place: float) -> FloatArray:
-    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid, moved out to it.
+    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid,
+    moved out to it.
 
     Parameters
     ----------
@@ -116,13 +125,15 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
 
     Parameters
     ----------
-    places : (lines,) [sides of the smallest element] of the lines at rest, whole numbers, 0 at the impact point
+    places : (lines,) [sides of the smallest element] of the lines at rest, whole numbers, 0 at the
+        impact point
     lines_per_crossover : elements along a crossover where they are smallest
 
     Returns
     -------
     axes : (yarns,) numbers of the lines at whole crossovers
-    yarns : (lines,) number of the yarn whose axis is nearest; of two that are as near, that nearer the impact point
+    yarns : (lines,) number of the yarn whose axis is nearest; of two that are as near, that nearer
+        the impact point
     """
     at = np.asarray(places, np.int64)
     axes = np.flatnonzero(at % lines_per_crossover == 0)
@@ -131,17 +142,19 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
 
 
 def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
-    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line stands for.
+    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line
+    stands for.
 
-    A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both. Those between a
-    last line and the end of `factors` belong to no line.
+    A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both.
+    Those between a last line and the end of `factors` belong to no line.
 
     Parameters
     ----------
     factors : (yarns,) [-] of the yarns at the whole crossovers -(yarns - 1) / 2 ... (yarns - 1) / 2
     places : (axes,) [crossovers] of the axes, whole numbers that rise; 0 at the impact point
     """
-    given, at = np.asarray(factors, float), np.asarray(places, np.int64) + np.size(factors) // 2
+    given = np.asarray(factors, float)
+    at = np.asarray(places, np.int64) + np.size(factors) // 2
     halves = 0.5 * np.diff(at)
     low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int)
     high = np.floor(at + np.append(halves, 0.0)).astype(int)
@@ -153,9 +166,20 @@ def tributary(sides: FloatArray) -> FloatArray:
     return 0.5 * (np.append(sides, 0.0) + np.insert(sides, 0, 0.0))
 
 
+def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line stands
+    for."""
+    warp, weft = np.zeros((2, warp_sides.size + 1, weft_sides.size + 1))
+    warp[:-1] = np.multiply.outer(warp_sides, tributary(weft_sides))
+    weft[:, :-1] = np.multiply.outer(tributary(warp_sides), weft_sides)
+    return warp, weft
+
+
 def split(sides: FloatArray) -> FloatArray:
-    """(n+1,) [-] share of the element before each line in the two beside it; one half at the ends."""
-    before, behind = np.insert(sides, 0, sides[0]), np.append(sides, sides[-1])
+    """(n+1,) [-] share of the element before each line in the two beside it; one half at the
+    ends."""
+    before = np.insert(sides, 0, sides[0])
+    behind = np.append(sides, sides[-1])
     return before / (before + behind)
 
 
@@ -166,9 +190,11 @@ def slots(
     viscosity: Sequence[float],
     room: Callable[..., Any],
 ) -> dict[str, FloatArray]:
-    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of Constants: (slots,)}.
+    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of
+    Constants: (slots,)}.
 
-    The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
+    The viscosity grows with the element, so that its highest mode is damped by the same ratio
+    everywhere.
 
     Parameters
     ----------
@@ -178,19 +204,22 @@ def slots(
     viscosity : (warp, weft) [N] of the smallest element
     room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """
-    (a, b), (dx, dy), (cv1, cv2) = sides, finest, viscosity
-    ni, nj = a.size, b.size
+    a, b = sides
+    dx, dy = finest
+    cv1, cv2 = viscosity
+    ni = a.size
+    nj = b.size
 
     def spread(row, column, factor=1.0):
-        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[
-            : ni + 1, : nj + 1
-        ]
+        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))
+        grid = grid[: ni + 1, : nj + 1]
         flat = room(1, (ni + 2) * (nj + 1) + 32)[0]
         flat[:] = factor * grid[0, 0]
         flat[16 : 16 + grid.size] = factor * grid.ravel()
         return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
 
-    rows, columns = np.ones(ni + 1), np.ones(nj + 1)
+    rows = np.ones(ni + 1)
+    columns = np.ones(nj + 1)
     return {
         "inv_dx": spread(1 / a, columns),
         "inv_dy": spread(rows, 1 / b),
@@ -208,7 +237,8 @@ def bending(
     stiffness: Sequence[float],
     room: Callable[..., Any],
 ) -> tuple[FloatArray, ...]:
-    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean of its two segments.
+    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean
+    of its two segments.
 
     Parameters
     ----------
@@ -219,10 +249,13 @@ def bending(
     """
     found = []
     for family, (count, EI) in enumerate(zip(yarns, stiffness)):
-        own, other = sides[family], sides[1 - family]
+        own = sides[family]
+        other = sides[1 - family]
         length = 0.5 * (np.append(own, own[-1]) + np.insert(own, 0, own[0]))
         grid = EI * np.multiply.outer(1 / length, count * tributary(other))
         flat = room(1, (sides[0].size + 2) * (sides[1].size + 1) + 32)[0]
-        flat[: grid.size] = (grid if family == 0 else grid.T).ravel()
+        if family == 1:
+            grid = grid.T
+        flat[: grid.size] = grid.ravel()
         found.append(flat)
     return tuple(found)

@@ -1,18 +1,21 @@
 """The grid of a fabric panel with its projectile: lines, masses, edges, time step.
 
-Opening. The grid follows the yarns, and its middle is the impact point, or that of the opening if crossovers slide or a
-side is not clamped (`PanelGrid.grid_middle`). If the weave is at an angle to the sides of the opening, the opening is
-round, or its middle is not that of the grid, then the grid covers the opening, and its nodes on and beyond the edge are
-held: the fabric out there lies in the clamp. The clamped line is thus a staircase of crossovers, nowhere further from
-the edge than the diagonal of one element.
+Opening. The grid follows the yarns, and its middle is the impact point, or that of the opening if
+crossovers slide or a side is not clamped (`PanelGrid.grid_middle`). If the weave is at an angle to
+the sides of the opening, the opening is round, or its middle is not that of the grid, then the grid
+covers the opening, and its nodes on and beyond the edge are held: the fabric out there lies in the
+clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge than the
+diagonal of one element.
 
-Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
-density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
-2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
-G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
-d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
-woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
-(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `time_step`.
+Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter
+side, m the areal density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
+of the mode whose phase turns by 2 arcsin(sqrt a) from node to node along both yarns. lambda is the
+largest eigenvalue of the table's membrane tangent, G2 t that of the trellis, which has one point in
+each element and so is blind to a = 1. Along a straight yarn this is d / c with the wave speed c =
+sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of woven yarn
+(erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to (2 /
+w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see
+`time_step`.
 """
 
 from __future__ import annotations
@@ -46,41 +49,49 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 @dataclass(frozen=True)
 class PanelGrid:
-    """A grid of crossovers about the impact point, from edge to edge of the opening, and the projectile before them.
+    """A grid of crossovers about the impact point, from edge to edge of the opening, and the
+    projectile before them.
 
     Parameters
     ----------
     table : CellTable of the fabric
-    opening : (along warp, along weft) [m], but for an oblique weave. There are as many elements as whole crossovers fit
-        from the centre to an edge (79 of 79.9 for S-720). Elements that are all alike are made longer to fill the
-        rest; on a graded panel the last one is. Where neither can be, `held_opening` has what became of it
+    opening : (along warp, along weft) [m], but for an oblique weave. There are as many elements as
+        whole crossovers fit from the centre to an edge (79 of 79.9 for S-720). Elements that are
+        all alike are made longer to fill the rest; on a graded panel the last one is. Where neither
+        can be, `held_opening` has what became of it
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
+        `boundary`)
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
     yarn_failure : whether yarns fail
     rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
-    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see
+        `boundary`)
     round : whether the opening is a circle, of which `opening` has the diameter twice
     impact_point : [m] from the middle of the opening, along its two sides
-    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies between the sum over its
-        fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi
-    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
-        are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
+    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies
+        between the sum over its fibres, n E pi d^4 / 64, when they slide, and that of a solid
+        section of its fibre area, E A^2 / 4 pi
+    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`,
+        or None where all are alike. They are those of the modelled part: across a plane of symmetry
+        a yarn has that of its image
     backing : Backing, the block behind the fabric, or None (see `backing.coupling`)
-    packed_area : [-] share of its area at rest that packed fabric keeps (see `cloth.packing_kernels`)
-    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
-        None (see `grading`); not with grips at the edges
+    packed_area : [-] share of its area at rest that packed fabric keeps (see
+        `cloth.packing_kernels`)
+    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
+        the impact point, or None (see `grading`); not with grips at the edges
     modules : further forces on the ply, functions that make a `forces.Module` of the panel
-    ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
-        projectile is given, to its own, in which its yarns lie. weave_angle has it in it
+    ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
+        axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
+        it in it
 
     Raises
     ------
-    InputError : unknown symmetry or boundary, an opening smaller than the projectile needs, or a symmetry that shot,
-        edges or weave do not have
+    InputError : unknown symmetry or boundary, an opening smaller than the projectile needs, or a
+        symmetry that shot, edges or weave do not have
     """
 
     table: CellTable
@@ -163,7 +174,7 @@ class PanelGrid:
                 what = "oblique"
             if self.ply_angle:
                 what = "turned in its pack"
-            allowed = f"clamped where the weave is {what}"
+            allowed = f"clamped if the weave is {what}"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         room = [0.5 * side - 2 * self.projectile.radius for side in self.opening]
         if self.round:
@@ -180,7 +191,7 @@ class PanelGrid:
             what = "the weave is oblique"
             if self.ply_angle:
                 what = "a ply is turned by another angle than 90 deg"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole where {what}")
+            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole if {what}")
 
     def _check_strength(self):
         if self.rate_dependence and self.fabric.strain_rate is None:
@@ -188,7 +199,7 @@ class PanelGrid:
             raise InputError(key="rate_dependence", value=True, allowed=allowed)
         if self.rate_dependence and not self.yarn_failure:
             raise InputError(
-                key="rate_dependence", value=True, allowed="false where yarns do not fail"
+                key="rate_dependence", value=True, allowed="false if yarns do not fail"
             )
 
     def _check_grading(self):
@@ -198,12 +209,11 @@ class PanelGrid:
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
         gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
-            allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
+            allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
             raise InputError(key="boundary", value=self.boundary, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
-            least = (
-                int(np.ceil(reach / step)) + 1
-            )  # and what the smooth surface of the last element has beside it
+            # and what the smooth surface of the last element has beside it
+            least = int(np.ceil(reach / step)) + 1
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
                 raise InputError(
@@ -223,7 +233,9 @@ class PanelGrid:
     @cached_property
     def shot(self) -> Projectile:
         """The projectile in the panel's own frame."""
-        return self.projectile.seen_from(self.ply_angle) if self.ply_angle else self.projectile
+        if self.ply_angle:
+            return self.projectile.seen_from(self.ply_angle)
+        return self.projectile
 
     @property
     def axes(self) -> FloatArray:
@@ -232,7 +244,9 @@ class PanelGrid:
 
     def in_pack(self, vectors: FloatArray) -> FloatArray:
         """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
-        return frames.turned_back(vectors, self.axes if self.ply_angle else None)
+        if not self.ply_angle:
+            return vectors
+        return frames.turned_back(vectors, self.axes)
 
     @cached_property
     def mirrors(self) -> tuple[bool, bool]:
@@ -241,7 +255,8 @@ class PanelGrid:
 
     @cached_property
     def _smallest(self):
-        """(crossovers, elements) of a side at the impact point that is both long; one of them is 1."""
+        """(crossovers, elements) of a side at the impact point that is both long; one of them is
+        1."""
         if self.grading is None:
             return 1, self.elements_per_crossover
         side = grading.exact(self.grading[0][1])
@@ -267,7 +282,8 @@ class PanelGrid:
 
     @property
     def _fills(self):
-        """Whether all elements are alike, and made longer so that the edge of the opening is a line of the grid."""
+        """Whether all elements are alike, and made longer so that the edge of the opening is a line
+        of the grid."""
         return self.sides is None and not self.stepped
 
     @cached_property
@@ -278,13 +294,15 @@ class PanelGrid:
 
     @cached_property
     def _half_counts(self):
-        """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
+        """(along warp, along weft) elements that are all alike, from the middle of the grid to an
+        edge."""
         wholes = (int(half + 1e-9) for half in self._half)
         return tuple(n * self.lines_per_crossover // self.finest for n in wholes)
 
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
-        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are alike."""
+        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are
+        alike."""
         if self.grading is None or len({side for _, side in self.grading}) == 1:
             return None
         found = []
@@ -294,27 +312,37 @@ class PanelGrid:
             if self.grid_middle[axis]:
                 edge = 0.5 * self.opening[axis] - abs(self.grid_middle[axis])
                 whole = grading.with_line_at(whole, np.copysign(edge, self.grid_middle[axis]))
-            found.append(outward if self.mirrors[axis] else whole)
+            if self.mirrors[axis]:
+                found.append(outward)
+            else:
+                found.append(whole)
         return tuple(found)
 
     @property
     def held_opening(self) -> tuple[float, float]:
         """(along its two sides) [m] of the opening between the nodes that are held.
 
-        They differ from `opening` where the edge is a staircase of grid lines: then a round opening and that of an
-        oblique weave have the sides of an opening of the area that can move.
+        They differ from `opening` where the edge is a staircase of grid lines: then a round opening
+        and that of an oblique weave have the sides of an opening of the area that can move.
         """
         oblique = self.weave_angle != 0 or self.round
         if oblique:
-            loose, lengths = self.loose(), np.multiply.outer(*self.element_sides)
+            loose = self.loose()
+            lengths = np.multiply.outer(*self.element_sides)
             moves = loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
-            area = np.prod(self.opening) * (np.pi / 4 if self.round else 1.0)
+            area = np.prod(self.opening)
+            if self.round:
+                area *= np.pi / 4
             scale = (lengths[moves].sum() / self.share / area) ** 0.5
             return scale * self.opening[0], scale * self.opening[1]
         found = []
         for axis, x in enumerate(self.lines()):
-            place, edge = x + self.impact_point[axis], 0.5 * self.opening[axis] * (1 - 1e-9)
-            low = -place[-1] if self.mirrors[axis] else place[place <= -edge].max(initial=place[0])
+            place = x + self.impact_point[axis]
+            edge = 0.5 * self.opening[axis] * (1 - 1e-9)
+            if self.mirrors[axis]:
+                low = -place[-1]
+            else:
+                low = place[place <= -edge].max(initial=place[0])
             found.append(float(place[place >= edge].min(initial=place[-1]) - low))
         return found[0], found[1]
 
@@ -322,20 +350,27 @@ class PanelGrid:
         """(along warp, along weft) elements of the first zone from the impact point outwards."""
         if self.sides is None:
             return self._half_counts
-        alike = (
-            np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing)
-        )
-        return tuple(
-            int(each.sum()) // (1 if mirrored else 2) for each, mirrored in zip(alike, self.mirrors)
-        )
+        found = []
+        for sides, step, mirrored in zip(self.sides, self.spacing, self.mirrors):
+            smallest = int((np.abs(sides - step) < 1e-9 * step).sum())
+            if not mirrored:
+                smallest //= 2  # they lie on both sides
+            found.append(smallest)
+        return tuple(found)
 
     def first_zone(self) -> tuple[int, ...]:
-        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded panel those of the
-        first zone but for the outermost, which the smooth surface of the others needs beside them; else all."""
+        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded
+        panel those of the first zone but for the outermost, which the smooth surface of the others
+        needs beside them; else all."""
+        rim = 1
+        if self.sides is None:
+            rim = 0
         bounds = []
         for fine, count, mirrored in zip(self._fine(), self.counts, self.mirrors):
-            middle, rim = (0 if mirrored else count // 2), (0 if self.sides is None else 1)
-            bounds += [0 if mirrored else middle - fine + rim, middle + fine - rim]
+            if mirrored:
+                bounds += [0, fine - rim]
+            else:
+                bounds += [count // 2 - fine + rim, count // 2 + fine - rim]
         return tuple(bounds)
 
     @cached_property
@@ -344,11 +379,17 @@ class PanelGrid:
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
         halves = zip(self._half_counts, self.mirrors)
-        return tuple(n if mirrored else 2 * n for n, mirrored in halves)
+        found = []
+        for n, mirrored in halves:
+            if not mirrored:
+                n *= 2
+            found.append(n)
+        return tuple(found)
 
     @property
     def yarn_counts(self) -> tuple[int, ...]:
-        """(warp, weft) yarns of the modelled part, with those on its rims; where elements are longer, their lines."""
+        """(warp, weft) yarns of the modelled part, with those on its rims; where elements are
+        longer, their lines."""
         return tuple(axes.size for axes in self.yarn_axes[::-1])
 
     @property
@@ -364,9 +405,15 @@ class PanelGrid:
     @property
     def membrane_stiffness(self) -> float:
         """[N/m] the D of the time step's bound."""
-        stiffness, shear = self.table.stiffness(), self.fabric.shear
-        locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
-        return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
+        stiffness = self.table.stiffness()
+        shear = self.fabric.shear
+        if self.trellis and shear is not None:
+            locked = 2 * shear.G2 * self.weave.thickness
+        else:
+            locked = 0.0
+        if locked <= stiffness:
+            return stiffness
+        return (stiffness + locked) ** 2 / (4 * locked)
 
     def force_modules(self) -> tuple[forces.Module, ...]:
         """What acts on it besides membrane and nose, each with a row of its own."""
@@ -394,7 +441,8 @@ class PanelGrid:
 
     @property
     def step_of_bound(self) -> float:
-        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken of it."""
+        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken
+        of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
@@ -416,30 +464,42 @@ class PanelGrid:
         found = []
         for sides, mirrored in zip(self.sides, self.mirrors):
             x = np.insert(np.cumsum(sides), 0, 0.0)
-            found.append(x if mirrored else x - x[sides.size // 2])
+            if not mirrored:
+                x -= x[sides.size // 2]
+            found.append(x)
         return tuple(found)
 
     @cached_property
     def _yarns(self):
-        """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
-        per, found = self.lines_per_crossover, []
+        """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the
+        warp."""
+        per = self.lines_per_crossover
+        found = []
         for x, d, w, mirrored in zip(self.lines(), self.spacing, self.weave.w, self.mirrors):
-            places = np.rint(x / d) if per > 1 else np.arange(x.size)
+            if per > 1:
+                places = np.rint(x / d)
+            else:
+                places = np.arange(x.size)
             if per > 1 and self.sides is not None:  # the edge is the axis of the last whole yarn
                 last = max(per * int(x[-1] / (2 * w) + 1e-9), places[-2] + 1)
                 places[-1] = last
-                places[0] = 0 if mirrored else -last
+                if mirrored:
+                    places[0] = 0
+                else:
+                    places[0] = -last
             found.append(grading.nearest_yarns(places, per))
         return tuple(found)
 
     @property
     def yarn_axes(self) -> tuple[IntArray, ...]:
-        """(rows, columns) numbers of the grid lines that are axes of yarns: of weft yarns, of warp yarns."""
+        """(rows, columns) numbers of the grid lines that are axes of yarns: of weft yarns, of warp
+        yarns."""
         return tuple(axes for axes, _ in self._yarns)
 
     @property
     def nearest_yarns(self) -> tuple[IntArray, ...]:
-        """(rows, columns) number of the weft yarn nearest to each row of nodes, of the warp yarn to each column."""
+        """(rows, columns) number of the weft yarn nearest to each row of nodes, of the warp yarn to
+        each column."""
         return tuple(yarns for _, yarns in self._yarns)
 
     @property
@@ -449,24 +509,29 @@ class PanelGrid:
 
     @cached_property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
-        impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
+        """[m] of the crossover in the middle of the grid from the middle of the opening, along both
+        sides: that of the impact point, or where a side is not clamped 0, so that edges are lines
+        of the grid wherever it is struck."""
         if self._clamped or self.weave_angle or self.round:
             return self.impact_point
         return 0.0, 0.0
 
     @property
     def origin(self) -> tuple[float, ...]:
-        """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all elements were the
-        smallest.
+        """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all
+        elements were the smallest.
 
-        There the smallest are where they would be then, and nothing else is looked for by its place.
+        There the smallest are where they would be then, and nothing else is looked for by its
+        place.
         """
-        off = (middle - struck for middle, struck in zip(self.grid_middle, self.impact_point))
-        return tuple(
-            0.0 if m else c - 0.5 * n * d
-            for m, n, d, c in zip(self.mirrors, self.counts, self.spacing, off)
-        )
+        found = []
+        for axis, mirrored in enumerate(self.mirrors):
+            low = 0.0
+            if not mirrored:
+                middle = self.grid_middle[axis] - self.impact_point[axis]
+                low = middle - 0.5 * self.counts[axis] * self.spacing[axis]
+            found.append(low)
+        return tuple(found)
 
     @property
     def nearest_lines(self) -> tuple[int, ...]:
@@ -485,7 +550,8 @@ class PanelGrid:
 
     @cached_property
     def stepped(self) -> bool:
-        """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
+        """Whether the edge of the opening is a staircase of grid lines, in place of four of
+        them."""
         return self.weave_angle != 0 or self.round or any(self.grid_middle)
 
     @cached_property
@@ -503,7 +569,8 @@ class PanelGrid:
         return tuple(side + 2 * far + 4 * w for side, far, w in zip(wide, off, self.weave.w))
 
     def in_frame(self) -> FloatArray:
-        """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two sides."""
+        """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its
+        two sides."""
         X, Y = self.coordinates()
         c, s = frames.axes(self.weave_angle)[0]
         x, y = self.impact_point
@@ -540,12 +607,10 @@ class PanelGrid:
 
     @cached_property
     def segments(self) -> list[FloatArray]:
-        """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge stands for."""
-        lengths = [side / (2 * w) for side, w in zip(self.element_sides, self.weave.w)]
-        warp, weft = np.zeros((2, self.counts[0] + 1, self.counts[1] + 1))
-        warp[:-1] = np.multiply.outer(lengths[0], grading.tributary(lengths[1]))
-        weft[:, :-1] = np.multiply.outer(grading.tributary(lengths[0]), lengths[1])
-        return [warp, weft]
+        """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge
+        stands for."""
+        lengths = (side / (2 * w) for side, w in zip(self.element_sides, self.weave.w))
+        return list(grading.edge_areas(*lengths))
 
     @cached_property
     def areas(self) -> FloatArray:
@@ -554,36 +619,39 @@ class PanelGrid:
 
     def masses(self) -> FloatArray:
         """(ni+1, nj+1) [kg] of the nodes."""
-        (ni, nj), (dx, dy) = self.counts, self.spacing
-        corner = (
-            0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
-        )
-        corner = corner * (dy if self.sides is None else self.sides[1])
-        mass = np.zeros((ni + 1, nj + 1))
+        warp_sides, weft_sides = self.element_sides
+        corner = 0.25 * self.weave.areal_density * warp_sides[:, None] * weft_sides
+        mass = np.zeros([n + 1 for n in self.counts])
         for i in (slice(None, -1), slice(1, None)):
             for j in (slice(None, -1), slice(1, None)):
                 mass[i, j] += corner
         return mass
 
     @property
-    def rate_law(self) -> FloatArray | None:
-        """(2, 3, n) `RateLaw.table` of warp and weft; None where strengths do not depend on the strain rate."""
+    def rate_law(self) -> FloatArray:
+        """(2, 3, n) `RateLaw.table` of warp and weft; n = 0 if strengths do not depend on the
+        strain rate."""
         if not self.rate_dependence:
-            return None
+            return np.zeros((2, 3, 0))
         assert self.fabric.strain_rate is not None  # checked by _check_strength
         return np.array(
             [self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns]
         )
 
     def reach(self) -> tuple[float, ...]:
-        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be under it.
+        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be
+        under it.
 
-        A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp and strain times its
-        length; a tilted projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
-        anywhere, over the whole panel; on a graded one contact stays in the first zone.
+        A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp
+        and strain times its length; a tilted projectile is wider in the panel's plane. Yarns with a
+        free end follow the projectile from anywhere, over the whole panel; on a graded one contact
+        stays in the first zone.
         """
-        wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
-        slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.boundary)
+        wide = self.projectile.radius / self.projectile.frame[2, 2]
+        found = []
+        slips: tuple[float, ...] = (0.0, 0.0)
+        if self.sides is not None:
+            slips = boundary.pull_in(self.boundary)
         extent = self.extent
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])

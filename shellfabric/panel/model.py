@@ -20,7 +20,8 @@ class Panel(PanelGrid):
         return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
-        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
+        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+        `strike_velocity` [m/s]."""
         return arrays.state(self, strike_velocity)
 
     def work(self) -> arrays.Work:

@@ -1,7 +1,8 @@
 """Motion of the nodes of a panel in a step, and the window of rows that motion can have reached.
 
-Only these rows are updated, which is exact: an element whose nodes are all at rest has no force on them. Velocities
-below 1e-60 m/s are set to zero, without which the front of the wave would be preceded by denormal numbers.
+Only these rows are updated, which is exact: an element whose nodes are all at rest has no force on
+them. Velocities below 1e-60 m/s are set to zero, without which the front of the wave would be
+preceded by denormal numbers.
 """
 
 import numpy as np
@@ -10,7 +11,10 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
 from shellfabric.state import unit
 
-STEP, IDLE, FAILURES = 0, 1, 2  # of state.counter
+# of state.counter
+STEP = 0
+IDLE = 1
+FAILURES = 2
 TURNED = 2  # of stack.counter: steps up to the stop of the projectile where the run goes on after it, else 0
 AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
@@ -18,9 +22,11 @@ _MIN_VELOCITY = 1e-60
 
 @unit(dt="number", dt_over_mass="n", f_int="3 x n", f_int_above="3 x n", v="3 x n", u="3 x n")
 def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
-    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
+    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int +
+    f_int_above."""
     for j in range(0, n, WIDTH):
-        k, left = k0 + j, n - j
+        k = k0 + j
+        left = n - j
         impulse = load(dt_over_mass, k)
         for c in range(3):
             force = load(f_int[c], k)
@@ -57,13 +63,14 @@ def row_has_moved(state, const, i):
 def grow_active_rows(state, const):
     """Grow the window of active element rows, state.active_rows, ahead of the motion.
 
-    The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
-    variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
-    two more. At the last row of nodes the elements beyond are missing: there is a window in time if its outer five rows
-    are kept at rest.
+    The forces of a node reach two rows further than the nodes that have moved: over the segments
+    that cross, and in the variational form over those that cross these. So in a step motion goes
+    ahead by two rows at most, and its forces by two more. At the last row of nodes the elements
+    beyond are missing: there is a window in time if its outer five rows are kept at rest.
     """
     for _ in range(2):
-        first, last = state.active_rows[0], state.active_rows[1]
+        first = state.active_rows[0]
+        last = state.active_rows[1]
         stirred = False
         for i in range(first, min(first + 5, const.ni + 1)):
             stirred = stirred or row_has_moved(state, const, i)
@@ -78,15 +85,18 @@ def grow_active_rows(state, const):
 
 @unit()
 def move_rows(state, const, first, last):
-    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
+    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the
+    block before too."""
     apply_symmetry(state, const, first, last)
     row = first
     while row < last:
         met = row > 0 and row % const.rows_per_block == 0
-        end = (
-            row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
-        )
-        k0, n = row * const.row_stride, (end - row) * const.row_stride
+        if met:
+            end = row + 1
+        else:
+            end = min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
+        k0 = row * const.row_stride
+        n = (end - row) * const.row_stride
         move_nodes(
             k0,
             n,
@@ -102,10 +112,7 @@ def move_rows(state, const, first, last):
 
 
 @kernel(_nrt=False)
-def thread_range(state, const, me, count):
-    """(first, last) active blocks of thread `me` among `count`; the last thread has at least one."""
-    start, end = (
-        state.active_rows[0] // const.rows_per_block,
-        (state.active_rows[1] + const.rows_per_block - 1) // const.rows_per_block,
-    )
-    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
+def active_blocks(state, const):
+    """(first, last): the blocks first .. last - 1 hold the active rows."""
+    per = const.rows_per_block
+    return state.active_rows[0] // per, (state.active_rows[1] + per - 1) // per

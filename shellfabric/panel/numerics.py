@@ -9,30 +9,37 @@ from fabrics.base.errors import InputError
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an outcome.
+    """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an
+    outcome.
 
     Parameters
     ----------
-    cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear stiffening in distorted
-        elements. Where yarns snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few
-        elements wide; the loss stays in the energy error
-    stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
-        Without it crimped yarns that snap taut ring. In a yarn that stiffens as its crimp goes, fronts are shocks,
-        which dissipate whatever the viscosity
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
-        `cfl` would make of the bound (see `time_step`). The critical velocity depends on it, by how deep the rim of the
-        nose presses itself in; at 1 and above yarns bounce off the nose. It is stable to 1.5 at the damping below
+    cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear
+        stiffening in distorted elements. Where yarns snap taut a step loses energy, with its
+        square, whatever the mesh, since a snap is a few elements wide; the loss stays in the energy
+        error
+    stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much
+        of the time step. Without it crimped yarns that snap taut ring. In a yarn that stiffens as
+        its crimp goes, fronts are shocks, which dissipate whatever the viscosity
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2,
+        with the dt that `cfl` would make of the bound (see `time_step`). The critical velocity
+        depends on it, by how deep the rim of the nose presses itself in; at 1 and above yarns
+        bounce off the nose. It is stable to 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring
-    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
-        None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
-        panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
-        one, as it lies among them
-    widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
-    clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
-    block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
-        fewer keep its scratch in cache
-    threads : of the time integration; None takes all that the process may use where it pays (`barrier`), and goes on
-        with one where other processes use the processor (`driver.solver`). No result depends on it
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see
+        `contact_kernels`). None takes 8, and more under a sharp nose: as many as put them
+        panel_arrays.SPACING nose radii apart, at most panel_arrays.MOST_POINTS along an element.
+        Points further apart miss the edge: it acts as a rounder or a sharper one, as it lies among
+        them
+    widest : stretch of the gap left by failed yarns at which its element loses contact: two
+        neighbours' worth
+    clear_time : [s] without a push and with nothing ahead, after which the panel counts as
+        perforated
+    block : elements worked on together, six rows at least: more share the cost of a block and of
+        the rows about it, fewer keep its scratch in cache
+    threads : that share the plies of a pack, at most one a ply; a single ply has one. None takes
+        all that the process may use where it pays (`barrier`), and goes on with one where other
+        processes use the processor (`driver.solver`). No result depends on it
     """
 
     cfl: float = 0.9

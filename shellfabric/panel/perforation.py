@@ -1,9 +1,10 @@
-"""Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the nose.
+"""Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the
+nose.
 
-The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out fabric can stay
-there for good, ridden by the projectile or faster than it, so that the solver tests the connection at its audits: nodes
-that unbroken yarn joins to an edge of the panel are held, and the elements between them; the rest is a plug, and does
-not count.
+The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose.
+Cut-out fabric can stay there for good, ridden by the projectile or faster than it, so that the
+solver tests the connection at its audits: nodes that unbroken yarn joins to an edge of the panel
+are held, and the elements between them; the rest is a plug, and does not count.
 """
 
 from __future__ import annotations
@@ -21,11 +22,13 @@ if TYPE_CHECKING:
 
 
 def held(state: State, const: Constants) -> BoolArray:
-    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
+    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge
+    of the panel."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    ni, s = const.ni, const.row_stride
+    ni = const.ni
+    s = const.row_stride
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
     warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)
     near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])
@@ -33,18 +36,21 @@ def held(state: State, const: Constants) -> BoolArray:
     joined = coo_matrix((np.ones(near.size, bool), (near, far)), shape=(node.size, node.size))
     piece = connected_components(joined, directed=False)[1].reshape(ni + 1, s)
     outer = [piece[-1], piece[:, -1]]
-    outer += [] if const.mirror_x else [piece[0]]
-    outer += [] if const.mirror_y else [piece[:, 0]]
+    if not const.mirror_x:
+        outer.append(piece[0])
+    if not const.mirror_y:
+        outer.append(piece[:, 0])
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
     left = (by_element(state.element_flag, const) & ERODED) == 0
     return left & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
 def passed(state: State, const: Constants, held_elements: BoolArray | None = None) -> bool:
-    """Whether no held element is ahead of the nose; `held_elements` is `held` of the state, if it is known."""
-    flag = state.element_flag.copy()
+    """Whether no held element is ahead of the nose; `held_elements` is `held` of the state, if it
+    is known."""
     if held_elements is None:
         held_elements = held(state, const)
+    flag = state.element_flag.copy()
     by_element(flag, const)[~held_elements] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 

@@ -1,9 +1,10 @@
 """Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
 
-A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
-"doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower value in NOTES. The limits follow
-from where the methods were found to fail (docs/reports/numerics.md) and, of the viscous energy, from experiments;
-docs/reports/numerics.md says how many of those points they flag, and how many scenes at default settings.
+A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a
+run. A run is "doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower
+value in NOTES. The limits follow from where the methods were found to fail
+(docs/reports/numerics.md) and, of the viscous energy, from experiments; docs/reports/numerics.md
+says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 
-OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
+OK = "ok"
+NOTED = "noted"
+DOUBTFUL = "doubtful"
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
@@ -58,7 +61,9 @@ class Indicator:
         """ "ok", "noted" or "doubtful"."""
         if self.doubtful:
             return DOUBTFUL
-        return NOTED if self.note is not None and self.value > self.note else OK
+        if self.note is not None and self.value > self.note:
+            return NOTED
+        return OK
 
     @property
     def text(self) -> str:
@@ -70,29 +75,38 @@ class Indicator:
         """[-] value over limit."""
         if not isfinite(self.value):
             return float("inf")
-        return (
-            self.value / self.limit
-            if self.limit > 0
-            else (float("inf") if self.value > self.limit else 0.0)
-        )
+        if self.limit > 0:
+            return self.value / self.limit
+        if self.value > self.limit:
+            return float("inf")
+        return 0.0
 
     @property
     def number(self) -> str:
-        """The value with two decimals or three digits; with more where it passes the limit by less."""
+        """The value with two decimals or three digits; with more where it passes the limit by
+        less."""
         for decimals in range(2, 9):
-            text = (
-                f"{self.value:.{decimals}f}"
-                if self.value >= 1
-                else f"{self.value:#.{decimals + 1}g}"
-            )
+            if self.value >= 1:
+                text = f"{self.value:.{decimals}f}"
+            else:
+                text = f"{self.value:#.{decimals + 1}g}"
             if self.ok or float(text) > self.limit:
                 break
         return text
 
     def __str__(self):
-        unit = f" {self.unit}" if self.unit else ""
-        noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
-        remedy = REMEDIES.get(self.name) if self.doubtful else None
+        if self.unit:
+            unit = f" {self.unit}"
+        else:
+            unit = ""
+        if self.status == NOTED:
+            noted = f"noted above {self.note:g}{unit}, "
+        else:
+            noted = ""
+        if self.doubtful:
+            remedy = REMEDIES.get(self.name)
+        else:
+            remedy = None
         limit = f"{noted}limit {self.limit:g}{unit}"
         return f"{self.name} {self.number}{unit} ({'; '.join(filter(None, (limit, remedy)))})"
 
@@ -113,7 +127,7 @@ LIMITS = {
     "yarn snap": (
         0.005,
         "",
-        "energy that steps lose where yarns stiffen in them, over the strike energy",
+        "energy that steps lose while yarns stiffen, over the strike energy",
     ),
     "energy gained in contact": (
         0.008,
@@ -149,7 +163,7 @@ LIMITS = {
     "element over failure length": (
         2.0,
         "",
-        "where yarns fail, element side over the failure length",
+        "if yarns fail: element side over the failure length",
     ),
     "path over fine mesh": (
         1.0,
@@ -200,11 +214,8 @@ LIMITS = {
         "slip of a resolved yarn beside the rim of its zone, in crossovers",
     ),
 }
-NOTES = {
-    "viscous energy": 0.1,
-    "element over failure length": 0.5,
-    "ply collisions": 0.05,
-}  # name: value above which the indicator is noted
+# name: value above which the indicator is noted
+NOTES = {"viscous energy": 0.1, "element over failure length": 0.5, "ply collisions": 0.05}
 
 
 REMEDIES = {
@@ -222,8 +233,8 @@ def indicator(name: str, value: float) -> Indicator:
 class Monitor:
     """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
-    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
-    fabric hangs in other fabric, without an error.
+    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads
+    then rings, and torn fabric hangs in other fabric, without an error.
 
     Parameters
     ----------
@@ -231,9 +242,9 @@ class Monitor:
 
     Attributes
     ----------
-    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply
-        and those behind it have closed, over the thickness [-]
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the
+        squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
+        that the ply and those behind it have closed, over the thickness [-]
     """
 
     def __init__(self, solver: Any) -> None:
@@ -263,13 +274,17 @@ class Monitor:
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
         alternation, squares = self.found[:, :-1].sum(axis=0)
-        return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
+        if squares > 0:
+            return float(np.sqrt(alternation / squares))
+        return 0.0
 
 
 def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
-    """What viscosity dissipates, split at the last sample before the first failure is seen: yarns fail between samples.
+    """What viscosity dissipates, split at the last sample before the first failure is seen: yarns
+    fail between samples.
 
-    After the split it takes the energy of recoiling cut yarns, which is lost whatever the viscosity.
+    After the split it takes the energy of recoiling cut yarns, which is lost whatever the
+    viscosity.
 
     Parameters
     ----------
@@ -278,13 +293,14 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
 
     Returns
     -------
-    share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails, at the end
+    share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails,
+        at the end
     recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
     """
-    viscous, kinetic = energies["viscous"], energies["kinetic_projectile"]
-    split = (
-        int(np.argmax(cut_yarns > 0)) - 1
-    )  # the first sample has none: without a cut this is the last sample
+    viscous = energies["viscous"]
+    kinetic = energies["kinetic_projectile"]
+    # the first sample has none: without a cut this is the last sample
+    split = int(np.argmax(cut_yarns > 0)) - 1
     lost = max(kinetic[0] - kinetic[split], 1e-3 * kinetic[0])
     return float(viscous[split] / lost), float(viscous[-1] - viscous[split])
 
@@ -293,12 +309,12 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
     from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 
-    panel, const, shot = solver.panel, solver.const, solver.panel.projectile
+    panel = solver.panel
+    const = solver.const
+    shot = solver.panel.projectile
     strike = solver.strike_energy
-    energies, cut_yarns = (
-        {name: solver.sample(name) for name in solver.energy_names},
-        solver.sample("cut_yarns"),
-    )
+    energies = {name: solver.sample(name) for name in solver.energy_names}
+    cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     broken = float(cut_yarns[-1] > 0 and solver.zone is None)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
@@ -352,7 +368,8 @@ def _path(solver):
 def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
     peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
-    table, found = solver.panel.table, []
+    table = solver.panel.table
+    found = []
     if not solver.panel.yarn_failure:
         found.append(
             indicator(
@@ -365,8 +382,11 @@ def _extrapolation(solver):
 
 
 def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
-    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as `peaks`."""
-    model, values, found = table.model, table.values, []
+    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as
+    `peaks`."""
+    model = table.model
+    values = table.values
+    found = []
     if hasattr(model, "surface"):
         sampled = (model.surface.T1, model.surface.T2)
         reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
@@ -379,7 +399,10 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     if known:
         found.append(indicator("contact force over fitted range", force / min(known)))
     light = values["F"][values["F"] > 0]
-    least = float(light.min()) if light.size else 0.0
+    if light.size:
+        least = float(light.min())
+    else:
+        least = 0.0
     swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))
     found.append(indicator("swelling under contact", swelling))
     return tuple(found)
@@ -387,8 +410,13 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
 
 def _swelling(law, force, height):
     """[-] by which a yarn grows thicker under a light contact force, over its height."""
-    shift = law.F0 if law.form == "regularised" else 0.0
-    return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
+    if law.form == "regularised":
+        shift = law.F0
+    else:
+        shift = 0.0
+    if force + shift > 0:
+        return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height
+    return 0.0
 
 
 def of_coupon(
@@ -400,7 +428,8 @@ def of_coupon(
     ----------
     table : CellTable
     tensions : (warp, weft) [N] largest of each family
-    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
+    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation
+        was to reach
     """
     over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
     found = (
@@ -411,12 +440,14 @@ def of_coupon(
 
 
 def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
+    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,)
+    [m]."""
     return (indicator("node alternation", float(np.max(astray)) / thickness),)
 
 
 def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
-    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its limit."""
+    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its
+    limit."""
     found: dict[str, Indicator] = {}
     for one in (one for indicators in runs for one in indicators):
         if one.name not in found or one.excess > found[one.name].excess:

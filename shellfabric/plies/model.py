@@ -434,14 +434,14 @@ def turned(panel: Panel) -> Panel:
     """
     if panel.weave_angle:
         raise InputError(
-            key="stacking", value="alternating", allowed="aligned where the weave is oblique"
+            key="stacking", value="alternating", allowed="aligned if the weave is oblique"
         )
     model = panel.table.model
     if not isinstance(model, CellModel):
         raise InputError(
             key="stacking",
             value="alternating",
-            allowed="aligned where the cell is a response surface",
+            allowed="aligned if the cell is a response surface",
         )
     model = replace(
         model,

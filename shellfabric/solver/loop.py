@@ -1,9 +1,9 @@
 """The time loop: explicit steps of the plies of a run and of their projectile.
 
 All forces of a step are known before it begins: from them the guard of a pack finds what keeps the
-plies from passing through each other in it. Several threads can share the work, of a pack by its plies,
-of a single ply by its blocks of rows. They wait for each other in between. No two write to the same
-place, so that results do not depend on their number; what involves all plies at once is one thread's.
+plies from passing through each other in it. Several threads can share the plies of a pack, and wait
+for each other in between. No two write to the same place, so that results do not depend on their number;
+what involves all plies at once is one thread's.
 
 States, constants and scratch come as lists (`jit.table.Rows`), so that what is compiled does not depend
 on the number of plies. Plies of one grid share their scratch; those of another have their own, since
@@ -14,7 +14,7 @@ from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.panel.element_kernels import refresh_tensions
-from shellfabric.panel.motion_kernels import grow_active_rows, thread_range
+from shellfabric.panel.motion_kernels import active_blocks, grow_active_rows
 from shellfabric.plies.frame_kernels import place
 from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.solver.ply_kernels import begin as begin_ply
@@ -54,10 +54,6 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
     Returns (steps made, RUNNING or the reason to end) of thread 0.
     """
     several = len(states) > 1
-    # threads share the plies of a pack, or the blocks of a single ply: part `part` of `parts`
-    first = me if several else 0
-    part = 0 if several else me
-    parts = 1 if several else count
     if me == 0:
         begin(states, consts, works)
     made = 0
@@ -72,32 +68,25 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
                     # places after the step follow from forces that are all known by now
                     hold_apart(states, consts, contact)
                 fly(states, consts, stack)
-                if not several:
-                    grow_active_rows(row_of(states, 0), row_of(consts, 0))
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
-        for p in range(first, len(states), count):
+        for p in range(me, len(states), count):
             state = row_of(states, p)
             const = row_of(consts, p)
             work = row_of(works, p)
-            # a ply of a pack is one thread's own, which waits for nobody in it
-            gate = work.barrier if several else shared
+            if several and not wakes(state, const, contact, stack, p):
+                continue
+            grow_active_rows(state, const)
+            update_blocks(state, const, work)
+            break_yarns(state, const, work)
+            other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+            # an implicit spring of the nose has to know the pushes of the other plies first
+            stack.waits_for_plies[p] = touch(state, const, work)
+            move_edges(state, const)
             if several:
-                if not wakes(state, const, contact, stack, p):
-                    continue
-                grow_active_rows(state, const)
-            update_blocks(state, const, work, gate, part, parts)
-            barrier_wait(gate, parts)
-            if part == 0:
-                break_yarns(state, const, work)
-                other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
-                # an implicit spring of the nose has to know the pushes of the other plies first
-                stack.waits_for_plies[p] = touch(state, const, work)
-                move_edges(state, const)
-                if several:
-                    place(state, const, contact, p)
-                    follow(state, const, contact, p)
+                place(state, const, contact, p)
+                follow(state, const, contact, p)
         if several:
             press_plies(states, consts, contact, shared, me, count)
             barrier_wait(shared, count)
@@ -114,18 +103,20 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             before = now
             if reason == RUNNING and not exchanged <= allowed:
                 reason = CHECK
-    for p in range(first, len(states), count):
+    for p in range(me, len(states), count):
         if stack.awake[p]:
-            refresh(states, consts, works, p, part, parts)
+            refresh(states, consts, works, p)
     barrier_wait(shared, count)
     return made, reason
 
 
 @kernel(_nrt=False)
-def refresh(states, consts, works, p, part, parts):
+def refresh(states, consts, works, p):
     """Look up the tensions of ply p that nothing has needed so far."""
-    first, last = thread_range(row_of(states, p), row_of(consts, p), part, parts)
-    refresh_tensions(row_of(states, p), row_of(consts, p), first, last, row_of(works, p))
+    state = row_of(states, p)
+    const = row_of(consts, p)
+    first, last = active_blocks(state, const)
+    refresh_tensions(state, const, first, last, row_of(works, p))
 
 
 @kernel(_nrt=False)

@@ -2,8 +2,8 @@
 
 The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one
 behind the last ply, have theirs. Several plies have the work done on the contact between them
-besides, and the work of the friction there. The results are the same to the last bit with any
-number of threads: each has the nodes and elements of some blocks, in each step the same for all.
+besides, and the work of the friction there. Threads share
+the plies of a pack; the results are the same to the last bit with any number of them.
 """
 
 from __future__ import annotations
@@ -178,12 +178,8 @@ class PackSolver(ExplicitSolver):
         self._works = [Rows(pack.works())]
         compile_ahead.fill(int(self._graded), plies > 1)
         self.share = self.panel.share
-        # threads that can share the work
-        if plies > 1:
-            most = plies
-        else:
-            most = np.inf
-        self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
+        threads = barrier.threads_for(self.panel.numerics.threads, pack.elements)
+        self.threads = min(threads, plies)  # which share the plies
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile.bar))
         self.ply_samples = []

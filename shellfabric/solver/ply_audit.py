@@ -16,8 +16,8 @@ import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
+from shellfabric.cloth.membrane_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel import forces, grading, perforation
-from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import STEP
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels

@@ -22,17 +22,23 @@ from shellfabric.cloth import (
     failure_kernels,
     packing_kernels,
 )
+from shellfabric.cloth.membrane_kernels import (
+    DAMAGED,
+    LOST_TRELLIS,
+    LOST_YARN,
+    REDO,
+    VISCOUS,
+    WORK,
+)
 from shellfabric.cloth.nodal_force_kernels import give_impulses
-from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
-from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import (
     AT_REST,
     FAILURES,
     STEP,
+    active_blocks,
     move_rows,
-    thread_range,
 )
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import unit
@@ -63,7 +69,7 @@ def other_forces(state, const, first, last, acting):
 @kernel(_nrt=False)
 def stored_energy(state, const, low, high):
     """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
-    yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
+    yarns, sheared = energy_kernels.stored_energy(const, state, low, high)
     return yarns, sheared + other_forces(state, const, low, high, False)
 
 
@@ -76,7 +82,7 @@ def find_failures(state, const, work):
     count = 0
     low = const.ni
     high = 0
-    for block in range(first // per, (last + per - 1) // per):
+    for block in range(*active_blocks(state, const)):
         if not failure_kernels.may_fail(const, state, block):
             continue
         begin = max(first, block * per)
@@ -117,7 +123,7 @@ def apply_failure(state, const, work):
     state.counter[FAILURES] += count
     first = state.active_rows[0]
     last = state.active_rows[1]
-    for block in range(first // per, (last + per - 1) // per):
+    for block in range(*active_blocks(state, const)):
         if state.block_damage[block] == REDO:
             start = max(first, block * per)
             end = min(last, (block + 1) * per)
@@ -132,34 +138,24 @@ def apply_failure(state, const, work):
 
 
 @kernel(_nrt=False, inline="always")
-def update_blocks(state, const, work, shared, me, count):
-    """Update the active nodes and compute the active element forces, block by block while they are
+def update_blocks(state, const, work):
+    """Move the active nodes and compute the active element forces, block by block while they are
     in cache.
 
-    The blocks are fixed, whatever the window and the number of threads, and so is what is found in
-    them. The node rows that the elements of a block need are moved first: its own, and one beyond.
-    Those at the ends of a thread's blocks, which its neighbours need too, are moved before all.
+    The blocks are fixed, whatever the window, and so is what is found in them. The node rows that the
+    elements of a block need are moved first: its own, and two beyond.
     """
-    first, last = thread_range(state, const, me, count)
-    low = max(state.active_rows[0], first * const.rows_per_block)
-    high = min(state.active_rows[1], last * const.rows_per_block)
-    # the node rows are low .. end - 1
-    end = high
-    if me == count - 1:
-        end = high + 1
-    done = min(low + 2, end)
-    tail = max(end - 2, done)
-    if first < last:
-        move_rows(state, const, low, done)
-        move_rows(state, const, tail, end)
-    barrier_wait(shared, count)
-    for block in range(first, last):
-        begin = max(low, block * const.rows_per_block)
-        stop = min(high, (block + 1) * const.rows_per_block)
-        ahead = max(done, min(stop + 2, tail))
-        move_rows(state, const, done, ahead)
-        done = ahead
-        element_kernels.element_forces(state, const, block, begin, stop, work)
+    per = const.rows_per_block
+    first_row = state.active_rows[0]
+    last_row = state.active_rows[1]
+    moved = first_row
+    for block in range(*active_blocks(state, const)):
+        begin = max(first_row, block * per)
+        end = min(last_row, (block + 1) * per)
+        needed = min(end + 2, last_row + 1)
+        move_rows(state, const, moved, needed)
+        moved = needed
+        element_kernels.element_forces(state, const, block, begin, end, work)
 
 
 @unit(later=True)
@@ -250,4 +246,4 @@ def energies(state, const, out):
         out[BENDING + m] = module_force(state, const, m, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
-    out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
+    out[STORED], out[SHEAR] = energy_kernels.stored_energy(const, state, 0, const.ni)

@@ -20,8 +20,7 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT_FAILED
-from shellfabric.panel.element_kernels import DAMAGED
+from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
 from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
 from shellfabric.state import Constants, State, Zone

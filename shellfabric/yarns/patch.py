@@ -24,7 +24,7 @@ mean is taken, nobody has measured it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, pi, sqrt
 from typing import Any
@@ -75,7 +75,7 @@ class YarnPatch:
     viscosity: float = 0.1
     failure: bool = True
     strength_factors: tuple[FloatArray, FloatArray] | None = None
-    rate_law: FloatArray | None = None
+    rate_law: FloatArray = field(default_factory=lambda: np.zeros((2, 3, 0)))
     lateral: float = 1.0
 
     @property
@@ -265,7 +265,7 @@ class YarnPatch:
                 own = np.asarray(self.strength_factors[family], float)
             strength[span] = np.repeat(yarn.strength * own, nodes[family])
             watched = failure.WATCHED
-            if self.rate_law is not None:
+            if self.rate_law.size:
                 watched *= self.rate_law[family, 0, 0]
             half[span] = watched * strength[span]
             wave_speed = sqrt(yarn.EA * count / weave.areal_density)
@@ -273,6 +273,9 @@ class YarnPatch:
             factors.append(-np.expm1(-dt / time))
         if not self.failure:
             strength[:] = half[:] = inf
+        rate_damage = np.zeros(0)
+        if self.rate_law.size:
+            rate_damage = np.zeros(size)
         return {
             "strength": strength,
             "half_strength": half,
@@ -280,8 +283,8 @@ class YarnPatch:
             "filter_factor": np.array(factors),
             "mean_first": np.concatenate(firsts),
             "mean_weights": _side_by_side(weights),
-            "rate_damage": np.zeros(size if self.rate_law is not None else 0),
-            "rate_law": np.zeros((2, 3, 0)) if self.rate_law is None else self.rate_law,
+            "rate_damage": rate_damage,
+            "rate_law": self.rate_law,
             "peak_tension": np.zeros(2),
             "peak_segment": np.zeros(2, np.int64),
         }

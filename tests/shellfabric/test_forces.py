@@ -22,9 +22,9 @@ from fabrics.ply_law import PlyLaw
 from shellfabric.backing import block_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.cloth import boundary_kernels, failure_kernels
+from shellfabric.cloth.membrane_kernels import DAMAGED, INTACT
 from shellfabric.jit.table import Row
 from shellfabric.panel.boundary import Grip
-from shellfabric.panel.element_kernels import DAMAGED, INTACT
 from shellfabric.panel.grid import SYMMETRIES
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics

@@ -151,7 +151,7 @@ def _transverse(displacements, pressures):
         raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
     if len(pressures) and len(displacements):
         raise InputError(
-            key="pressures", value=tuple(given), allowed="left out where displacements are given"
+            key="pressures", value=tuple(given), allowed="left out if displacements are given"
         )
     return given
 

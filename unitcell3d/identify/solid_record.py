@@ -24,7 +24,7 @@ from unitcell3d.identify.least_squares import Found, identify
 from unitcell3d.identify.platen_misfit import PlatenMisfit, misfit_of_points
 
 NAMES = ("E_c", "V_c", "K_r")
-# the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+# the modulus of the loose yarn, which a curve may tell where it tells neither factor
 LOOSE = "K_r E_c"
 LEAST_CHECKED = 4  # pressures that a finer mesh has to reach for a misfit
 RESOLUTION = 1e-6  # m: what a mesh and an extensometer can tell

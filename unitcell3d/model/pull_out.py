@@ -79,7 +79,7 @@ class PullOutModel(YarnsModel):
         check(crossover, fabric)
         if crossover.domain != "whole":
             raise InputError(
-                key="domain", value=crossover.domain, allowed="whole where a yarn is pulled through"
+                key="domain", value=crossover.domain, allowed="whole if a yarn is pulled through"
             )
         points = np.ascontiguousarray(crossover.points, float)
         self.pulled = pulled

@@ -10,7 +10,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.base.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
-from shellfabric.cell.model import FORMS, CellModel, CellTable
+from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.panel import quality
 from validation.claims.checks.cell import printed
 from validation.models import newton as thesis
@@ -60,14 +60,10 @@ def _miss(model, F, d1, d2):
     """[heights at rest] by which the yarns miss closing the cell with a force; without one they close nothing."""
     if not F > 0:
         return np.inf
-    warp, weft = model.yarn_tuples
-    w1, w2 = (w + d for w, d in zip(model.fabric.weave.w, (d1, d2)))
-    free = [kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
-    return abs(
-        kernels.residual(
-            F, w1, w2, *free, warp, weft, model.crossover_gap, FORMS[model.cell_formulation]
-        )[0]
-    ) / sum(model.h0)
+    warp, weft = model.yarns
+    w = warp.w + d1, weft.w + d2
+    free = kernels.free_height(w[0], warp.S0), kernels.free_height(w[1], weft.S0)
+    return abs(kernels.residual(F, w, free, model.crossover)[0]) / sum(model.h0)
 
 
 def bracket(*, d1: float, d2: float) -> Values:

@@ -97,7 +97,7 @@ def compare(
     how, keys = Execution.split(options, ExecutionKeywords)
     if target is None:
         for key in keys:
-            raise InputError(key=key, allowed="left out where nothing is shot at")
+            raise InputError(key=key, allowed="left out if nothing is shot at")
         with out_folder.held(how.out) as folder:
             return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
     panel = targets.of(target, keys, honoured.LIMITS)

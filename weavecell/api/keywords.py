@@ -97,10 +97,10 @@ class Keywords(TypedDict, total=False):
     ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
-    ply_gap : pack: clearance between plies at rest; where not given the gap of the fabric file,
-        else an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
-    ply_contact : pack: law of pressure against closure between two plies; where not given the law
-        in the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
+    ply_gap : pack: clearance between plies at rest; if not given the gap of the fabric file, else
+        an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
+    ply_contact : pack: law of pressure against closure between two plies; if not given the law in
+        the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; a number from 0 to 2
     yarn_failure : whether a yarn fails at its strength; true or false
@@ -114,18 +114,18 @@ class Keywords(TypedDict, total=False):
     crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
         one of "pinned", "yarns"
-    zone : resolved yarns: half width of the square zone about the nose; 20 mm where not given [m];
-        a length above 0, such as "20 mm"
+    zone : resolved yarns: half width of the square zone about the nose; 20 mm if not given [m]; a
+        length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; a whole number from 0 to 2147483647
-    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where
-        not given; a number from 0 to 2
+    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not
+        given; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
-    elements_per_crossover : elements along each side of a crossover; where not given, they follow
-        the failure length of the yarns under the projectile, and are longer further out; a whole
-        number from 1 to 8
+    elements_per_crossover : elements along each side of a crossover; if not given, they follow the
+        failure length of the yarns under the projectile, and are longer further out; a whole number
+        from 1 to 8
     snapshot_interval : time between the shapes kept for ParaView and the pictures [s]; a time above
         0, such as "10 us"
     history : the table [history] of the input file, as a dict
@@ -344,7 +344,7 @@ def _unknown(key, value, known):
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(
-                f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
+                f'is not a keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
             )
     message, allowed = PanelTable.unknown(key, None)
     if message is None:
@@ -354,7 +354,9 @@ def _unknown(key, value, known):
     if near:
         hint = f", did you mean {near}?"
     return InputError(
-        f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
+        f"is not a keyword{hint} keywords: {', '.join(Keywords.__annotations__)}",
+        key=key,
+        value=value,
     )
 
 

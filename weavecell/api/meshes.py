@@ -109,7 +109,7 @@ def mesh(
     """
     fabric = of_3d(fabric)
     if patch is not None and domain is not None:
-        raise InputError(key="patch", value=patch, allowed="left out where --domain is given")
+        raise InputError(key="patch", value=patch, allowed="left out if --domain is given")
     formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
     for part in formats:
         if part not in FORMATS:

@@ -26,8 +26,8 @@ def fabric(
     Parameters
     ----------
     name : name of the catalogue, or path of a .toml file
-    linear_density : "effective", of the runs of the thesis where the file gives it (erratum E-07), as scenes have it;
-        or "nominal", of the data sheet
+    linear_density : "effective", of the published runs if the file gives it, as in input files; or "nominal", of
+        the data sheet
 
     Raises
     ------
@@ -57,7 +57,7 @@ def setup(
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
     **options : the keys of the input file (docs/reference.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
-        800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
+        800 us if not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
         [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
         [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
         whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name": "FSP 1.10 g", ...} is one of

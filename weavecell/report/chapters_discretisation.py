@@ -20,7 +20,7 @@ _INDEX = (
 AGAINST_TESTS = Path(__file__).with_name(
     "against_tests.csv"
 )  # written by `python -m validation measured`
-_MEANS = "; of means that of the means, to which their standard errors are added"
+_MEANS = "; for means their difference, to which their standard errors are added"
 
 
 def summary(pair: Discretisation | None) -> dict[str, Any]:
@@ -150,7 +150,7 @@ def section(pair: Discretisation) -> Section:
         sentences.append(f"{line[0].upper()}{line[1:]}.")
     if pair.intervals:
         heads = ["result", pair.meshes[-2], pair.meshes[-1], "uncertainty"]
-        mesh = "on the mesh of the scene"
+        mesh = "on the mesh of the input file"
         of_means = ""
         if pair.other == "coarser":
             heads[1:3] = pair.meshes[-1], pair.meshes[-2]

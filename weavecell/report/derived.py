@@ -52,7 +52,7 @@ def _densities(fabric):
         other = "effective"
     weave = fabric.with_yarns(linear_density=both[other]).weave
     names = {
-        "effective": "effective, of the published runs (erratum E-07 of the thesis)",
+        "effective": "effective, of the published runs",
         "nominal": "nominal, of the data sheet",
     }
     denier = {

@@ -88,9 +88,7 @@ OF_IMPACTS = (
     Key("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     Key("checks", "", "quality indicators as JSON"),
     Key("pack", "", "what is stacked, as JSON; empty of one ply"),
-    Key(
-        "failure", "", "what the strength came to at failures, as JSON; empty where it is constant"
-    ),
+    Key("failure", "", "what the strength came to at failures, as JSON; empty if it is constant"),
 )
 DATASETS = tuple(key for key in OF_IMPACTS if key.unit)
 ATTRIBUTES = tuple(key for key in OF_IMPACTS if not key.unit)

@@ -228,7 +228,7 @@ def _laws(table, key, fabric, file, given):
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
         with placed(file, f"{key}.law."):
-            own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
+            own = CompressionLaw(law.a, law.b, law.form, provenance="given in the input file")
         check_room((own, own), fabric.weave, file=file, key=f"{key}.law.a")
         return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:

@@ -36,7 +36,7 @@ TOLERANCE = 1e-3
 
 
 class BiasTable(Table):
-    """A strip cut at 45 degrees to its yarns, pulled by two clamps (thesis section 4.4.3).
+    """A strip cut at 45 degrees to its yarns, pulled by two clamps.
 
     [bias_extension]
     length = "143.5 mm"
@@ -57,7 +57,7 @@ class BiasTable(Table):
 
 
 class FrameTable(Table):
-    """A square of fabric sheared in a hinged frame (thesis Figure 4-24).
+    """A square of fabric sheared in a hinged frame.
 
     [picture_frame]
     shear_angle = "35 deg"
@@ -81,11 +81,11 @@ class UniaxialTable(Table):
     length: quantity("length of the strip between the clamps", "m", "100 mm", most="5 m")
     width: quantity("width of the strip", "m", "30 mm", most="5 m")
     strain: quantity("nominal strain at the end", "", "5 %")
-    failure: flag("whether the run ends where a yarn reaches its strength") = True
+    failure: flag("whether the run ends when a yarn reaches its strength") = True
 
 
 class BiaxialTable(Table):
-    """A cross pulled by its four arms (thesis section 5.3).
+    """A cross pulled by its four arms.
 
     [biaxial]
     strain = ["2 %", "1 %"]
@@ -102,7 +102,7 @@ class BiaxialTable(Table):
     cross_yarns_removed: flag(
         "whether the transverse yarns of the arms are removed, so that the arms carry no transverse load"
     ) = True
-    failure: flag("whether the run ends where a yarn reaches its strength") = True
+    failure: flag("whether the run ends when a yarn reaches its strength") = True
 
     @model_validator(mode="after")
     def _of_two_strains(self):

@@ -36,20 +36,20 @@ class InlineLaw(Table):
     """
 
     a: quantity(
-        "thickness reduction of a yarn at large contact force, thesis eq. 4-12",
+        "thickness reduction of a yarn at large contact force",
         "m",
         "0.045 mm",
         zero=True,
     )
     b: quantity(
-        "coefficient of the cube root of the contact force, thesis eq. 4-12",
+        "coefficient of the cube root of the contact force",
         "m N^(1/3)",
         "0.058 mm N^(1/3)",
         zero=True,
         kind="a value {} in mm N^(1/3)",
     )
     form: one_of(
-        "behaviour at zero contact force: `regularised` (finite stiffness, erratum E-05) or as `printed` in the thesis",
+        "behaviour at zero contact force: `regularised` (finite stiffness) or as `printed` in the thesis",
         "regularised",
         "printed",
     ) = "regularised"
@@ -87,7 +87,7 @@ Law = Annotated[
 
 
 class WeavingDamageTable(Table):
-    """Modulus and strength of the woven yarn over those of the virgin yarn (thesis section 5.2.3), where yarns drawn
+    """Modulus and strength of the woven yarn over those of the virgin yarn, if yarns drawn
     from the fabric were tested.
 
     [fabric.weaving_damage]
@@ -134,8 +134,8 @@ class FabricTable(Table):
         "the path of a fabric file (*.toml)",
     ) = None
     linear_density: one_of(
-        "the linear density that is used where a fabric file has two: `effective`, from the areal density of the runs "
-        "of the thesis (erratum E-07), or `nominal`, of the data sheet",
+        "the linear density that is used where a fabric file has two: `effective`, from the areal density of the "
+        "published runs, or `nominal`, of the data sheet",
         "effective",
         "nominal",
     ) = "effective"
@@ -184,9 +184,9 @@ class FabricTable(Table):
             self.refuse(keys, "left out with fabric.surface")
         if self.cell_model != "compressible":
             models = '"incompressible" or "decoupled", whose yarns are not compressed'
-            self.refuse("law", f"left out where fabric.cell_model is {models}")
+            self.refuse("law", f"left out if fabric.cell_model is {models}")
         if self.cell_model == "decoupled":
-            words = 'left out where fabric.cell_model is "decoupled", whose yarns never touch'
+            words = 'left out if fabric.cell_model is "decoupled", whose yarns never touch'
             self.refuse("crossover_gap", words)
         if self.surface is None:
             other = "direct"

@@ -32,7 +32,9 @@ UNWRITTEN = silent(
     "run", "snapshot_interval checkpoint_interval outputs"
 )  # by functions that shoot many times
 SHOTS: Keys = (
-    IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
+    IMPACT
+    | UNWRITTEN
+    | {"accuracy": "left out: the shots are computed on the mesh of the input file"}
 )
 LIMITS: Keys = (
     SHOTS

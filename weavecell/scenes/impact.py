@@ -229,7 +229,7 @@ class RunTable(Table):
         most="10 ms",
     ) = 800e-6
     elements_per_crossover: whole(
-        "elements along each side of a crossover; where not given, they follow the failure length of the yarns under "
+        "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
         "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
@@ -329,15 +329,15 @@ class NumericsTable(Table):
         "damping ratio of the contact between projectile and fabric", 0.6, ge=0.0
     ) = None
     contact_points: whole(
-        "contact points along each side of a crossover; where not given 8, and more under a sharp nose",
+        "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
         1,
         64,
     ) = None
     threads: Annotated[
         int | None,
         described(
-            "threads of the time integration; where not given, chosen by the size of the model. Results do not depend "
-            "on it",
+            "threads that share the plies of a pack, at most one for each ply; a single ply has one. If not given, "
+            "chosen by the size of the model. Results do not depend on it",
             "a number of threads",
             example=1,
             ge=1,
@@ -372,7 +372,7 @@ class Scene(Table):
             and fabric.name is fabric.file is None
         ):
             if "fabric" not in self.model_fields_set or not fabric.model_fields_set:
-                allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
+                allowed = "a table [fabric], which may be left out if every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
         if isinstance(panel.opening, tuple):
@@ -392,7 +392,7 @@ class Scene(Table):
             raise InputError(key="fabric.surface", allowed="left out with [[panel.ply]]")
         for key, words in (
             ("rate_dependence", "left out with fabric.surface, whose yarns have one modulus"),
-            ("stacking", "aligned where the cell is a response surface"),
+            ("stacking", "aligned if the cell is a response surface"),
         ):
             if panel.sets(key):
                 raise InputError(key=f"panel.{key}", allowed=words)

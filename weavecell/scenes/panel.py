@@ -30,7 +30,7 @@ from weavecell.scenes.fabric_table import LAW, Law
 
 
 class SlipTable(Table):
-    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
+    """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
     `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
     [panel.boundary]
@@ -47,7 +47,7 @@ class SlipTable(Table):
     start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
     end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
     zone: quantity(
-        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given",
+        "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
         "m",
         "60 mm",
     ) = None
@@ -199,7 +199,7 @@ class StrengthTable(Table):
 
 
 MOST_PLIES = 100
-BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
+BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
@@ -225,7 +225,7 @@ class PlyTable(Table):
     law: Annotated[
         Law | None,
         described(
-            "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`",
+            "compression law of the ply; if not given `published`, for plies of [fabric] the law of `fabric.law`",
             LAW,
         ),
     ] = None
@@ -239,7 +239,7 @@ class PlyTable(Table):
         "45 deg",
     ) = 0.0
     gap: quantity(
-        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
+        "clearance to the next ply at rest; if not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
         "m",
         "0.12 mm",
         zero=True,
@@ -303,7 +303,7 @@ class PanelTable(Table):
         "pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating"
     ) = "aligned"
     ply_gap: quantity(
-        "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
+        "pack: clearance between plies at rest; if not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))",
         "m",
         "0.12 mm",
@@ -314,7 +314,7 @@ class PanelTable(Table):
         BeforeValidator(_ply_contact),
         WithJsonSchema(TEXT),
         described(
-            "pack: law of pressure against closure between two plies; where not given the law in the file of "
+            "pack: law of pressure against closure between two plies; if not given the law in the file of "
             "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
             _PLY_CONTACT,
         ),
@@ -344,7 +344,7 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; 20 mm where not given",
+        "resolved yarns: half width of the square zone about the nose; 20 mm if not given",
         "m",
         "20 mm",
     ) = None
@@ -354,7 +354,7 @@ class PanelTable(Table):
         2**31 - 1,
     ) = None
     crossover_friction: number(
-        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
+        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not given",
         0.2,
         ge=0.0,
         le=2.0,
@@ -389,7 +389,7 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_one_or_more_plies(self):
         if not self.yarn_failure:
-            self.refuse("rate_dependence strength", "left out where yarns do not fail")
+            self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
         if self.crossovers == "yarns":
@@ -399,7 +399,7 @@ class PanelTable(Table):
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
-            self.refuse("stacking", "aligned where the weave is oblique")
+            self.refuse("stacking", "aligned if the weave is oblique")
         return self
 
     def _check_resolved(self):
@@ -417,7 +417,7 @@ class PanelTable(Table):
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
         drawn = self.strength is not None
         if drawn and given and self.symmetry != "whole":
-            allowed = "whole, or left out, where yarns differ in strength"
+            allowed = "whole, or left out, if yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
         resolved = self.crossovers == "yarns"
         if resolved and given and self.symmetry != "whole":

@@ -124,7 +124,7 @@ def read(
     if name in catalogue.list_names():
         fabric = {"name": name}
     elif name.endswith(".toml"):
-        text, table = scenes.read_toml(name, what="scene or fabric")
+        text, table = scenes.read_toml(name, what="input file or fabric")
         if _OF_A_SCENE & set(table):
             return _target(
                 scenes.check(changed(table, changes), name, refused),
@@ -157,7 +157,7 @@ def is_input_file(name: str) -> bool:
     InputError : no such file, or not TOML
     """
     return name.endswith(".toml") and bool(
-        _OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1])
+        _OF_A_SCENE & set(scenes.read_toml(name, what="input file or fabric")[1])
     )
 
 
@@ -175,7 +175,9 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
             inner = inner.setdefault(part, {})
             if not isinstance(inner, dict):
                 raise InputError(
-                    key=key, value=value, allowed=f"left out: {part} is no table of the input file"
+                    key=key,
+                    value=value,
+                    allowed=f"left out: {part} is not a table of the input file",
                 )
         inner[last] = value
     return table

@@ -93,10 +93,11 @@ def test_extreme_crimps(crimps, counts):
 def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_nested_iterations():
     """From a force ten decades off, Newton's steps leave the range; a table has such a cell where contact begins."""
     model = CellModel(catalogue.load("S-720"))
-    warp, weft, gap, form, _ = model._arguments()
+    crossover = model.crossover
     found = {key: float(array) for key, array in model.solve(1.005, 1.005).items()}
-    free = [fill_kernels.free_height(1.005 * yarn[0], yarn[1]) for yarn in (warp, weft)]
-    cell = (1.005 * warp[0], 1.005 * weft[0], *free, warp, weft, gap, form)
+    w = tuple(1.005 * yarn.w for yarn in model.yarns)
+    free = tuple(fill_kernels.free_height(half, yarn.S0) for half, yarn in zip(w, model.yarns))
+    cell = (w, free, crossover)
     near = fill_kernels.close_cell(*cell, (1.1 * found["F"], found["h1"], found["h2"]))
     assert near == pytest.approx((found["F"], found["h1"], found["h2"]), rel=1e-10)
     far = fill_kernels.close_cell(*cell, (1e10 * found["F"], 40 * found["h1"], found["h2"]))

@@ -74,53 +74,71 @@ def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
 @pytest.mark.parametrize("s", [5, 8, 21])
 def test_gather_against_its_plain_twin(s):
     """Rows shorter than eight slots, of eight, and of more; neighbours come from the eight slots before."""
-    rng = np.random.default_rng(4)
-    rows = 4
-    m0 = 2 * s
-    rx = 3.0
-    ry = 5.0
-    A, B, up = (tuple(rng.normal(size=(3, (rows + 4) * s + 16))) for _ in range(3))
-    on1, on2, cross = rng.normal(size=(3, (rows + 4) * s + 16))
-    for idle in (on2, cross):
+    rng, rows, m0, rx, ry = np.random.default_rng(4), 4, 2 * s, 3.0, 5.0
+    state, const, work = random_block(
+        rng, s, ni=rows + 1, rows_per_block=rows, inv_dx=rx, inv_dy=ry
+    )
+    on2 = work.f_over_stretch[membrane_kernels.WEFT]
+    for idle in (on2, work.trellis_cross):
         idle[s - 1 :: s] = 0.0
-    g = tuple(np.zeros((3, rows * s)))
-    n = rows * s
-    membrane_kernels.scatter_forces(0, m0, n, s, (rx, ry), A, B, on1, on2, cross, up, g)
-    own = [[x[m0:] for x in part] for part in (A, B)]
-    plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
-    found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
-    assert_allclose(found, plain, rtol=0, atol=1e-13)
+    A = np.array(work.A)[:, m0:]
+    B = np.array(work.B)[:, m0:]
+    on1, on2 = np.array(work.f_over_stretch)[:, m0:]
+    plain = plain_gather(rows, s, rx, ry, A, B, on1, on2, work.trellis_cross[m0:])
+    membrane_kernels.scatter_forces(state, const, work, 0, 0, rows)
+    end = (rows + 1) * s
+    for c in range(3):
+        found = state.f_int[c][:end].copy()
+        found[rows * s :] = state.f_int_above[c][rows * s : end]
+        assert_allclose(found, plain[c].ravel(), rtol=0, atol=1e-13)
+
+
+def random_block(rng, s, **changes):
+    """(state, const, work) of a panel whose rows have s slots, with random numbers in the scratch."""
+    panel = make_panel(symmetry="whole", boundary="free", yarn_failure=False)
+    const = panel.constants()._replace(nj=s - 1, row_stride=s, **changes)
+    state, work = panel.state(1.0), panel.work()
+    for name in ("A", "B", "stretch", "inv_stretch", "N", "f_over_stretch", "trellis_turn"):
+        for part in getattr(work, name):
+            part[:] = rng.normal(size=part.size)
+    work.trellis_cross[:] = rng.normal(size=work.trellis_cross.size)
+    return state, const, work
 
 
 @pytest.mark.parametrize("again", [False, True])
 def test_edges_of_a_step_against_their_plain_twin(again):
     """Pulls, what is kept for the next step, and the works of N and of cv dL."""
+    s, cv, r = 11, (40.0, 30.0), (3.0, 5.0)
     rng = np.random.default_rng(5)
-    n = 11
-    room = 24
-    cv = 40.0
-    stretch, inverse, turned, N, y, L, P = 1.0 + 0.02 * rng.normal(size=(7, room))
-    D = rng.normal(size=room).astype(np.float32)
-    N = 50.0 * N
-    P = 50.0 * P
-    on = np.zeros(room)
-    was = [x.astype(float) for x in (L, P, D)]
-    edges = (stretch, inverse, turned, N)
-    kept = (L, P, D)
-    found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, edges, y, kept, on)
+    state, const, work = random_block(rng, s, inv_dx=r[0], inv_dy=r[1], cv1=cv[0], cv2=cv[1])
+    for part in (*state.stretch, *state.N, *state.dstretch, *state.yarn_length):
+        part[:] = rng.normal(size=part.size)
+    before = np.array([state.stretch, state.N, state.dstretch], float)
+    if again:
+        state.block_damage[0] = membrane_kernels.REDO
+    membrane_kernels.pull_yarns(state, const, work, 0, 0, 1)
     works = np.zeros(2)
-    for k in range(n):
-        m, (before, force, last) = k + 1, (x[k] for x in was)
-        d = last if again else stretch[m] - before
-        assert on[m] == pytest.approx(
-            3.0 * inverse[m] * (y[k] * (N[m] + cv * d) - turned[m] - turned[m - 1])
-        )
-        assert L[k] == stretch[m]
-        assert P[k] == N[m]
-        assert D[k] == np.float32(d)
-        works += y[k] * d * np.array([0.5 * (force + N[m]), 0.5 * cv * (last + d)])
-    assert_allclose(found, works, rtol=1e-12)
-    assert (L[n], P[n], D[n]) == tuple(x[n] for x in was)
+    for family, beside in enumerate((1, s)):
+        L, P, D = before[:, family]
+        y = state.yarn_length[family]
+        stretch = work.stretch[family]
+        N = work.N[family]
+        turned = work.trellis_turn[family]
+        for k in range(s):
+            m = k + 2 * s
+            d = stretch[m] - L[k]
+            if again:
+                d = D[k]
+            pull = y[k] * (N[m] + cv[family] * d) - turned[m] - turned[m - beside]
+            on = r[family] * work.inv_stretch[family][m] * pull
+            assert work.f_over_stretch[family][m] == pytest.approx(on)
+            assert state.stretch[family][k] == stretch[m]
+            assert state.N[family][k] == N[m]
+            assert state.dstretch[family][k] == np.float32(d)
+            works += y[k] * d * np.array([0.5 * (P[k] + N[m]), 0.5 * cv[family] * (D[k] + d)])
+        assert state.stretch[family][s] == L[s]
+    sums = state.energy_sums[0, [membrane_kernels.WORK, membrane_kernels.VISCOUS]]
+    assert_allclose(sums, works * (not again), rtol=1e-12)
 
 
 def test_uniform_tension_cancels_exactly():

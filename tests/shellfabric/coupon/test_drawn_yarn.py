@@ -133,10 +133,10 @@ def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
     B = 1e-6
     stretch = np.array([1.002])
     force = contact_force.contact_forces(model, (B, 0.0), np.array([0.97]), stretch, 100.0)[0, 0]
-    warp, weft = model.yarn_tuples
-    stiffness = B * np.pi**4 / (16 * warp[0] ** 3)
+    warp, weft = model.yarns
+    stiffness = B * np.pi**4 / (16 * warp.w**3)
     lift = np.pi / 4 * force / stiffness
-    fall = weft[3] - contact_force.heights(weft, 0.0, stretch, np.array([force]))[0, 0]
+    fall = weft.h0 - contact_force.heights(weft, 0.0, stretch, np.array([force]))[0, 0]
     pressed = sum(contact_force.compression(yarn, np.array([force]))[0] for yarn in (warp, weft))
     assert force > 0.01
     assert lift == pytest.approx(fall - pressed, rel=0.05)

@@ -5,8 +5,7 @@ from conftest_tools import advance, solver_at_rest
 from numpy.testing import assert_allclose
 from panels import make_panel
 
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.panel import element_kernels
+from shellfabric.cloth.membrane_kernels import DAMAGED, ERODED
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
@@ -70,7 +69,7 @@ def test_the_default_points_resolve_a_sharp_edge():
     assert abs(peak(8, 0.1e-3) / converged - 1).max() > 0.07
 
 
-@pytest.mark.parametrize("flag", [element_kernels.DAMAGED | 2, ERODED])
+@pytest.mark.parametrize("flag", [DAMAGED | 2, ERODED])
 def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
     """What the nose pushes is gone from one step to the next, by failure or as eroded: its last force, and friction,
     have done half a step's work since the last sum. It was dropped."""
@@ -84,7 +83,7 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
     for intact in state.intact_fraction:
         intact[:] = 0.0
     state.element_flag[nodes] = flag
-    state.block_damage[:] = element_kernels.DAMAGED
+    state.block_damage[:] = DAMAGED
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
     assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
         -0.5 * const.dt * pushed, rel=1e-9

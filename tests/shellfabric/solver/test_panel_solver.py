@@ -10,12 +10,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import failure_kernels
+from shellfabric.cloth import energy_kernels, membrane_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.output import checkpoint, snapshots
-from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
@@ -41,7 +40,7 @@ def test_what_a_snap_costs_has_a_row_of_its_own():
     here. It was in the energy error.
     """
     march = snapping()
-    worked = march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share
+    worked = march.state.energy_sums[:, membrane_kernels.WORK].sum() / march.panel.share
     stored = march.sample("yarn_strain")
     lost = worked - (stored[-1] - stored[0])
     assert lost > 1.5e-3 * march.strike_energy
@@ -132,7 +131,7 @@ def pull(panel, state, stretch1, stretch2):
     state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, work)
     ply_kernels.apply_failure(state, const, work)
-    return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
+    return energy_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
 @pytest.mark.parametrize("grading", [None, ((12, 0.5), (16, 1), (np.inf, 2))])
@@ -184,7 +183,7 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     assert stored[-1] == pytest.approx(cells * after**2 * weave.S02 / (2 * weave.weft.EA), rel=1e-9)
     # what was stored is either still there or lost; the trapezoid counts the last change of stretch with the old force
     sums = state.energy_sums.sum(axis=0)
-    assert sums[element_kernels.LOST_YARN] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
+    assert sums[membrane_kernels.LOST_YARN] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
     assert pull(panel, state, stretch, 1.06) == 0.0
     assert all(np.all(intact == 0.0) for intact in state.intact_fraction)
     assert all(np.all(g == 0.0) for g in (*state.f_int, *state.f_int_above))
@@ -199,7 +198,7 @@ def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     for gone in (k, k + 1):
         state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
         state.element_flag[[gone - 1, gone]] = WARP_FAILED
-    state.block_damage[:] = element_kernels.DAMAGED
+    state.block_damage[:] = membrane_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
     cell = CellModel(fabric).solve(1.02, 1.015)
     weave = fabric.weave

@@ -161,9 +161,9 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
 
 REFUSED = [  # keywords of a set-up
     ({"velocity": "3 kg"}, "velocity = '3 kg'"),
-    ({"plie": 3}, "plie = 3: is no keyword, did you mean plies?"),
-    ({"edge": "free"}, "edge = 'free': is no keyword; keywords: weaving_damage, law, "),
-    ({"edge_radius": 1.0}, "edge_radius = 1.0: is no keyword, did you mean projectile="),
+    ({"plie": 3}, "plie = 3: is not a keyword, did you mean plies?"),
+    ({"edge": "free"}, "edge = 'free': is not a keyword; keywords: weaving_damage, law, "),
+    ({"edge_radius": 1.0}, "edge_radius = 1.0: is not a keyword, did you mean projectile="),
     ({"projectile": CUT}, "projectile.edge_radius: is missing"),
     ({"ply_gap": 1e-4}, "ply_gap = 0.0001: must be left out for a single ply"),
     ({"law": (1,)}, "law = (1,): must be a CompressionLaw"),

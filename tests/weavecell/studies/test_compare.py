@@ -101,7 +101,7 @@ def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
     beside = compare.compare(tests, shots, Limit(104.0, 106.0, ())).summary()
     alone = wc.compare(tmp_path / "tests.csv").summary()
     assert {key: str(beside[key]) for key in alone} == {key: str(alone[key]) for key in alone}
-    with pytest.raises(wc.InputError, match="opening: must be left out where nothing is shot at"):
+    with pytest.raises(wc.InputError, match="opening: must be left out if nothing is shot at"):
         wc.compare(tmp_path / "tests.csv", opening=0.1)
 
 
