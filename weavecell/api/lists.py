@@ -355,8 +355,8 @@ def new_shot(file: FilePath) -> None:
     Examples
     --------
     >>> wc.new_shot("shot.toml")
-    >>> wc.setup("shot.toml").projectile.mass
-    0.003
+    >>> wc.impact("shot.toml", check=True).title
+    'my first shot'
     """
     path = _new_toml(file)
     template = Path(scenes.__file__).with_name("new_shot.toml").read_text("utf-8")
