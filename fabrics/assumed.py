@@ -1,14 +1,16 @@
-"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid, crimp, failure length.
+"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid,
+crimp, failure length.
 
-The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of the trellis follow
-from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a thickness and a share of the warp that
-have a range. The failure length is one for all families (`data_sheet.toml`). A fabric says what has been assumed:
-`Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and `lines` is what a
-command prints and records. `shear_ends`, `solid_ends`, `crimp_ends`, `failure_length_ends` and
-`ends` are the fabric with either end of the assumed ranges.
+The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of
+the trellis follow from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a
+thickness and a share of the warp that have a range. The failure length is one for all families
+(`data_sheet.toml`). A fabric says what has been assumed:
+`Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and
+`lines` is what a command prints and records. `shear_ends`, `solid_ends`, `crimp_ends`,
+`failure_length_ends` and `ends` are the fabric with either end of the assumed ranges.
 
-A number of the file with `low` and `high` has that range. A guess without them, which has the status "assumed" or, in
-[shear] or [solid], no source, has the range of its fibre family about it.
+A number of the file with `low` and `high` has that range. A guess without them, which has the
+status "assumed" or, in [shear] or [solid], no source, has the range of its fibre family about it.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ TABLES = {
 
 
 def with_shear(fabric: Fabric) -> Fabric:
-    """The fabric with a trellis law, that of its fibre family where its file gives none.
+    """The fabric with a trellis law, that of its fibre family if its file gives none.
 
     Raises
     ------
@@ -42,7 +44,7 @@ def with_shear(fabric: Fabric) -> Fabric:
 
 
 def with_solid_laws(fabric: Fabric) -> Fabric:
-    """The fabric with solid laws of its yarns, those of its fibre family where its file gives none.
+    """The fabric with solid laws of its yarns, those of its fibre family if its file gives none.
 
     Raises
     ------
@@ -52,7 +54,8 @@ def with_solid_laws(fabric: Fabric) -> Fabric:
 
 
 def transverse_moduli(fabric: Fabric) -> tuple[float, float]:
-    """(warp, weft) [Pa] of packed yarn across its fibres; of yarns of no known family the lowest of all families."""
+    """(warp, weft) [Pa] of packed yarn across its fibres; of yarns of no known family the lowest of
+    all families."""
     if fabric.solid_laws is None and family_of(fabric) is None:
         known = [law.E_c for family in list_families() for law in family.solid_laws("nominal")]
         return min(known), min(known)
@@ -62,8 +65,8 @@ def transverse_moduli(fabric: Fabric) -> tuple[float, float]:
 
 
 def with_strain_rate(fabric: Fabric) -> Fabric:
-    """The fabric with ratios of strength and modulus against the strain rate, those of its fibre family where its file
-    gives none.
+    """The fabric with ratios of strength and modulus against the strain rate, those of its fibre
+    family where its file gives none.
 
     Raises
     ------
@@ -74,7 +77,8 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
+    """{"soft", "stiff": the fabric with this end of its trellis law}; empty if none of its numbers
+    has a range."""
     changed = {}
     for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items():
         changed[end] = replace(fabric, shear=law)
@@ -82,7 +86,8 @@ def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
+    """{"soft", "stiff": the fabric with this end of its solid laws}; empty if none of their numbers
+    has a range."""
     changed = {}
     for end, laws in _ends(fabric, "solid", fabric.solid_laws).items():
         changed[end] = replace(fabric, solid_laws=laws)
@@ -120,7 +125,8 @@ def _law_at(fabric, table, family, law, soft):
 
 
 def _usual_ranges(fabric, table):
-    """{number of [shear] or [solid]: (low, high) over the value}, of the fibre family; empty where there is none."""
+    """{number of [shear] or [solid]: (low, high) over the value}, of the fibre family; empty if
+    there is none."""
     family = family_of(fabric)
     if family is None or table not in ("shear", "solid"):
         return {}
@@ -139,7 +145,8 @@ def _usual_ranges(fabric, table):
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
-    """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre family."""
+    """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre
+    family."""
     ranges = dict(fabric.ranges)
     for key in fabric.guessed:
         table, *_, name = key.split(".")
@@ -180,9 +187,10 @@ def _crimp_is_computed(fabric):
 
 
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{words: the fabric with one end of the thickness or of the warp's share that its crimp was computed from}.
+    """{words: the fabric with one end of the thickness or of the warp's share that its crimp was
+    computed from}.
 
-    Empty where both crimps are given; the share is varied where neither is.
+    Empty if both crimps are given; the share is varied if neither is.
     """
     if "crimp" not in fabric.assumed:
         return {}
@@ -203,7 +211,7 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
+    """{words: the fabric with one end of its assumed failure length}; empty if that is given."""
     length = entries()["failure_length"]
     usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
@@ -231,7 +239,8 @@ def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
 
 
 def _scaled(fabric, name, ratios):
-    """The fabric with a number of warp and weft times these ratios; the strength stays where the modulus changes."""
+    """The fabric with a number of warp and weft times these ratios; the strength stays if the
+    modulus changes."""
     field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
     pairs = list(zip(fabric.weave.yarns, ratios))
     values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
@@ -241,7 +250,8 @@ def _scaled(fabric, name, ratios):
 
 
 def given(fabric: Fabric, table: str) -> Fabric:
-    """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
+    """The fabric that no longer counts one table as assumed, such as "solid" after a fit; its value
+    stays."""
     ranges = {}
     for key, ratios in fabric.ranges.items():
         if key.partition(".")[0] != table:
@@ -252,8 +262,8 @@ def given(fabric: Fabric, table: str) -> Fabric:
 
 
 def family_of(fabric: Fabric) -> Family | None:
-    """The family that the file names, with wider ranges where the yarns do not belong to it; else the one that both
-    yarns belong to, by modulus and fibre density; None where there is none."""
+    """The family that the file names, with wider ranges if the yarns do not belong to it; else the
+    one that both yarns belong to, by modulus and fibre density; None if there is none."""
     yarns = fabric.weave.yarns
     if fabric.family is None:
         return next((family for family in list_families() if all(map(family.holds, yarns))), None)
@@ -264,7 +274,8 @@ def family_of(fabric: Fabric) -> Family | None:
 
 
 def lines(fabric: Fabric) -> list[str]:
-    """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
+    """One line for each table that was assumed, for crimp computed from the thickness, and for the
+    failure length."""
     family = family_of(fabric)
     name = "unknown"
     if family is not None:
@@ -353,7 +364,8 @@ def _range(pair, factor):
 
 
 def _solid_laws(fabric, family):
-    """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
+    """Solid laws of a family; the fibre volume fraction is that of a yarn's section if its area is
+    known."""
     laws = []
     for law, yarn, area in zip(family.solid_laws("nominal"), fabric.weave.yarns, fabric.yarn_area):
         if area is not None:
@@ -363,7 +375,7 @@ def _solid_laws(fabric, family):
 
 
 def _completed(fabric, table, law_of):
-    """The fabric with law_of(its family) where its file gives none, and where that comes from."""
+    """The fabric with law_of(its family) if its file gives none, and where that comes from."""
     field = table
     if table == "solid":
         field = "solid_laws"

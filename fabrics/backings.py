@@ -1,7 +1,7 @@
 """Backings by name: modelling clay and ballistic gelatine (`backings.toml`).
 
-An entry holds keys of the table [backing] of an input file as they would be written there ("0.1 MPa"; a number where
-there is no unit), each with its source and status.
+An entry holds keys of the table [backing] of an input file as they would be written there ("0.1
+MPa"; a number where there is no unit), each with its source and status.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ def entry(
 
     Raises
     ------
-    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the names there are
+    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the
+        names there are
     """
     if name not in list_names():
         raise unknown_name("backing", name, list_names(), file=file, key=key)
@@ -73,7 +74,8 @@ def load(name: str) -> Isotropic:
 
 
 def assumed_line(name: str, block: Isotropic) -> str:
-    """Line that names the constants of a block, of a backing or of "" (the thesis), that are assumed."""
+    """Line that names the constants of a block, of a backing or of "" (the thesis), that are
+    assumed."""
     if name:
         data = entry(name)
     else:

@@ -3,9 +3,9 @@
     printed       d_c = a - b / F^(1/3)                            (thesis eqs. 2-7, 4-12)
     regularised   d_c = a - b / (F + F0)^(1/3),  F0 = (b / a)^3    (erratum E-05)
 
-The printed form falls to minus infinity as the force goes to zero, so that yarns at rest would push each other
-apart. The regularised form has the same limit a and the same b, is zero at zero force, and is van Wyk's law
-(eq. 2-1). a = b = 0 is a yarn that cannot be compressed.
+The printed form falls to minus infinity as the force goes to zero, so that yarns at rest would push
+each other apart. The regularised form has the same limit a and the same b, is zero at zero force,
+and is van Wyk's law (eq. 2-1). a = b = 0 is a yarn that cannot be compressed.
 """
 
 from __future__ import annotations
@@ -38,13 +38,15 @@ class CompressionLaw:
     b : [m N^(1/3)]
     form : "regularised" or "printed"
     provenance : where a and b come from
-    residual_rms : [m] of the fit, None where there was none
+    residual_rms : [m] of the fit, None if there was none
     F_range : (lowest, highest) [N] force of the fitted samples
     a_interval, b_interval : (low, high) 95 % confidence intervals
-    assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed solid law that the law
-        was fitted from; None where that was not assumed
-    fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a user gives
-    fitted_data : digest of the data of that fabric (`variants.data_digest`); empty where it is not known
+    assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed
+        solid law that the law was fitted from; None if that was not assumed
+    fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a
+        user gives
+    fitted_data : digest of the data of that fabric (`variants.data_digest`); empty if it is not
+        known
 
     Raises
     ------
@@ -80,7 +82,8 @@ class CompressionLaw:
         return cls(0.0, 0.0, provenance="incompressible limit")
 
     def ends(self) -> dict[str, CompressionLaw]:
-        """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
+        """{"soft", "stiff": the law at this end of its assumed range}; empty if nothing was
+        assumed."""
         laws = {}
         for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ()):
             provenance = f"{self.provenance}; {end} end of the assumed range"
@@ -88,7 +91,8 @@ class CompressionLaw:
         return laws
 
     def outside_ends(self) -> list[str]:
-        """A line for each end of the assumed range that the law lies outside of, up to the largest force of its fit.
+        """A line for each end of the assumed range that the law lies outside of, up to the largest
+        force of its fit.
 
         The soft end is to be compressed more than the law, the stiff end less.
         """
@@ -140,7 +144,8 @@ class CompressionLaw:
         return 0.0
 
     def d(self, F: ArrayLike) -> FloatArray:
-        """Compression [m] at the contact force `F` [N]; no force, no compression (regularised form)."""
+        """Compression [m] at the contact force `F` [N]; no force, no compression (regularised
+        form)."""
         F = np.asarray(F, float)
         if self.a == 0:
             return np.zeros_like(F)
@@ -167,7 +172,8 @@ class CompressionLaw:
             return self.b / 3 * (np.maximum(F, 0) + self._shift) ** (-4 / 3)
 
     def energy(self, d: ArrayLike) -> FloatArray:
-        """Work [J] of the contact force from zero compression to `d` [m], 0 <= d < a (regularised form)."""
+        """Work [J] of the contact force from zero compression to `d` [m], 0 <= d < a (regularised
+        form)."""
         d = np.asarray(d, float)
         return self.b**3 / 2 * ((self.a - d) ** -2 - self.a**-2) - self._shift * d
 
@@ -234,7 +240,8 @@ class CompressionLaw:
         )
 
     def to_json(self, path: FilePath, contact: PlyLaw | None = None) -> None:
-        """Write the law, its fit and its provenance; and `contact`, the law of plies on each other, beside it."""
+        """Write the law, its fit and its provenance; and `contact`, the law of plies on each other,
+        beside it."""
         content = {
             "form": self.form,
             "a": f"{self.a!r} m",

@@ -1,12 +1,15 @@
-"""What follows from the quantities of a data sheet: crimp from thickness, failure strain from strength, checks.
+"""What follows from the quantities of a data sheet: crimp from thickness, failure strain from
+strength, checks.
 
-Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of the sum of the
-yarns' thicknesses there; where the faces of both families are level that sum is the thickness of the fabric:
+Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of
+the sum of the yarns' thicknesses there; where the faces of both families are level that sum is the
+thickness of the fabric:
 
     t = 2 (h1 + h2),   h1 = s t / 2,   h2 = (1 - s) t / 2,   crimp_i = S(w_i, h_i) / 2 w_i - 1
 
-with S of thesis eq. 4-3. t is also the thickness of the shell (thesis section 6.6). The share s of the warp is on no
-data sheet: `data_sheet.toml` has its value with a range, and that of the thickness.
+with S of thesis eq. 4-3. t is also the thickness of the shell (thesis section 6.6). The share s of
+the warp is on no data sheet: `data_sheet.toml` has its value with a range, and that of the
+thickness.
 """
 
 from __future__ import annotations
@@ -56,12 +59,14 @@ def crimps(
     ----------
     w : (w1, w2) [m] half cell lengths along warp and weft
     thickness : [m] 2 (h1 + h2)
-    known : crimps that are given; where one of two is, the other yarn has the rest of the thickness
-    share : height of the warp over the sum of both, where neither is given; None takes that of `data_sheet.toml`
+    known : crimps that are given; if one of two is, the other yarn has the rest of the thickness
+    share : height of the warp over the sum of both, if neither is given; None takes that of
+        `data_sheet.toml`
 
     Raises
     ------
-    InputError : the yarn whose crimp is known is alone higher than half of the thickness, or a crimp out of bounds
+    InputError : the yarn whose crimp is known is alone higher than half of the thickness, or a
+        crimp out of bounds
     """
     if share is None:
         share = entries()["warp_share"].value
@@ -120,7 +125,8 @@ def linear_density(yarn: YarnTable) -> float:
 
 
 def check_fibre(yarn: Yarn, key: str) -> None:
-    """Check strength and failure strain of a yarn against the ranges of the fibre families it may belong to.
+    """Check strength and failure strain of a yarn against the ranges of the fibre families it may
+    belong to.
 
     Yarns of no family are not checked.
 
@@ -149,11 +155,12 @@ def check_fibre(yarn: Yarn, key: str) -> None:
 def disagreement(
     computed: float, stated: float, key: str, value: str, allowed: str
 ) -> float | None:
-    """[-] by which what other data give is above a stated quantity; None where that is below NOTED.
+    """[-] by which what other data give is above a stated quantity; None if that is below NOTED.
 
     Raises
     ------
-    InputError : above the limit of `data_sheet.toml`; its `allowed` is the text with {} for the limit
+    InputError : above the limit of `data_sheet.toml`; its `allowed` is the text with {} for the
+        limit
     """
     limit = entries()["contradiction"].value
     off = computed / stated - 1
@@ -165,7 +172,7 @@ def disagreement(
 
 
 def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> str:
-    """A line where a given failure strain disagrees with the strength, else an empty text.
+    """A line if a given failure strain disagrees with the strength, else an empty text.
 
     Raises
     ------
@@ -189,10 +196,11 @@ def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> 
 
 
 def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
-    """A line where counts, linear densities and crimps give another mass of the fabric than is stated.
+    """A line where counts, linear densities and crimps give another mass of the fabric than is
+    stated.
 
-    The measured areal density of the thesis's fabrics stands beside the nominal linear densities: it is compared
-    without a note.
+    The measured areal density of the thesis's fabrics stands beside the nominal linear densities:
+    it is compared without a note.
 
     Raises
     ------
@@ -243,7 +251,7 @@ def width_notes(file: FabricFile) -> list[str]:
 
 
 def thickness_note(weave: Weave, stated: float) -> list[str]:
-    """A line where the crimps give another thickness than the stated one [m].
+    """A line if the crimps give another thickness than the stated one [m].
 
     Raises
     ------

@@ -32,24 +32,31 @@ class Fabric:
     laws : (CompressionLaw, CompressionLaw) or None, published compression laws of warp and weft
     shear : TrellisShear or None
     solid_laws : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
-    section : of SECTIONS, the yarn section of the 3D crossover; None takes the first of them that fits
+    section : of SECTIONS, the yarn section of the 3D crossover; None takes the first of them that
+        fits
     areal_density_measured : [kg/m2] or None
-    interlayer_gap : [m] what neighbouring plies of a pack close in a test besides their contact law, or None
-    effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
+    interlayer_gap : [m] what neighbouring plies of a pack close in a test besides their contact
+        law, or None
+    effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum
+        E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "failure_length", "shear", "solid" and "strain_rate" what the data file does not give (see
-        `fabrics.assumed`)
-    yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
+    assumed : of "crimp", "failure_length", "shear", "solid" and "strain_rate" what the data file
+        does not give (see `fabrics.assumed`)
+    yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None if not known
     thickness : [m] of the data sheet, or None
-    yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None where not known
+    yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each
+        None if not known
     notes : lines about numbers of the data file that disagree
-    ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_laws.default`)
+    ply_contact : PlyLaw of plies of this fabric on each other, or None (see
+        `fabrics.ply_laws.default`)
     strain_rate : RateLaw of its yarns, or None
-    failure_length : [m] half width, across the fibres, of the mean tension that is held against the strength
+    failure_length : [m] half width, across the fibres, of the mean tension that is held against the
+        strength
     ranges : {dotted key: (low, high) over the value} of numbers with a range of their own
     guessed : dotted keys of numbers that are assumed without a range
-    family : name of the fibre family whose values are assumed; None takes that which modulus and fibre density decide
+    family : name of the fibre family whose values are assumed; None takes that which modulus and
+        fibre density decide
     """
 
     name: str
@@ -119,7 +126,8 @@ class Fabric:
         return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
 
     def with_effective_density(self) -> Fabric:
-        """This fabric with the linear densities that the shell runs of the thesis used (erratum E-07).
+        """This fabric with the linear densities that the shell runs of the thesis used (erratum
+        E-07).
 
         Raises
         ------
@@ -130,7 +138,8 @@ class Fabric:
         return self.with_yarns(linear_density=self.effective_linear_density)
 
     def at_high_rate(self) -> Fabric:
-        """This fabric with the modulus that its yarns have at the highest rate of `strain_rate`; strengths stay.
+        """This fabric with the modulus that its yarns have at the highest rate of `strain_rate`;
+        strengths stay.
 
         Raises
         ------
@@ -146,7 +155,8 @@ class Fabric:
         return self.with_yarns(E=moduli, failure_strain=strains)
 
     def with_weaving_damage(self, damage: WeavingDamage) -> Fabric:
-        """This fabric with modulus and strength of its yarns after weaving; geometry, masses and laws stay.
+        """This fabric with modulus and strength of its yarns after weaving; geometry, masses and
+        laws stay.
 
         The shares go into `sources`, with their source and status.
 

@@ -1,12 +1,13 @@
 """Tables of a fabric file: every key with its units and bounds, an example and its meaning.
 
-A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"`; it is
-read as a `Datum`; with `low` and `high` it has a range. What lies outside the bounds is an error of the unit.
+A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420
+denier"`; it is read as a `Datum`; with `low` and `high` it has a range. What lies outside the
+bounds is an error of the unit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -41,7 +42,8 @@ FIBRES = ("para-aramid", "UHMWPE", "E-glass")  # names of `fabrics.families`
 
 @dataclass(frozen=True)
 class Datum:
-    """A number of a fabric file: value in the SI `unit`, text, where it comes from, ends of its range over it."""
+    """A number of a fabric file: value in the SI `unit`, text, where it comes from, ends of its
+    range over it."""
 
     value: float
     unit: str
@@ -63,8 +65,8 @@ class Quantity:
 
     Parameters
     ----------
-    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa", or "" of a number
-        that the law made from it checks}
+    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa",
+        or "" of a number that the law made from it checks}
     example, meaning : texts for messages and prompts
     """
 
@@ -162,13 +164,15 @@ class DataTable(Table):
         parts = ((key, part) for key, field in cls.model_fields.items() for part in field.metadata)
         return {key: part for key, part in parts if isinstance(part, Quantity)}
 
-    def data(self, prefix: str = "") -> Iterator[tuple[str, Datum]]:
-        """(dotted key, Datum) of all numbers of the table and of those in it."""
+    def data(self, prefix: str = "") -> dict[str, Datum]:
+        """{dotted key: Datum} of all numbers of the table and of those in it."""
+        numbers = {}
         for key, value in self:
             if isinstance(value, Datum):
-                yield f"{prefix}{key}", value
+                numbers[prefix + key] = value
             elif isinstance(value, DataTable):
-                yield from value.data(f"{prefix}{key}.")
+                numbers |= value.data(f"{prefix}{key}.")
+        return numbers
 
 
 class YarnTable(DataTable):

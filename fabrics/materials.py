@@ -1,4 +1,5 @@
-"""Isotropic elastic-plastic materials: the projectile's steel and the default block (thesis Tables 4-2, 6-1).
+"""Isotropic elastic-plastic materials: the projectile's steel and the default block (thesis Tables
+4-2, 6-1).
 
 Clay and gelatine by name are in `fabrics.backings`.
 """
@@ -32,7 +33,8 @@ _ROUND = {"diameter": "m", "length": "m", "mass": "kg", "bore": "m"}
 class Isotropic:
     """Linear elasticity, and J2 plasticity with linear hardening and a power of the rate.
 
-    q = (yield_stress + hardening alpha) (1 + d(alpha)/dt / reference_rate)^rate_exponent while it flows.
+    q = (yield_stress + hardening alpha) (1 + d(alpha)/dt / reference_rate)^rate_exponent while it
+    flows.
 
     Parameters
     ----------
@@ -41,7 +43,8 @@ class Isotropic:
     poisson : [-]
     yield_stress : [Pa] in tension; infinite for an elastic material
     hardening : [Pa] plastic modulus, d(yield stress) / d(effective plastic strain)
-    erosion_strain : [-] effective plastic strain at which an element is taken out; infinite for never
+    erosion_strain : [-] effective plastic strain at which an element is taken out; infinite for
+        never
     rate_exponent : [-] of the flow stress; 0 for none (which is all that a projectile of steel has)
     reference_rate : [1/s] from which the rate counts
 
@@ -110,7 +113,8 @@ def load(name: str) -> Isotropic:
 
 
 def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
-    """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have their defaults."""
+    """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have
+    their defaults."""
     read = in_si(table, _UNITS, file)
     return Isotropic(**read, erosion_strain=float(table["erosion_strain"]["value"]))
 
@@ -127,7 +131,7 @@ def in_si(
 
 
 def plain(text: str) -> float | str:
-    """A number where the text is one: ratios carry no unit."""
+    """A number if the text is one: ratios carry no unit."""
     try:
         return float(text)
     except ValueError:

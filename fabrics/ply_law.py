@@ -1,13 +1,15 @@
-"""Contact law of two neighbouring plies: pressure against closure, per area, the same on every mesh.
+"""Contact law of two neighbouring plies: pressure against closure, per area, the same on every
+mesh.
 
-Closure is the thickness that two half plies lose under a pressure from outside, from their thickness at rest on; of two
-plies of one fabric it is what one ply loses between platens. The weave gives way first (127 to 240 um up to 19.4 MPa in
-the 3D crossovers of six Kevlar 129 fabrics), then fibre is pressed on fibre:
+Closure is the thickness that two half plies lose under a pressure from outside, from their
+thickness at rest on; of two plies of one fabric it is what one ply loses between platens. The weave
+gives way first (127 to 240 um up to 19.4 MPa in the 3D crossovers of six Kevlar 129 fabrics), then
+fibre is pressed on fibre:
 
     p(d)  from samples, linear between them,        dp/dd = E_c rho_f / A_d  beyond the last one
 
-with E_c the transverse modulus of packed yarn, rho_f the density of the fibre and A_d the areal density of a ply, so
-that A_d / rho_f is the thickness of a solid sheet of its fibre.
+with E_c the transverse modulus of packed yarn, rho_f the density of the fibre and A_d the areal
+density of a ply, so that A_d / rho_f is the thickness of a solid sheet of its fibre.
 
 Which law a fabric has: `fabrics.ply_laws`.
 """
@@ -93,7 +95,8 @@ class PlyLaw:
         }
 
     def between(self, other: PlyLaw) -> PlyLaw:
-        """The law of a ply of this fabric on one of another: half of the closure of each at every pressure."""
+        """The law of a ply of this fabric on one of another: half of the closure of each at every
+        pressure."""
         if other is self or other == self:
             return self
         pressure = np.union1d(self.pressure, other.pressure)

@@ -46,7 +46,8 @@ def default(fabric: Fabric) -> PlyLaw:
 
 
 def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
-    """The law that a user names: "solid", "pressure_law", or a file (see `read`); a PlyLaw as it is.
+    """The law that a user names: "solid", "pressure_law", or a file (see `read`); a PlyLaw as it
+    is.
 
     Raises
     ------
@@ -60,17 +61,19 @@ def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
 
 
 def fitted_data(choice: PlyLaw | FilePath) -> str:
-    """Digest of the data that a law.json was fitted to; empty of any other choice, and if it is not known."""
+    """Digest of the data that a law.json was fitted to; empty of any other choice, and if it is not
+    known."""
     if isinstance(choice, PlyLaw) or choice in NAMED or Path(choice).suffix == ".csv":
         return ""
     return str(law_file.read(choice).get("fitted_data", ""))
 
 
 def of_packs(fabric: Fabric) -> PlyLaw:
-    """The pressure law of packs (thesis eqs. 5-1 to 5-4), "fitted" to tests of Kevlar 129 plain weaves.
+    """The pressure law of packs (thesis eqs. 5-1 to 5-4), "fitted" to tests of Kevlar 129 plain
+    weaves.
 
-    Its closure counts from the 10 N on the platen at which the records begin (erratum E-02), and so does its
-    pressure here: 28 kPa less than that of the test, 0.1 % at its end.
+    Its closure counts from the 10 N on the platen at which the records begin (erratum E-02), and so
+    does its pressure here: 28 kPa less than that of the test, 0.1 % at its end.
 
     Raises
     ------
@@ -97,8 +100,8 @@ def read(path: FilePath, fabric: Fabric) -> PlyLaw:
 
     Parameters
     ----------
-    path : law.json of `weavecell calibrate`, or a CSV file of two columns whose first line names them with their
-        units, such as closure [um], pressure [MPa], and whose first row is 0, 0
+    path : law.json of `weavecell calibrate`, or a CSV file of two columns whose first line names
+        them with their units, such as closure [um], pressure [MPa], and whose first row is 0, 0
 
     Raises
     ------
@@ -137,7 +140,8 @@ def stands_in(path: FilePath) -> bool:
 
 
 def from_table(table: Any, fabric: Fabric, file: FilePath) -> PlyLaw:
-    """The law of a table `ply_contact`: closure and pressure as lists of texts with units, source and status.
+    """The law of a table `ply_contact`: closure and pressure as lists of texts with units, source
+    and status.
 
     A table { file = "curve.csv" } names a file beside it (`read`).
 
@@ -180,9 +184,11 @@ def _checked(columns, source, status, fabric, file, where="ply_contact."):
 
 
 def solid_fibre(fabric: Fabric) -> PlyLaw:
-    """Solid fibre from the first touch on: the law of a fabric of which no travel is known, "assumed".
+    """Solid fibre from the first touch on: the law of a fabric of which no travel is known,
+    "assumed".
 
-    Between the two faces of a ply lie its warp and its weft, each as a solid sheet of its mass, in series:
+    Between the two faces of a ply lie its warp and its weft, each as a solid sheet of its mass, in
+    series:
 
         1 / K = sum over both of A / (rho_f E_c)
 
@@ -206,10 +212,12 @@ def solid_fibre(fabric: Fabric) -> PlyLaw:
 
 
 def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray, FloatArray]:
-    """Pressure [Pa] and what two neighbouring plies of a pack close (thesis eqs. 5-1 to 5-4, erratum E-02) [m].
+    """Pressure [Pa] and what two neighbouring plies of a pack close (thesis eqs. 5-1 to 5-4,
+    erratum E-02) [m].
 
-    A pack of N plies closes d_N = 2 d_m + (N - 1) d_f between platens, one ply d_1 = 2 d_m, with d_m between a middle
-    surface and a platen and d_f between two middle surfaces: d_f = (d_N - d_1) / (N - 1).
+    A pack of N plies closes d_N = 2 d_m + (N - 1) d_f between platens, one ply d_1 = 2 d_m, with
+    d_m between a middle surface and a platen and d_f between two middle surfaces: d_f = (d_N - d_1)
+    / (N - 1).
 
     Parameters
     ----------
@@ -228,9 +236,11 @@ NAMED = {"solid": solid_fibre, "pressure_law": of_packs}
 
 
 def packing_stiffness(fabric: Fabric) -> float:
-    """[N/m] stiffness of a ply, in its plane, as solid fibre: the sum over both yarns of E_c A / rho_f
+    """[N/m] stiffness of a ply, in its plane, as solid fibre: the sum over both yarns of E_c A /
+    rho_f
 
-    with A = areal density of one yarn family, rho_f the density of its fibre and E_c its transverse modulus.
+    with A = areal density of one yarn family, rho_f the density of its fibre and E_c its transverse
+    modulus.
     """
     weave = fabric.weave
     return sum(

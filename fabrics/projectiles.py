@@ -1,7 +1,9 @@
-"""Projectiles by name: fragment simulators, right circular cylinders and spheres of steel (`projectiles.toml`).
+"""Projectiles by name: fragment simulators, right circular cylinders and spheres of steel
+(`projectiles.toml`).
 
-An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10 g"), each with its
-source and status, and the tolerance of the mass where one is known. A file of a user (*.toml) is such an entry too.
+An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10
+g"), each with its source and status, and the tolerance of the mass if one is known. A file of a
+user (*.toml) is such an entry too.
 """
 
 from __future__ import annotations
@@ -45,7 +47,8 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
 
     Raises
     ------
-    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the names there are
+    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the
+        names there are
     """
     if name.endswith(".toml"):
         path = Path(file or "").parent / name

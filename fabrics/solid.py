@@ -1,4 +1,5 @@
-"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (thesis section 3.4.2).
+"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (thesis
+section 3.4.2).
 
 V_f <= Vf0          K_r E_c                  (eq. 3-10)
 Vf0 < V_f < V_c     a_E / (b_E - V_f)        (eqs. 3-11 .. 3-13)

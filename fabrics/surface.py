@@ -1,6 +1,8 @@
-"""Response of a crossover over a rectangle of end displacements: tensions, contact force and heights, with its file.
+"""Response of a crossover over a rectangle of end displacements: tensions, contact force and
+heights, with its file.
 
-The file is HDF5: one dataset an array, SI units in the attribute "unit", provenance in the attributes of the root.
+The file is HDF5: one dataset an array, SI units in the attribute "unit", provenance in the
+attributes of the root.
 """
 
 from __future__ import annotations

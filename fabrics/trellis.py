@@ -1,7 +1,9 @@
-"""Trellis shear of a plain weave: three zones of the angle between the yarns (thesis section 4.3.2).
+"""Trellis shear of a plain weave: three zones of the angle between the yarns (thesis section
+4.3.2).
 
-The tangent modulus is G1 up to gamma1, rises linearly to G2 at gamma2, and stays G2 (eq. 4-35). The stress is its
-integral, a total and odd function of the shear angle (erratum E-11: eq. 4-35 is a tangent, not a secant).
+The tangent modulus is G1 up to gamma1, rises linearly to G2 at gamma2, and stays G2 (eq. 4-35). The
+stress is its integral, a total and odd function of the shear angle (erratum E-11: eq. 4-35 is a
+tangent, not a secant).
 """
 
 from __future__ import annotations
@@ -45,7 +47,8 @@ class TrellisShear:
             )
 
     def stress(self, gamma: ArrayLike) -> FloatArray:
-        """Shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35 integrated)."""
+        """Shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35
+        integrated)."""
         gamma = np.asarray(gamma, float)
         g = np.abs(gamma)
         middle = np.clip(g, self.gamma1, self.gamma2) - self.gamma1
@@ -55,7 +58,8 @@ class TrellisShear:
 
 
 def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> float:
-    """G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length (eq. 4-49).
+    """G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length (eq.
+    4-49).
 
     The thesis took the cell length along the warp for the section (erratum E-07).
     """
@@ -77,7 +81,8 @@ def touching_angle(width: float, spacing: float) -> float:
 
 
 def locking_angle(A_s: float, K_s: float, thickness: float, spacing: float) -> float:
-    """gamma2 [rad] from a packed ellipse of area A_s / K_s and axes u2, thickness / 2 (eqs. 4-33, 4-34, erratum E-08).
+    """gamma2 [rad] from a packed ellipse of area A_s / K_s and axes u2, thickness / 2 (eqs. 4-33,
+    4-34, erratum E-08).
 
     Raises
     ------

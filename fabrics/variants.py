@@ -1,7 +1,8 @@
 """Variants of a fabric: the one place where a fabric is changed into another.
 
-Every function takes a `Fabric` and returns a new one; the given fabric stays as it is. A value of the yarns is a
-number for both families or a pair (warp, weft), and so is a factor. Sources stay those of the given fabric.
+Every function takes a `Fabric` and returns a new one; the given fabric stays as it is. A value of
+the yarns is a number for both families or a pair (warp, weft), and so is a factor. Sources stay
+those of the given fabric.
 
 | change | function |
 | --- | --- |
@@ -14,8 +15,9 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | failure length | `with_failure_length` |
 | warp and weft exchanged | `rotated_90` |
 
-Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with (compressible,
-incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.CellModel`.
+Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with
+(compressible, incompressible, decoupled) is a choice of the model:
+`shellfabric.cell.model.CellModel`.
 """
 
 from __future__ import annotations
@@ -33,9 +35,11 @@ Value: TypeAlias = float | Iterable[float]
 
 
 def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
-    """The "nominal" linear densities, or the "effective" ones where the fabric has such (erratum E-07).
+    """The "nominal" linear densities, or the "effective" ones if the fabric has such (erratum
+    E-07).
 
-    A caller that needs the effective ones uses `Fabric.with_effective_density`, which refuses a fabric without them.
+    A caller that needs the effective ones uses `Fabric.with_effective_density`, which refuses a
+    fabric without them.
     """
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
@@ -53,9 +57,11 @@ def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
 
 
 def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
-    """Linear densities times a factor [-] at constant axial stiffness E A_s of the yarns (thesis section 6.3.3).
+    """Linear densities times a factor [-] at constant axial stiffness E A_s of the yarns (thesis
+    section 6.3.3).
 
-    The section of the fibres grows with the linear density, so that the modulus is divided by the factor.
+    The section of the fibres grows with the linear density, so that the modulus is divided by the
+    factor.
     """
     return fabric.with_yarns(
         E=tuple(yarn.E / factor for yarn in fabric.weave.yarns),
@@ -64,7 +70,8 @@ def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
 
 
 def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
-    """Both constants of the compression laws, each times a factor [-]; a fabric without laws is returned as it is."""
+    """Both constants of the compression laws, each times a factor [-]; a fabric without laws is
+    returned as it is."""
     if fabric.laws is None:
         return fabric
     warp, weft = (replace(law, a=a * law.a, b=b * law.b) for law in fabric.laws)
@@ -88,7 +95,8 @@ def with_shear(fabric: Fabric, **values: float) -> Fabric:
 
 
 def scale_shear(fabric: Fabric, moduli: float = 1.0, angles: float = 1.0) -> Fabric:
-    """Moduli and angles of the trellis, each times a factor [-]; a fabric without trellis is returned as it is."""
+    """Moduli and angles of the trellis, each times a factor [-]; a fabric without trellis is
+    returned as it is."""
     if fabric.shear is None:
         return fabric
     law = fabric.shear
@@ -129,10 +137,11 @@ def with_failure_length(fabric: Fabric, length: float) -> Fabric:
 
 
 def data_digest(fabric: Fabric) -> str:
-    """Digest of what a compression law of the fabric is computed from: its weave, sections and solid laws.
+    """Digest of what a compression law of the fabric is computed from: its weave, sections and
+    solid laws.
 
-    The linear densities are the effective ones, so that it is the same for either choice; laws of the solid that are
-    assumed are left out.
+    The linear densities are the effective ones, so that it is the same for either choice; laws of
+    the solid that are assumed are left out.
     """
     solid = None
     if "solid" not in fabric.assumed:
@@ -143,7 +152,8 @@ def data_digest(fabric: Fabric) -> str:
 
 
 def rotated_90(fabric: Fabric) -> Fabric:
-    """The fabric rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
+    """The fabric rotated by a right angle: warp and weft exchanged, with their counts and
+    compression laws."""
     weave = fabric.weave
     weave = replace(
         weave,

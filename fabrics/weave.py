@@ -1,7 +1,7 @@
 """The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
 
-The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is the
-spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
+The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is
+the spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
 
     S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
 
@@ -38,10 +38,11 @@ def arc_length(w: ArrayLike, h: ArrayLike) -> FloatArray:
 
 
 def height_from_length(w: float, S: float) -> float:
-    """Height of the centreline of a yarn of length `S` over the cell 2 w: the inverse of `arc_length` (eq. 4-5).
+    """Height of the centreline of a yarn of length `S` over the cell 2 w: the inverse of
+    `arc_length` (eq. 4-5).
 
-    Newton's method on k = pi h / 2 w. The length is convex and rising in k, so every step after the first comes
-    from above and the iteration cannot fail.
+    Newton's method on k = pi h / 2 w. The length is convex and rising in k, so every step after the
+    first comes from above and the iteration cannot fail.
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""One yarn: a bundle of straight elastic fibres, woven in with a crimp. Linear elastic to its failure strain.
+"""One yarn: a bundle of straight elastic fibres, woven in with a crimp. Linear elastic to its
+failure strain.
 
 Equations (thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E A_s (erratum E-39).
 """
@@ -75,8 +76,8 @@ class Yarn:
 
 
 def striking_velocity(c: float, strain: float) -> float:
-    """[m/s] velocity across a straight yarn of the wave speed `c` [m/s] that leaves the strain behind its waves
-    (Smith's closed form; docs/theory-panel.md, "Wave speeds")."""
+    """[m/s] velocity across a straight yarn of the wave speed `c` [m/s] that leaves the strain
+    behind its waves (Smith's closed form; docs/theory-panel.md, "Wave speeds")."""
     return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 
@@ -84,9 +85,9 @@ def striking_velocity(c: float, strain: float) -> float:
 class WeavingDamage:
     """What weaving leaves of modulus and strength of the yarns of both families.
 
-    Yarn data of a catalogue are those of yarns before weaving, which breaks and abrades fibres (thesis sections 5.2.3
-    and 6.3.1). Neither the thesis nor the catalogue has data of yarns taken from a woven fabric: a share is an
-    assumption until it is measured.
+    Yarn data of a catalogue are those of yarns before weaving, which breaks and abrades fibres
+    (thesis sections 5.2.3 and 6.3.1). Neither the thesis nor the catalogue has data of yarns taken
+    from a woven fabric: a share is an assumption until it is measured.
 
     Parameters
     ----------

@@ -154,7 +154,7 @@ def front_page() -> str:
         ["compared with", "weavecell", "verdict"],
         [
             f"test: a ply of S-726 stopped at 96, perforated at {TESTED} m/s",
-            f"limit {limit:.0f} m/s, {share_above(limit)} too high",
+            f"limit {limit:.0f} m/s, at least {share_above(limit)} too high",
             "stop met, perforation **missed**",
         ],
         [

@@ -1,4 +1,5 @@
-"""The application: input files, studies, results and reports, as a Python interface and as commands.
+"""The application: input files, studies, results and reports, as a Python interface and as
+commands.
 
 The interface (`weavecell.api`) is loaded when it is first used:
 

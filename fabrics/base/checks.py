@@ -1,4 +1,5 @@
-"""What values may be: types of the public signatures, and checks that frozen objects make of their own values."""
+"""What values may be: types of the public signatures, and checks that frozen objects make of their
+own values."""
 
 from __future__ import annotations
 

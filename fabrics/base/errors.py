@@ -2,8 +2,10 @@
 
 InputError (2): a scene, fabric, mesh or restart file is wrong; nothing has been written.
 UnstableError (3): a run has become unphysical and stopped itself; what it had computed is kept.
-UndecidedError (3): a shot of a search of the critical velocity has neither stopped nor perforated; see its class.
-DoubtfulError (3): a run has ended with a quality indicator beyond its limit, and --strict was given; results are kept.
+UndecidedError (3): a shot of a search of the critical velocity has neither stopped nor perforated;
+see its class.
+DoubtfulError (3): a run has ended with a quality indicator beyond its limit, and --strict was
+given; results are kept.
 """
 
 from __future__ import annotations
@@ -81,7 +83,8 @@ class InputError(WeavecellError, ValueError):
 
 @contextmanager
 def placed(file: object, prefix: str = "") -> Iterator[None]:
-    """An InputError in this block that names no file gets this one, and the prefix before its key."""
+    """An InputError in this block that names no file gets this one, and the prefix before its
+    key."""
     try:
         yield
     except InputError as problem:
@@ -95,14 +98,16 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
-    """The one of the `known` names that a mistyped `name` may be meant for: at least so similar, from 0 to 1."""
+    """The one of the `known` names that a mistyped `name` may be meant for: at least so similar,
+    from 0 to 1."""
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=least)), None)
 
 
 def unknown_name(
     kind: str, name: str, known: Sequence[str], *, file: object = None, key: str | None = None
 ) -> InputError:
-    """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all of them."""
+    """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all
+    of them."""
     near = nearest(name, known, 0.6)
     hint = ";"
     if near:
@@ -113,7 +118,8 @@ def unknown_name(
 
 
 class InputErrors(InputError):
-    """Several things that are wrong with one input, a line each; its attributes are those of the first.
+    """Several things that are wrong with one input, a line each; its attributes are those of the
+    first.
 
     Parameters
     ----------
@@ -152,7 +158,7 @@ class UnstableError(WeavecellError):
     message : what was found (energy drift, NaN, inverted element, failed Newton)
     where : the element, node or load case, in words
     when : the time, step or load, in words
-    result : what the run had computed by then, where it leaves something
+    result : what the run had computed by then, if it leaves something
 
     Attributes
     ----------
@@ -182,7 +188,8 @@ class UnstableError(WeavecellError):
 
 
 class UndecidedError(WeavecellError):
-    """A shot of a search that has neither stopped nor perforated: its panel has no critical velocity at this speed.
+    """A shot of a search that has neither stopped nor perforated: its panel has no critical
+    velocity at this speed.
 
     Attributes
     ----------
@@ -199,14 +206,15 @@ class UndecidedError(WeavecellError):
 
 
 class DoubtfulError(WeavecellError):
-    """A run with a quality indicator beyond its limit, where the user wants that to be an error (--strict)."""
+    """A run with a quality indicator beyond its limit, if the user wants that to be an error
+    (--strict)."""
 
     exit_code = 3
 
 
 class DoubtfulResult(UserWarning):
-    """Warning of the Python interface: a result with a quality check beyond its limit. `warnings.simplefilter("error",
-    weavecell.DoubtfulResult)` makes it an error.
+    """Warning of the Python interface: a result with a quality check beyond its limit.
+    `warnings.simplefilter("error", weavecell.DoubtfulResult)` makes it an error.
 
     Examples
     --------

@@ -1,12 +1,15 @@
-"""Where independent runs are made: one of these names, or any `concurrent.futures.Executor` given from Python.
+"""Where independent runs are made: one of these names, or any `concurrent.futures.Executor` given
+from Python.
 
     local   processes of this machine
-    mpi     mpi4py.futures: the ranks of `mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...`
-    dask    the workers of the Dask scheduler at the address in the environment variable DASK_SCHEDULER_ADDRESS
+    mpi     mpi4py.futures: the ranks of `mpiexec -n RANKS python -m mpi4py.futures -m weavecell
+            ...`
+    dask    the workers of the Dask scheduler at the address in the environment variable
+            DASK_SCHEDULER_ADDRESS
 
-Workers have one thread each: another number of BLAS threads is another last bit. Of the workers of these names one
-process a node compiles kernels, and the others load them. Tasks are functions of importable modules. Nothing here
-imports numpy: a worker sets its number of threads before it does.
+Workers have one thread each: another number of BLAS threads is another last bit. Of the workers of
+these names one process a node compiles kernels, and the others load them. Tasks are functions of
+importable modules. Nothing here imports numpy: a worker sets its number of threads before it does.
 """
 
 from __future__ import annotations
@@ -53,7 +56,8 @@ def one_thread_each() -> Iterator[None]:
 
 
 def start_worker(initializer: Callable | None = None, *arguments: Any) -> None:
-    """Prepare a process for tasks: one thread, one compiler a node, and what its `initializer` does."""
+    """Prepare a process for tasks: one thread, one compiler a node, and what its `initializer`
+    does."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
     from fabrics.base.kernel_cache import one_compiler_a_node
 
@@ -66,10 +70,12 @@ def start_worker(initializer: Callable | None = None, *arguments: Any) -> None:
 def open_executor(
     executor: str | Executor = "local", jobs: int = 1, *, fresh: bool = False, first: tuple = ()
 ) -> Iterator[Executor]:
-    """The executor of a name, closed at the end; one that is given as an object is used as it is, and left open.
+    """The executor of a name, closed at the end; one that is given as an object is used as it is,
+    and left open.
 
-    `jobs` is the number of local processes, where a single one is this process unless it is to be `fresh`; `first` is
-    (function, its arguments) that a local process calls first. InputError: no such executor, or no workers of it.
+    `jobs` is the number of local processes, where a single one is this process unless it is to be
+    `fresh`; `first` is (function, its arguments) that a local process calls first. InputError: no
+    such executor, or no workers of it.
     """
     if jobs < 1:
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
@@ -80,7 +86,8 @@ def open_executor(
         yield InProcess()
     elif executor == "local":
         others = active_children()
-        # numpy reads the number of threads when it is imported, so it is set before the processes start
+        # numpy reads the number of threads when it is imported, so it is set before the processes
+        # start
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
             try:
                 yield pool
@@ -103,7 +110,8 @@ def open_executor(
 
 @cache
 def _ranks():
-    """The one pool of a program: mpi4py initialises ranks once, and closes them when the program ends."""
+    """The one pool of a program: mpi4py initialises ranks once, and closes them when the program
+    ends."""
     from mpi4py import MPI, futures
 
     if (
@@ -130,7 +138,8 @@ def _client():
 def as_done(
     executor: Executor, function: Callable, arguments: Sequence[tuple]
 ) -> Iterator[tuple[int, Any]]:
-    """(index, result) of function(*row) for each row of `arguments`, as they end, until the first exception."""
+    """(index, result) of function(*row) for each row of `arguments`, as they end, until the first
+    exception."""
     # submitting all of them at once would run all of them before the first result is handed on
     if isinstance(executor, InProcess):
         yield from ((index, function(*row)) for index, row in enumerate(arguments))
@@ -145,6 +154,6 @@ def as_done(
 
 
 def cancel(future: Future) -> None:
-    """Cancel a task that has not begun, where the executor can."""
+    """Cancel a task that has not begun, if the executor can."""
     with suppress(NotImplementedError):
         future.cancel()

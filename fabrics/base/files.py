@@ -1,11 +1,14 @@
-"""Files: written whole or not at all, beside the target first and then renamed over it; HDF5 files with a format.
+"""Files: written whole or not at all, beside the target first and then renamed over it; HDF5 files
+with a format.
 
-Every HDF5 file of the project has the attribute "format" with its kind and version, which is compared when it is read.
+Every HDF5 file of the project has the attribute "format" with its kind and version, which is
+compared when it is read.
 
-Texts of a user are UTF-8, with or without a byte order mark, or UTF-16 with one; lines end as on any system. Cells of a
-CSV file are separated by what its first line has of semicolons, commas and tabs, in this order. Numbers have a decimal
-point; where no comma separates cells, also a decimal comma, all of them. Lines that begin with # are comments. The
-first line of columns of numbers names them with their units, such as
+Texts of a user are UTF-8, with or without a byte order mark, or UTF-16 with one; lines end as on
+any system. Cells of a CSV file are separated by what its first line has of semicolons, commas and
+tabs, in this order. Numbers have a decimal point; where no comma separates cells, also a decimal
+comma, all of them. Lines that begin with # are comments. The first line of columns of numbers names
+them with their units, such as
 
     time [us], displacement [mm]
 
@@ -43,15 +46,16 @@ _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 
 @contextmanager
 def replace_whole(path: FilePath) -> Iterator[Path]:
-    """Yield a temporary path beside `path`; rename it to `path` if the block succeeds, remove it if not.
+    """Yield a temporary path beside `path`; rename it to `path` if the block succeeds, remove it if
+    not.
 
-    For libraries that open a file by its name. The temporary name keeps the suffix, by which many of them choose
-    the format.
+    For libraries that open a file by its name. The temporary name keeps the suffix, by which many
+    of them choose the format.
 
     Raises
     ------
-    OSError : it cannot be written, with `path` as its filename. Libraries that do not notice a full disk are found out,
-        since the disk must have `ROOM` behind the file
+    OSError : it cannot be written, with `path` as its filename. Libraries that do not notice a full
+        disk are found out, since the disk must have `ROOM` behind the file
     """
     path = Path(path)
     beside = path
@@ -65,7 +69,8 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
         yield beside
         with open(beside, "rb+") as file:
             size = file.seek(0, os.SEEK_END)
-            # a disk that is full to the last bytes shows it here, while the old file is still in place
+            # a disk that is full to the last bytes shows it here, while the old file is still in
+            # place
             file.write(bytes(ROOM))
             file.truncate(size)
             os.fsync(file.fileno())
@@ -214,19 +219,21 @@ def read_text(path: FilePath) -> str:
 
 
 def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple[int, list[str]]]:
-    """(line number, cells without the blanks around them) of each line of a CSV file but empty ones and comments.
+    """(line number, cells without the blanks around them) of each line of a CSV file but empty ones
+    and comments.
 
-    Empty cells at the end of the first line, and below these, are left out. Decimal commas become points.
+    Empty cells at the end of the first line, and below these, are left out. Decimal commas become
+    points.
 
     Parameters
     ----------
-    what : the file's content, given as what is allowed where it cannot be read
+    what : the file's content, given as what is allowed if it cannot be read
     words : names of columns that hold no numbers, and stay as they are
 
     Raises
     ------
-    InputError : see `read_text`, a quotation mark that is not closed, a cell above the limit of Python's csv (131,072
-        letters), or a comma that may be a decimal comma and may not
+    InputError : see `read_text`, a quotation mark that is not closed, a cell above the limit of
+        Python's csv (131,072 letters), or a comma that may be a decimal comma and may not
     """
     try:
         lines = list(enumerate(read_text(path).split("\n"), 1))

@@ -1,14 +1,15 @@
-"""Where compiled numba kernels are kept: one folder for each file of kernels, named after all source that its machine
-code depends on.
+"""Where compiled numba kernels are kept: one folder for each file of kernels, named after all
+source that its machine code depends on.
 
-numba stamps a cached function with the source of its own file alone, so that after a change in a kernel that is called
-from another file the caller would go on running the old code, silently. A named tuple it identifies by its class and
-the types of its members, not by the names of its fields, so that after a change in their order the old code would read
-the wrong arrays. Here the folder's name holds a digest of the file, of all that it imports, and of the named tuples: a
-change in any of them starts an empty folder, and the kernels that do not depend on it stay compiled.
+numba stamps a cached function with the source of its own file alone, so that after a change in a
+kernel that is called from another file the caller would go on running the old code, silently. A
+named tuple it identifies by its class and the types of its members, not by the names of its fields,
+so that after a change in their order the old code would read the wrong arrays. Here the folder's
+name holds a digest of the file, of all that it imports, and of the named tuples: a change in any of
+them starts an empty folder, and the kernels that do not depend on it stay compiled.
 
-Compiling takes minutes. It is announced in one line by the logger "weavecell", which writes to stderr where the program
-has not set up logging.
+Compiling takes minutes. It is announced in one line by the logger "weavecell", which writes to
+stderr where the program has not set up logging.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ _last = 0.0
 
 
 def compiling(module: str, done: bool = False) -> None:
-    """Announce that kernels of a module are compiled, once for those of a folder that are compiled in one go.
+    """Announce that kernels of a module are compiled, once for those of a folder that are compiled
+    in one go.
 
     To be called before a kernel is compiled, and with `done` after it.
     """
@@ -69,7 +71,8 @@ def compiling(module: str, done: bool = False) -> None:
 
 
 def kernel(**options: Any) -> Callable[[Callable], Any]:
-    """Decorator of a kernel: numba's njit with these options, and the folder of its file for its machine code."""
+    """Decorator of a kernel: numba's njit with these options, and the folder of its file for its
+    machine code."""
 
     def decorated(function: Callable) -> Any:
         from numba import njit
@@ -85,8 +88,8 @@ def kernel(**options: Any) -> Callable[[Callable], Any]:
 def kernel_cache(file: FilePath) -> Iterator[None]:
     """Decorate kernels of a file inside this block.
 
-    numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
-    the root; otherwise the __pycache__ of the package.
+    numba reads the folder when a function is decorated. A folder that the user has chosen
+    (NUMBA_CACHE_DIR) is used as the root; otherwise the __pycache__ of the package.
     """
     import numba
 
@@ -120,10 +123,11 @@ def digest(parts: Iterable[tuple[str, bytes]]) -> str:
 
 @cache
 def one_compiler_a_node() -> None:
-    """From now on this process looks for kernels in the cache, and compiles those that are not there, under a lock.
+    """From now on this process looks for kernels in the cache, and compiles those that are not
+    there, under a lock.
 
-    The processes of a user on a node that share a cache share the lock, so that each kernel is compiled by one of them
-    and loaded by the others. Where files cannot be locked, nothing is.
+    The processes of a user on a node that share a cache share the lock, so that each kernel is
+    compiled by one of them and loaded by the others. Where files cannot be locked, nothing is.
     """
     try:
         import fcntl
@@ -137,7 +141,8 @@ def one_compiler_a_node() -> None:
     path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}-{shared}.lock"
 
     class Lock(event.Listener):
-        """Held by one thread of one process while numba holds its own lock, which is that of a process."""
+        """Held by one thread of one process while numba holds its own lock, which is that of a
+        process."""
 
         # flock is held by a process: its threads need a lock of their own
         thread = threading.RLock()
@@ -165,10 +170,11 @@ def one_compiler_a_node() -> None:
 
 
 def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
-    """[(file, bytes)] that the machine code of the kernels in a file depends on, for packages in the folder `root`.
+    """[(file, bytes)] that the machine code of the kernels in a file depends on, for packages in
+    the folder `root`.
 
-    The file, and what it imports from packages in `root`, directly or not; of all other files of `TUPLES` the
-    definitions of named tuples, the only arguments of kernels whose layout is ours.
+    The file, and what it imports from packages in `root`, directly or not; of all other files of
+    `TUPLES` the definitions of named tuples, the only arguments of kernels whose layout is ours.
     """
     whole: set[Path] = set()
     waiting = [file]
@@ -199,9 +205,11 @@ def _tuples(root):
 
 
 def named_tuples(content: bytes) -> bytes:
-    """Definitions of the named tuples of a file without the layout of its text, b"" if there are none.
+    """Definitions of the named tuples of a file without the layout of its text, b"" if there are
+    none.
 
-    A definition with fields that are not literals depends on the rest of the file: then it is the whole file.
+    A definition with fields that are not literals depends on the rest of the file: then it is the
+    whole file.
     """
     if b"amedtuple(" not in content and b"NamedTuple" not in content:
         return b""

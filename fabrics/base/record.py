@@ -1,4 +1,5 @@
-"""The record of a run: named columns with their meanings, facts and arrays of the last state, in a file too."""
+"""The record of a run: named columns with their meanings, facts and arrays of the last state, in a
+file too."""
 
 from __future__ import annotations
 
@@ -28,8 +29,9 @@ class Record:
     columns : {name: (n, ...) SI values}
     meanings : {name: "[unit] what it is"}
     facts : {name: number or text} of the run, such as its fabric and its case
-    last : {name: array} of the last state, such as u, (points, 3) [m], the displacement of a mesh's nodes
-    failed : reason why the run ended before its end, "" where it did not
+    last : {name: array} of the last state, such as u, (points, 3) [m], the displacement of a mesh's
+        nodes
+    failed : reason why the run ended before its end, "" if it did not
     """
 
     columns: dict[str, FloatArray]
@@ -46,7 +48,8 @@ class Record:
         return self.meanings[name].partition("[")[2].partition("]")[0]
 
     def to_dataframe(self) -> DataFrame:
-        """One row per state; a column of several numbers per state gives one for each, name_0, name_1, ..."""
+        """One row per state; a column of several numbers per state gives one for each, name_0,
+        name_1, ..."""
         from pandas import DataFrame
 
         flat = {}
@@ -59,7 +62,8 @@ class Record:
         return DataFrame(flat)
 
     def to_xarray(self, *dimensions: str) -> Dataset:
-        """The columns as variables over `dimensions` ("row" without), with units; further axes are name_1, ..."""
+        """The columns as variables over `dimensions` ("row" without), with units; further axes are
+        name_1, ..."""
         from xarray import Dataset
 
         shared = dimensions or ("row",)
@@ -86,7 +90,7 @@ class Record:
 
     @staticmethod
     def notes(path: FilePath) -> dict[str, Any]:
-        """The notes of a file; {} where it is none of these."""
+        """The notes of a file; {} if it is none of these."""
         try:
             with read_hdf5(path, FORMAT) as file:
                 return dict(file["notes"].attrs)

@@ -1,16 +1,17 @@
-"""Results of finished runs in a folder, each under a key of what was computed and of the code that computed it.
+"""Results of finished runs in a folder, each under a key of what was computed and of the code that
+computed it.
 
 One rule for every study that can be resumed. The key is a digest of
 - the inputs: numbers, texts, arrays, dataclasses and what is made of them (`inputs_digest`);
 - the code: the version of weavecell, and all files that compute (`files_of`).
-A result of other code is thus never taken for one of this: it is computed again. A file that holds the state of a
-single unfinished run, which cannot be computed again on its own, carries both digests instead (`stamp`), and is
-refused with a message where either differs (`check_stamp`).
+A result of other code is thus never taken for one of this: it is computed again. A file that holds
+the state of a single unfinished run, which cannot be computed again on its own, carries both
+digests instead (`stamp`), and is refused with a message where either differs (`check_stamp`).
 
-The results are plain files, written whole or not at all, since a folder of results is what the user keeps, copies and
-resumes from, and what several processes write to. joblib.Memory keys by the source of the function alone: after a
-change in a module that the function imports it hands out the old result. diskcache has no rule for keys, and keeps a
-data base, which hides the results.
+The results are plain files, written whole or not at all, since a folder of results is what the user
+keeps, copies and resumes from, and what several processes write to. joblib.Memory keys by the
+source of the function alone: after a change in a module that the function imports it hands out the
+old result. diskcache has no rule for keys, and keeps a data base, which hides the results.
 """
 
 from __future__ import annotations
@@ -56,9 +57,10 @@ def code(*modules: str) -> str:
 def files_of(*modules: str) -> list[Path]:
     """The source and data files, but pictures, that count as the code of some modules, sorted.
 
-    All of `LIBRARIES`, since a module can use the methods of an object whose class it does not import; for a module of
-    validation all of it but the files of studies, for one of weavecell its own folder; for both `COMPUTING`. A module
-    that is none of ours, as a user's own function has, must have been imported: it is its file.
+    All of `LIBRARIES`, since a module can use the methods of an object whose class it does not
+    import; for a module of validation all of it but the files of studies, for one of weavecell its
+    own folder; for both `COMPUTING`. A module that is none of ours, as a user's own function has,
+    must have been imported: it is its file.
     """
     folders = {ROOT / name for name in LIBRARIES}
     files = set()
@@ -80,12 +82,14 @@ def files_of(*modules: str) -> list[Path]:
 
 
 def version(*modules: str) -> str:
-    """Version of weavecell and of the code of some modules, as text: "0.1.0 (code 0123456789ab)"."""
+    """Version of weavecell and of the code of some modules, as text: "0.1.0 (code
+    0123456789ab)"."""
     return f"{__version__} (code {code(*modules)[:_SHORT]})"
 
 
 def key(inputs: object, *modules: str) -> str:
-    """Name of a result: digest of the inputs, of the version and of the code of the modules that compute it."""
+    """Name of a result: digest of the inputs, of the version and of the code of the modules that
+    compute it."""
     return hashlib.sha256(
         f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()
     ).hexdigest()[:32]
@@ -144,7 +148,8 @@ def _mark(hasher, kind, text):
 
 @dataclass(frozen=True)
 class Format:
-    """How results are written: suffix of their files, write(content, file) and read(file) -> content of open files."""
+    """How results are written: suffix of their files, write(content, file) and read(file) ->
+    content of open files."""
 
     suffix: str
     write: Callable
@@ -200,7 +205,8 @@ def results(
     resume: bool = True,
     report: Callable[[int, int], object] | None = None,
 ) -> list:
-    """function(*row) for each row of `arguments`, in their order; each is kept as soon as it is done.
+    """function(*row) for each row of `arguments`, in their order; each is kept as soon as it is
+    done.
 
     Nothing depends on how many runs are under way, or in which order they end.
 

@@ -1,13 +1,15 @@
-"""Tables of input and data files by pydantic: quantities with units as text, and the one line of each error.
+"""Tables of input and data files by pydantic: quantities with units as text, and the one line of
+each error.
 
-A field of a table is all that is said of its key: type, unit, limits, default, what it means (`title`) and what is
-allowed (`description`). What keys mean to each other is said by validators of the table that holds them. For each value
-that is wrong the user gets one line: the file, the key, the value as written, and what is allowed. The docstring of a
-table is a sentence about it and, after an empty line, an example. The page of keys, the JSON Schemas and what Python
-takes are made from them.
+A field of a table is all that is said of its key: type, unit, limits, default, what it means
+(`title`) and what is allowed (`description`). What keys mean to each other is said by validators of
+the table that holds them. For each value that is wrong the user gets one line: the file, the key,
+the value as written, and what is allowed. The docstring of a table is a sentence about it and,
+after an empty line, an example. The page of keys, the JSON Schemas and what Python takes are made
+from them.
 
-The Python interface validates with `PYTHON` as the context: plain numbers are then quantities in SI units, and objects
-may stand where a file names one.
+The Python interface validates with `PYTHON` as the context: plain numbers are then quantities in SI
+units, and objects may stand where a file names one.
 """
 
 from __future__ import annotations
@@ -50,14 +52,16 @@ class Table(BaseModel):
         )
 
     def refuse(self, keys: str, allowed: str) -> None:
-        """InputError of the first of some keys, in one text, that is set to something other than its default."""
+        """InputError of the first of some keys, in one text, that is set to something other than
+        its default."""
         for key in keys.split():
             if self.sets(key):
                 raise InputError(key=key, allowed=allowed)
 
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
-        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it.
+        """(message, what is allowed) of a key that the table has not, and that may be meant for one
+        `near` it.
 
         Without a message the line has the value of the key.
         """
@@ -73,9 +77,10 @@ Kind = TypeVar("Kind", bound=Table)
 def described(
     meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any
 ) -> Any:
-    """A Field whose `title` is what the key means, its `description` what is allowed, its extra "unit" the SI unit.
+    """A Field whose `title` is what the key means, its `description` what is allowed, its extra
+    "unit" the SI unit.
 
-    `unit` is None of what is no quantity; `example` is as it stands in a file.
+    `unit` is None if it is not a quantity; `example` is as it stands in a file.
     """
     extra: Any = None if unit is None else {"unit": unit or "1"}
     examples = None
@@ -101,7 +106,8 @@ def from_text(
     example: Any = None,
     written: dict[str, Any] = TEXT,
 ) -> Any:
-    """A `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by read(text, unit) of its parts;
+    """A `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by read(text,
+    unit) of its parts;
     `written` is the JSON Schema of what stands there."""
 
     def validate(value, info):
@@ -121,7 +127,8 @@ def in_python(info: ValidationInfo) -> bool:
 
 
 def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
-    """What makes a float in a SI unit of a text; of what is given in Python also of a plain number."""
+    """What makes a float in a SI unit of a text; of what is given in Python also of a plain
+    number."""
 
     def read(value, unit):
         number = (
@@ -157,7 +164,8 @@ def quantity(
     most: str | None = None,
     kind: str | None = None,
 ) -> Any:
-    """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most `most`.
+    """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most
+    `most`.
 
     `kind` is what it is, in words with {} for these limits; None takes what its unit says.
     """
@@ -295,8 +303,8 @@ def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any
 def _problems(problem, model, given, file):
     """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
-    A mistyped key leaves the right one missing, which is not reported again. What a validator raises as an InputError
-    names a key of its table, or none, and says itself what is allowed.
+    A mistyped key leaves the right one missing, which is not reported again. What a validator
+    raises as an InputError names a key of its table, or none, and says itself what is allowed.
     """
     problems: dict[str, InputError] = {}
     meant = set()
@@ -347,20 +355,22 @@ def _problems(problem, model, given, file):
 
 
 def _meant(key, value, table):
-    """The key of a table that a mistyped one may stand for; not one that holds tables, if its value is none."""
+    """The key of a table that a mistyped one may stand for; not one that holds tables, if its value
+    is none."""
     holds_tables = isinstance(value, (dict, list))
     known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
     return nearest(key, known, 0.66)
 
 
 def _homes(model, key):
-    """The tables of a schema that have a key, in words; an empty text where none has it."""
+    """The tables of a schema that have a key, in words; an empty text if none has it."""
     names = [name for name, table in tables(model).items() if key in table.model_fields]
     return ", ".join(f"[{name}]" if name else "the top of the file" for name in names)
 
 
 def _locate(model, location):
-    """Follow an error's location to (the key's names, the field it belongs to, the table that holds it)."""
+    """Follow an error's location to (the key's names, the field it belongs to, the table that holds
+    it)."""
     names = []
     field = None
     table = model
@@ -389,7 +399,7 @@ def _locate(model, location):
 
 
 def unit_of(entry: Any) -> str | None:
-    """SI unit of a field, "1" of a ratio; None of one that is no quantity, or of no field."""
+    """SI unit of a field, "1" of a ratio; None if it is not a quantity, or not a field."""
     return (getattr(entry, "json_schema_extra", None) or {}).get("unit")
 
 
@@ -402,7 +412,8 @@ def tables_in(kind: Any) -> Iterator[type[Table]]:
 
 
 def changed(scene: Table, prefix: str = "") -> Iterator[str]:
-    """The keys that a scene sets to something other than their default, in the order of the schema."""
+    """The keys that a scene sets to something other than their default, in the order of the
+    schema."""
     for name, entry in type(scene).model_fields.items():
         if name not in scene.model_fields_set:
             continue
@@ -435,7 +446,8 @@ def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
 
 
 def entries(model: type[Table]) -> dict[str, FieldInfo]:
-    """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
+    """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only
+    hold tables."""
     fields = {}
     for name, table in tables(model).items():
         for key, entry in table.model_fields.items():

@@ -1,4 +1,5 @@
-"""Units given as text ("92.5 m/s", "1420 denier", "20 / inch"), converted to SI here and nowhere else."""
+"""Units given as text ("92.5 m/s", "1420 denier", "20 / inch"), converted to SI here and nowhere
+else."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from typing import Any
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 
-# SI unit: {unit: factor to it, as pint has it to the last digit}; these are converted without importing pint
+# SI unit: {unit: factor to it, as pint has it to the last digit}; these are converted without
+# importing pint
 FACTORS = {
     "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
@@ -92,8 +94,8 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
 
     Parameters
     ----------
-    value : a text of exactly one number, with a decimal point, and one unit ("92.5 m/s"); or a number where `unit` is
-        "" (dimensionless; "2.18 %" is also understood)
+    value : a text of exactly one number, with a decimal point, and one unit ("92.5 m/s"); or a
+        number where `unit` is "" (dimensionless; "2.18 %" is also understood)
     unit : the SI unit of the result, as text; "" for a dimensionless quantity
     file, key : named in the error
 
@@ -131,12 +133,13 @@ def in_one_of(
 def refused(
     value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
 ) -> InputError:
-    """The InputError of a value that is no quantity, or of a list with one; it names a decimal comma."""
+    """The InputError of a value that is not a quantity, or of a list with one; it names a decimal
+    comma."""
     return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
 
 
 def decimal_comma(value: Any) -> str | None:
-    """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
+    """What to do about a decimal comma in a text, or in one of a list; None if there is none."""
     if isinstance(value, (list, tuple)):
         parts = value
     else:
@@ -155,7 +158,8 @@ def example(unit: str) -> str:
 
 
 def _converted(value, unit):
-    """`value` in SI; ValueError, or an error of pint, where it is no quantity of the dimension of `unit`."""
+    """`value` in SI; ValueError, or an error of pint, if it is not a quantity of the dimension of
+    `unit`."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and not unit:
         return float(value)
     if not isinstance(value, str):

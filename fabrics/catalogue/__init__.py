@@ -1,9 +1,11 @@
-"""The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and status.
+"""The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and
+status.
 
-A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
-user's own file. What data sheets state is enough: strength or tenacity in place of the failure strain, the thickness of
-the fabric in place of crimps (`fabrics.data_sheet`). Statuses: measured, computed, fitted, derived, assumed, corrected
-(a misprint of the thesis, put right) and user.
+A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420
+denier"` in a user's own file. What data sheets state is enough: strength or tenacity in place of
+the failure strain, the thickness of the fabric in place of crimps (`fabrics.data_sheet`). Statuses:
+measured, computed, fitted, derived, assumed, corrected (a misprint of the thesis, put right) and
+user.
 """
 
 from __future__ import annotations
@@ -55,7 +57,8 @@ def load(name_or_path: FilePath) -> Fabric:
 
     Raises
     ------
-    InputError : no such fabric or file, or the file is wrong: one line naming the file, key, value and what is allowed
+    InputError : no such fabric or file, or the file is wrong: one line naming the file, key, value
+        and what is allowed
     """
     text = str(name_or_path)
     if text in list_names():
@@ -67,7 +70,8 @@ def load(name_or_path: FilePath) -> Fabric:
 
 
 def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputError:
-    """The InputError of a `name` that no fabric has, with the name it may be meant for, or what it is the path of."""
+    """The InputError of a `name` that no fabric has, with the name it may be meant for, or what it
+    is the path of."""
     path = Path(name)
     near = nearest(name, list_names())
     hint = None
@@ -93,7 +97,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     else:
         content = tomllib.loads(text)
     file = validated(FabricFile, content, path, {"source": path.name})
-    data = dict(file.data())
+    data = file.data()
     sources = {key: datum.entry for key, datum in data.items()}
     try:
         return _fabric(file, data, sources, path)
@@ -149,7 +153,8 @@ def _fabric(file, data, sources, path):
     for key, datum in data.items():
         if datum.ratios is not None:
             ranges[key] = datum.ratios
-        # the numbers of our own catalogue have been looked up; those of a user's file may be guesses
+        # the numbers of our own catalogue have been looked up; those of a user's file may be
+        # guesses
         elif path.parent != _FOLDER and _guessed(key, datum):
             guessed.append(key)
     fabric = Fabric(
@@ -186,7 +191,8 @@ def _fabric(file, data, sources, path):
 
 
 def _guessed(key, datum):
-    """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a source."""
+    """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a
+    source."""
     sourced = datum.sourced or not key.startswith(("shear.", "solid."))
     return key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
 
@@ -213,7 +219,7 @@ def _made(kind, where, *args, **values):
 
 
 def _of_both(table, key, pair, build):
-    """(warp, weft) of a table for both, or of one each; None where the file has none."""
+    """(warp, weft) of a table for both, or of one each; None if the file has none."""
     if table is None:
         return None
     if isinstance(table, pair):

@@ -1,12 +1,14 @@
 """Fibre families: default laws of para-aramid, UHMWPE and E-glass yarns, each number with a range.
 
-A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns or the diameter of their
-fibres. A family's file gives these, with the status "assumed", a source, and the range (low, high) within which the
-value is taken to lie; where numbers are known also strength and modulus at strain rates (`families.strain_rate`).
+A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns or the
+diameter of their fibres. A family's file gives these, with the status "assumed", a source, and the
+range (low, high) within which the value is taken to lie; where numbers are known also strength and
+modulus at strain rates (`families.strain_rate`).
 Angles and moduli of the trellis follow from the weave (`families.trellis`).
 
-Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law, or the law of one
-of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are then wider (`Family.for_other_yarns`).
+Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law,
+or the law of one of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are then
+wider (`Family.for_other_yarns`).
 """
 
 from __future__ import annotations
@@ -65,7 +67,7 @@ class Entry:
         return self.low
 
     def widened(self, power: float) -> Entry:
-        """This entry with low / value and high / value to a power; as it is where it has no range."""
+        """This entry with low / value and high / value to a power; as it is if it has no range."""
         if self.low == self.high:
             return self
         low = min(self.value * (self.low / self.value) ** power, self.most)
@@ -85,11 +87,14 @@ class Family:
     Parameters
     ----------
     name : such as "para-aramid"
-    limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
-    strengths : {"strength": (low, high) [Pa], "failure_strain": (low, high)} that such yarns may have
+    limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that
+        belong to it
+    strengths : {"strength": (low, high) [Pa], "failure_strain": (low, high)} that such yarns may
+        have
     entries : {dotted key: Entry} of [shear] and [solid]
-    strain_rate : RateLaw, or None where no numbers are known
-    power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for these
+    strain_rate : RateLaw, or None if no numbers are known
+    power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for
+        these
     """
 
     name: str
@@ -125,7 +130,7 @@ class Family:
         Parameters
         ----------
         weave : Weave
-        widths : (warp, weft) [m] of the yarns where they are known; else they follow from `gap`
+        widths : (warp, weft) [m] of the yarns if they are known; else they follow from `gap`
         end : "soft", "nominal" or "stiff"
 
         Raises
@@ -145,7 +150,8 @@ class Family:
         return warp, weft
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
-        """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources` has them."""
+        """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources`
+        has them."""
         if self.of_others:
             of = f"{self.name}, its range to the power {self.power:g} for another fibre"
         else:

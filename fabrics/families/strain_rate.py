@@ -1,7 +1,9 @@
-"""Strength and modulus of yarns over those of the data sheet, against the strain rate: a table, with its source.
+"""Strength and modulus of yarns over those of the data sheet, against the strain rate: a table,
+with its source.
 
-Between two rates of the table a ratio is linear in the logarithm of the rate, as in the law of Johnson and Cook; beyond
-the ends it is constant: nothing is extrapolated. Families of fibres: `fabrics.families`.
+Between two rates of the table a ratio is linear in the logarithm of the rate, as in the law of
+Johnson and Cook; beyond the ends it is constant: nothing is extrapolated. Families of fibres:
+`fabrics.families`.
 """
 
 from __future__ import annotations
@@ -24,6 +26,10 @@ _TABLE = (*UNITS, "source", "status")
 RAMP = 0.01
 
 
+def _rises(*values):
+    return all(np.diff(values) > 0)
+
+
 @dataclass(frozen=True)
 class RateLaw:
     """Ratios to the data sheet at strain rates.
@@ -32,14 +38,14 @@ class RateLaw:
     ----------
     rates : (n,) [1/s] rising
     strength : (n,) [-] strength over that of the data sheet
-    modulus : (n,) [-] modulus over that of the data sheet; empty where it does not change
+    modulus : (n,) [-] modulus over that of the data sheet; empty if it does not change
     source : where the numbers come from
     status : of STATUSES
 
     Raises
     ------
-    InputError : rates that do not rise from above 0, ratios that are not positive or another number of them, strengths
-        that neither rise nor are all alike
+    InputError : rates that do not rise from above 0, ratios that are not positive or another number
+        of them, strengths that neither rise nor are all alike
     """
 
     rates: tuple[float, ...]
@@ -49,9 +55,7 @@ class RateLaw:
     status: str = "user"
 
     def __post_init__(self) -> None:
-        if not self.rates or not all(
-            a < b for a, b in zip((0.0, *self.rates), (*self.rates, np.inf))
-        ):
+        if not self.rates or not _rises(0.0, *self.rates, np.inf):
             raise InputError(
                 key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising"
             )
@@ -67,9 +71,7 @@ class RateLaw:
                     allowed=f"{len(self.rates)} numbers above 0, one a rate",
                 )
 
-        if len({*self.strength}) > 1 and not all(
-            a < b for a, b in zip(self.strength, self.strength[1:])
-        ):
+        if len({*self.strength}) > 1 and not _rises(*self.strength):
             raise InputError(
                 key="strength", value=list(self.strength), allowed="rising, or all alike"
             )
@@ -116,11 +118,13 @@ class RateLaw:
         return 1.0
 
     def table(self, failure_strain: float) -> FloatArray:
-        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that grows with the load,
+        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that
+        grows with the load,
 
             dD/dt = r'(x) / failure strain = b exp(c (x - x_m))
 
-        as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up to the first load.
+        as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up
+        to the first load.
         One load, which nothing damages below, where the strength is the same at all rates.
         """
         loads = np.array(self.strength)

@@ -1,4 +1,5 @@
-"""The trellis law of a weave from its geometry: moduli by eq. 4-49, angles from width and spacing (erratum E-08)."""
+"""The trellis law of a weave from its geometry: moduli by eq. 4-49, angles from width and spacing
+(erratum E-08)."""
 
 from __future__ import annotations
 
@@ -26,14 +27,15 @@ def from_weave(
 ) -> TrellisShear:
     """The trellis law that follows from a weave.
 
-    G2 is eq. 4-49 with `locking_share` in place of one half; G1 = G1_over_G2 G2. gamma1 is the smaller one of both
-    families' touching angles (eq. 4-32), gamma2 that of their locking angles (eqs. 4-33, 4-34, erratum E-08) and at
-    least LEAST_RISE above gamma1.
+    G2 is eq. 4-49 with `locking_share` in place of one half; G1 = G1_over_G2 G2. gamma1 is the
+    smaller one of both families' touching angles (eq. 4-32), gamma2 that of their locking angles
+    (eqs. 4-33, 4-34, erratum E-08) and at least LEAST_RISE above gamma1.
 
     Parameters
     ----------
     weave : Weave
-    widths : (warp, weft) [m] yarn widths; where None, or not below the spacing, it is (1 - gap) times the spacing
+    widths : (warp, weft) [m] yarn widths; where None, or not below the spacing, it is (1 - gap)
+        times the spacing
     locking_share : [-] of the fibre's modulus
     G1_over_G2 : [-]
     gap : [-] between parallel yarns, over the spacing

@@ -1,10 +1,12 @@
-"""Threshold of the axial force at which a yarn slips through a crossover, against the contact force there.
+"""Threshold of the axial force at which a yarn slips through a crossover, against the contact force
+there.
 
     T_f = c0 + mu_eff F_c
 
-c0 is what resists without contact force (the crimp has to travel along the yarn), mu_eff Coulomb's coefficient as the
-crossover has it: the yarns press on each other obliquely too, which the vertical force F_c does not count. Both are
-fitted to thresholds of the 3D crossover at several contact forces (`unitcell3d.cases.pull_out`).
+c0 is what resists without contact force (the crimp has to travel along the yarn), mu_eff Coulomb's
+coefficient as the crossover has it: the yarns press on each other obliquely too, which the vertical
+force F_c does not count. Both are fitted to thresholds of the 3D crossover at several contact
+forces (`unitcell3d.cases.pull_out`).
 """
 
 from __future__ import annotations

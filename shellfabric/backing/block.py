@@ -31,6 +31,7 @@ from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.hex8 import Bricks
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.state import BlockPoints, BlockRow
 
 ENERGIES = (
     "kinetic",
@@ -47,23 +48,6 @@ OUTER_BOUNDARIES = ("fixed", "absorbing", "free")
 CHECK_INTERVAL = 10  # steps from one look at what the flattened bricks bear to the next
 CFL = 0.8  # of the bound that a step of the block's own takes
 MAX_SUBSTEPS = 32
-_KEPT = (
-    "x",
-    "v",
-    "metric",
-    "alpha",
-    "last",
-    "past",
-    "gone",
-    "energy",
-    "_work",
-    "_own",
-    "_outer",
-    "_drags",
-    "_shot",
-    "_points",
-    "_substeps",
-)
 
 
 @dataclass(frozen=True)
@@ -198,9 +182,9 @@ class Block:
 
     Attributes
     ----------
+    row : state.BlockRow, what the kernels work on
     x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
-    metric, alpha, last, past, gone, energy : of the bricks, see `block_kernels.forces`; alpha is
-        effective plastic strain
+    mass, alpha, gone, energy : as in `row`
     time : [s]
     """
 
@@ -220,65 +204,63 @@ class Block:
         self.nodes = nodes
         bricks = Bricks.of(self.rest[_corners(nodes)])
         material = backing.material
-        self._gradient = bricks.gradient
-        self._volume = bricks.volume
-        self._twist = np.ascontiguousarray(bricks.twist)
-        self._control = backing.hourglass * bricks.control(3 * (material.modulus,), material.shear)
-        self._edges = bricks.edges
-        self._law = np.array(
-            [
-                material.bulk,
-                material.shear,
-                material.yield_stress,
-                material.hardening,
-                material.erosion_strain,
-                material.rate_exponent,
-                material.reference_rate,
-                backing.viscosity * material.density * material.wave_speed,
-            ]
+        found = BlockRow.zeros(bricks=nx * ny * nz, nodes=nodes.size, sheets=nx + 1)
+        moduli = 3 * (material.modulus,)
+        found |= {
+            "nx": nx,
+            "ny": ny,
+            "nz": nz,
+            "gradient": bricks.gradient,
+            "volume": bricks.volume,
+            "twist": np.ascontiguousarray(bricks.twist),
+            "control": backing.hourglass * bricks.control(moduli, material.shear),
+            "edges": bricks.edges,
+            "x": self.rest.copy(),
+        }
+        found["law"][:] = (
+            material.bulk,
+            material.shear,
+            material.yield_stress,
+            material.hardening,
+            material.erosion_strain,
+            material.rate_exponent,
+            material.reference_rate,
+            backing.viscosity * material.density * material.wave_speed,
         )
-        self._boundaries(nodes, bricks)
-        n = len(self.rest)
-        m = nx * ny * nz
-        self.x = self.rest.copy()
-        self.v = np.zeros((n, 3))
-        self._outer = np.zeros((n, 3))
-        self._own = np.zeros((m, 8, 3))
-        self.metric = np.tile(np.eye(3), (m, 1, 1))
-        self.alpha = np.zeros(m)
-        self.last = np.zeros(m)
-        self.gone = np.zeros(m, bool)
-        self.past = np.zeros((m, 2))
-        self.energy = np.zeros((m, 5))
-        self._work = np.zeros((nx + 1, 4))
-        self._drags = np.zeros((n, 3))
-        self._shot = np.zeros(7)
-        self._points = np.zeros(7)
-        self._substeps = np.array([1, 0])  # of a step, and steps since they were found
-        self._columns: np.ndarray | None = None  # of the points of `press`
-        self._memory = np.zeros((0, 2))
+        found["metric"][:] = np.eye(3)
+        found["substeps"][0] = 1
+        self._set_boundaries(bricks, found)
+        self.row = BlockRow(**found)
+        self.x = self.row.x
+        self.v = self.row.v
+        self.mass = self.row.mass
+        self.alpha = self.row.alpha
+        self.gone = self.row.gone
+        self.energy = self.row.energy
+        self.points: BlockPoints | None = None  # of `press`
         # what contacts take from projectile and points: known when their next velocities are
         self._before: dict[str, np.ndarray] = {}
         self._taken = self._kick = 0.0
 
-    def _boundaries(self, nodes, bricks):
-        """Masses, supports, dashpots and contact springs of the nodes."""
+    def _set_boundaries(self, bricks, found):
+        """Masses, supports, dashpots and contact springs of the nodes, into the arrays `found`."""
+        nodes = self.nodes
         backing = self.backing
         material = self.backing.material
         share = np.repeat(bricks.volume / 8, 8)
         corners = _corners(nodes).ravel()
-        self.mass = np.bincount(corners, material.density * share)
-        self.free = np.ones((len(self.rest), 3))
-        self._dashpot = np.zeros((len(self.rest), 3))
+        mass = np.bincount(corners, material.density * share)
+        free = found["free"]
+        free[:] = 1.0
         outer = [(0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])]
         for axis, (face, mirrored) in enumerate(zip((nodes[0], nodes[:, 0]), backing.mirrors)):
             if mirrored:
-                self.free[face, axis] = 0.0
+                free[face, axis] = 0.0
             else:
                 outer.append((axis, face))
         for axis, face in outer:
             if backing.outer_boundary == "fixed":
-                self.free[face] = 0.0
+                free[face] = 0.0
             elif backing.outer_boundary == "absorbing":
                 places = self.rest[face]
                 edges = np.cross(
@@ -291,12 +273,12 @@ class Block:
                         area[i : i + quads.shape[0], j : j + quads.shape[1]] += quads
                 speeds = np.full(3, material.shear_speed)
                 speeds[axis] = material.wave_speed
-                self._dashpot[face] += material.density * area[..., None] * speeds
+                found["dashpot"][face] += material.density * area[..., None] * speeds
         own = backing.penalty * material.bulk * bricks.volume / bricks.edges.min(axis=1) ** 2 / 8
-        self._stiffness = np.minimum(
-            np.bincount(corners, np.repeat(own, 8)), 0.5 * self.mass / self.dt**2
-        )
-        self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
+        stiffness = np.minimum(np.bincount(corners, np.repeat(own, 8)), 0.5 * mass / self.dt**2)
+        found["mass"] = mass
+        found["stiffness"] = stiffness
+        found["damping"] = 2 * backing.contact_damping * np.sqrt(stiffness * mass)
 
     def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
         """Contact with a rigid projectile in this step; force (3,) [N] on the part of it that is
@@ -312,20 +294,10 @@ class Block:
         if shot.length is not None:
             length = shot.length
         numbers = np.array([shot.number, shot.radius, shot.edge_radius, length])
-        touch.nose_forces(
-            self.shape,
-            self.x,
-            self.v,
-            self.gone,
-            (self._stiffness, self._springs),
-            np.asarray(position, float),
-            np.asarray(speed, float),
-            (shot.form, numbers),
-            (self._outer, self._drags),
-            self._shot,
-        )
-        push = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE]
-        return self._take("shot", push + self._shot[touch.DAMPING_FORCE :], speed)
+        position = np.asarray(position, float)
+        touch.nose_forces(self.row, position, np.asarray(speed, float), shot.form, numbers)
+        push = self.row.shot[kernels.ELASTIC_FORCE : kernels.DAMPING_FORCE]
+        return self._take("shot", push + self.row.shot[kernels.DAMPING_FORCE :], speed)
 
     def press(
         self,
@@ -345,43 +317,27 @@ class Block:
         stiffness, damping : (s,) [N/m], [N s/m] of each point's spring
         thickness : [m] distance that they keep from the face
         """
-        places = np.ascontiguousarray(places, float)
-        if self._columns is None:
-            lines = self.backing.lines
-            self._columns = np.stack(
-                [
-                    np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1)
-                    for c in (0, 1)
-                ],
-                axis=1,
-            )
-            self._memory = np.zeros((len(places), 2))
-            self._memory[:, 0] = (
-                places[:, 2] + thickness - self.backing.standoff
-            )  # as against the face at rest
-        forces = np.empty_like(places)
-        drags = np.empty_like(places)
-        if damping is None:
-            damping = np.zeros(len(places))
-        points = (
-            places,
-            np.ascontiguousarray(velocities, float),
-            np.ascontiguousarray(stiffness, float),
-            np.ascontiguousarray(damping, float),
-        )
-        touch.point_forces(
-            self.shape,
-            (self.x, self.v, self.gone),
-            points,
-            float(thickness),
-            self.dt,
-            self._columns,
-            self._memory,
-            (self._outer, self._drags),
-            (forces, drags),
-            self._points,
-        )
-        return self._take("points", forces + drags, velocities)
+        if self.points is None:
+            self.points = self._make_points(np.asarray(places, float), thickness)
+        points = self.points
+        points.x[:] = places
+        points.v[:] = velocities
+        points.stiffness[:] = stiffness
+        points.damping[:] = 0.0
+        if damping is not None:
+            points.damping[:] = damping
+        touch.point_forces(self.row, points, float(thickness), self.dt)
+        return self._take("points", points.force + points.drag, velocities)
+
+    def _make_points(self, places, thickness):
+        """BlockPoints that have not touched yet, above the columns of the block at rest."""
+        points = BlockPoints(**BlockPoints.zeros(points=len(places)))
+        for axis in (0, 1):
+            column = np.searchsorted(self.backing.lines[axis], places[:, axis]) - 1
+            points.columns[:, axis] = np.clip(column, 0, self.shape[axis] - 1)
+        # as against the face at rest
+        points.memory[:, 0] = places[:, 2] + thickness - self.backing.standoff
+        return points
 
     def _take(self, who, force, speed):
         """Add what contact takes from a partner that moves at `speed` in half a step before now, by
@@ -398,14 +354,14 @@ class Block:
         ------
         UnstableError : a brick is turned inside out, or so flat that MAX_SUBSTEPS are too few
         """
-        count, since = self._substeps
+        count, since = self.row.substeps
         if since % CHECK_INTERVAL == 0:
             # at first a step may take all of its bound, which is that of the block at rest
             if since == 0:
                 count = 1
             else:
                 count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
-        self._substeps[:] = count, since + 1
+        self.row.substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:
             raise self._unstable(
                 f"a brick is flattened: the block needs {count} steps in one of the run"
@@ -417,42 +373,20 @@ class Block:
             if not self._kick:
                 duration = 0.5 * self.dt
             whole = duration / (0.5 * (self._kick + step))
-            self._outer *= whole
-            self._drags *= whole
+            self.row.outer[:] *= whole
+            self.row.drags[:] *= whole
         for _ in range(count):
             self._step(step)
-            self._outer[:] = self._drags[:] = 0.0
+            self.row.outer[:] = 0.0
+            self.row.drags[:] = 0.0
         self.time += self.dt
 
     def _step(self, dt):
-        kernels.forces(
-            self.shape,
-            self.x,
-            (self._gradient, self._volume, self._twist, self._control, self._edges),
-            self._law,
-            self._kick,
-            (self.metric, self.alpha, self.last, self.past, self.gone),
-            self._own,
-            self.energy,
-        )
-        if np.isnan(self.energy[:, kernels.ELASTIC]).any():
-            raise self._unstable(
-                "a brick is turned inside out",
-                int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC]))),
-            )
-        kernels.move(
-            self.shape,
-            self.x,
-            self.v,
-            self._own,
-            self._outer,
-            self._drags,
-            (self.mass, self._dashpot, self.free),
-            0.5 * (self._kick + dt),
-            dt,
-            self.gone,
-            self._work,
-        )
+        kernels.forces(self.row, self._kick)
+        inside_out = np.isnan(self.energy[:, kernels.ELASTIC])
+        if inside_out.any():
+            raise self._unstable("a brick is turned inside out", int(np.argmax(inside_out)))
+        kernels.move(self.row, 0.5 * (self._kick + dt), dt)
         self._kick = dt
 
     def _unstable(self, what, brick=None):
@@ -474,13 +408,13 @@ class Block:
         """(m,) [m] step of each brick times the speed of its waves; infinite of those that are
         gone."""
         f, g, h = np.moveaxis(
-            self.x[self.bricks].transpose(0, 2, 1) @ self._gradient, 1, 0
+            self.x[self.bricks].transpose(0, 2, 1) @ self.row.gradient, 1, 0
         )  # rows of F
         cofactors = np.stack([np.cross(g, h), np.cross(h, f), np.cross(f, g)], axis=1)
         with np.errstate(all="ignore"):
             gradient = (
                 cofactors
-                @ self._gradient.transpose(0, 2, 1)
+                @ self.row.gradient.transpose(0, 2, 1)
                 / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
             )
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
@@ -489,18 +423,19 @@ class Block:
         """ENERGIES [J] of the modelled part, at the last forces; "damped" is the work that contacts
         have taken and no spring stores: what damping takes, and what springs held that their face
         has left."""
-        bricks = self.energy.sum(axis=0)
-        held = self._shot[touch.CONTACT] + self._points[touch.CONTACT]
+        row = self.row
+        bricks = row.energy.sum(axis=0)
+        held = row.shot[kernels.CONTACT] + row.points[kernels.CONTACT]
         values = (
-            self._work[:, 0].sum(),
+            row.work[:, 0].sum(),
             bricks[kernels.ELASTIC],
             bricks[kernels.PLASTIC],
             bricks[kernels.HOURGLASS],
             bricks[kernels.VISCOUS],
-            self._work[:, 1].sum(),
+            row.work[:, 1].sum(),
             bricks[kernels.ERODED],
             held,
-            self._taken + (self._work[:, 2] - self._work[:, 3]).sum() - held,
+            self._taken + (row.work[:, 2] - row.work[:, 3]).sum() - held,
         )
         return dict(zip(ENERGIES, map(float, values)))
 
@@ -541,20 +476,21 @@ class Block:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """{name: array} of all that its motion goes on from; `restore` takes it back."""
-        found = {name: getattr(self, name) for name in _KEPT}
+        found = {name: getattr(self.row, name) for name in BlockRow.kept()}
         found["clock"] = np.array([self.time, self._kick, self._taken])
-        if self._columns is not None:
-            found |= {"columns": self._columns, "memory": self._memory}
+        if self.points is not None:
+            found |= {name: getattr(self.points, name) for name in BlockPoints.kept()}
         return found | {f"{who}_force": force for who, force in self._before.items()}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Go on from `arrays` of a block of the same backing and step."""
-        for name in _KEPT:
-            getattr(self, name)[...] = arrays[name]
+        for name in BlockRow.kept():
+            getattr(self.row, name)[...] = arrays[name]
         self.time, self._kick, self._taken = map(float, arrays["clock"])
         if "columns" in arrays:
-            self._columns = np.array(arrays["columns"])
-            self._memory = np.array(arrays["memory"])
+            self.points = BlockPoints(**BlockPoints.zeros(points=len(arrays["columns"])))
+            for name in BlockPoints.kept():
+                getattr(self.points, name)[...] = arrays[name]
         self._before = {
             who: np.array(arrays[f"{who}_force"])
             for who in ("shot", "points")

@@ -221,11 +221,9 @@ def least_height(inverse, edges):
 
 
 @kernel()
-def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
+def forces_slice(i, block, dt):
     """Forces of the bricks i along x: see `forces`."""
-    _, ny, nz = counts
-    gradient, volume, twist, control, edges = rest
-    metric, alpha, last, past, gone = history
+    law = block.law
     nodes = np.empty(8, np.int64)
     places = np.empty((8, 3))
     F = np.empty((3, 3))
@@ -235,102 +233,83 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     per_time = 0.0
     if dt > 0.0:
         per_time = 1.0 / dt
-    for j in range(ny):
-        for k in range(nz):
-            m = (i * ny + j) * nz + k
-            if gone[m]:
+    for j in range(block.ny):
+        for k in range(block.nz):
+            m = (i * block.ny + j) * block.nz + k
+            if block.gone[m]:
                 continue
-            brick_nodes(0, i, j, k, ny, nz, nodes)
+            energy = block.energy[m]
+            past = block.past[m]
+            own = block.own[m]
+            volume = block.volume[m]
+            gradient = block.gradient[m]
+            brick_nodes(0, i, j, k, block.ny, block.nz, nodes)
             for a in range(8):
                 for c in range(3):
-                    places[a, c] = x[nodes[a], c]
-                    own[m, a, c] = 0.0
-            mean_deformation(places, gradient[m], F)
+                    places[a, c] = block.x[nodes[a], c]
+                    own[a, c] = 0.0
+            mean_deformation(places, gradient, F)
             J = inverse(F, P)
             if not J > 0.0:
-                energy[m, ELASTIC] = np.nan
+                energy[ELASTIC] = np.nan
                 continue
             swell = math.log(J)
-            rate = (swell - last[m]) * per_time
-            before = alpha[m]
-            viscous = law[7] * least_height(P, edges[m]) * rate
-            stored, work, alpha[m] = hencky(F, metric[m], before, law, viscous, dt, P)
+            rate = (swell - block.last[m]) * per_time
+            before = block.alpha[m]
+            viscous = law[7] * least_height(P, block.edges[m]) * rate
+            stored, work, alpha = hencky(F, block.metric[m], before, law, viscous, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
             mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
-            if alpha[m] > before:
-                work = 0.5 * (min(past[m, 1], mises) + mises) * (alpha[m] - before)
-            damped = 0.5 * (past[m, 0] + viscous) * rate * dt
-            last[m] = swell
-            past[m, 0] = viscous
-            past[m, 1] = mises
-            held = hourglass(F, places, twist[m], control[m], H, D, own[m])
-            energy[m, PLASTIC] += volume[m] * work
-            energy[m, VISCOUS] += volume[m] * damped
-            if alpha[m] >= law[4]:
-                gone[m] = True
+            if alpha > before:
+                work = 0.5 * (min(past[1], mises) + mises) * (alpha - before)
+            damped = 0.5 * (past[0] + viscous) * rate * dt
+            block.alpha[m] = alpha
+            block.last[m] = swell
+            past[0] = viscous
+            past[1] = mises
+            held = hourglass(F, places, block.twist[m], block.control[m], H, D, own)
+            energy[PLASTIC] += volume * work
+            energy[VISCOUS] += volume * damped
+            if alpha >= law[4]:
+                block.gone[m] = True
                 # its stress does no work any more, so half of the last step's was never done
-                rise = (
-                    volume[m] * (stored + work + damped)
-                    + held
-                    - energy[m, ELASTIC]
-                    - energy[m, HOURGLASS]
-                )
-                energy[m, ERODED] = volume[m] * stored + held - 0.5 * rise
-                energy[m, ELASTIC] = energy[m, HOURGLASS] = 0.0
-                own[m] = 0.0
+                rise = volume * (stored + work + damped) + held
+                rise = rise - energy[ELASTIC] - energy[HOURGLASS]
+                energy[ERODED] = volume * stored + held - 0.5 * rise
+                energy[ELASTIC] = energy[HOURGLASS] = 0.0
+                own[:] = 0.0
                 continue
-            energy[m, ELASTIC] = volume[m] * stored
-            energy[m, HOURGLASS] = held
+            energy[ELASTIC] = volume * stored
+            energy[HOURGLASS] = held
             for a in range(8):
                 for c in range(3):
                     for r in range(3):
-                        own[m, a, c] += (volume[m] * P[c, r] + D[c, r]) * gradient[m, a, r]
+                        own[a, c] += (volume * P[c, r] + D[c, r]) * gradient[a, r]
 
 
 @entry(parallel=True)
-def forces(counts, x, rest, law, dt, history, own, energy):
-    """Internal forces of every brick, own : (m, 8, 3) [N].
+def forces(block, dt):
+    """Internal forces of every brick, into block.own, and its energies, at the places of now.
 
-    Parameters
-    ----------
-    counts : bricks along x, y and z; nodes and bricks are numbered with the last fastest
-    x : (n, 3) [m]
-    rest : gradient, volume, twist, control, edges of the bricks at rest, as `hex8.Bricks` has them
-    law : (8,) as for `hencky`, then [Pa s/m] bulk viscosity over the length of a brick
     dt : [s] since the last call
-    history : metric, alpha, last, past, gone, overwritten
-        metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool
-        past : (m, 2) [Pa] viscous pressure and stress q of the last call
-    energy : (m, 5) [J] of each brick, overwritten or added to
     """
-    nx, ny, nz = counts
-    gradient, volume, twist, control, edges = rest
-    metric, alpha, last, past, gone = history
-    for i in prange(nx):
-        forces_slice(
-            i,
-            (nx, ny, nz),
-            x,
-            (gradient, volume, twist, control, edges),
-            law,
-            dt,
-            (metric, alpha, last, past, gone),
-            own,
-            energy,
-        )
+    for i in prange(block.nx):
+        forces_slice(i, block, dt)
 
 
 @kernel()
-def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
+def move_slice(i, block, kick, dt):
     """Step of the nodes i along x: see `move`."""
-    nx, ny, nz = counts
-    mass, dashpot, free = nodes
+    nx = block.nx
+    ny = block.ny
+    nz = block.nz
     kinetic = lost = taken = ahead = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
             n = (i * (ny + 1) + j) * (nz + 1) + k
+            mass = block.mass[n]
             for c in range(3):
-                total = outer[n, c] + drags[n, c]
+                total = block.outer[n, c] + block.drags[n, c]
                 for a in range(8):
                     # the brick of which this node is the corner a
                     p = i - CORNER_OFFSETS[a, 0]
@@ -338,41 +317,30 @@ def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
                     r = k - CORNER_OFFSETS[a, 2]
                     if 0 <= p < nx and 0 <= q < ny and 0 <= r < nz:
                         m = (p * ny + q) * nz + r
-                        if not gone[m]:
-                            total += own[m, a, c]
-                lag = 0.5 * kick * dashpot[n, c] / mass[n]
-                before = v[n, c]
-                after = free[n, c] * ((1.0 - lag) * before - kick * total / mass[n]) / (1.0 + lag)
+                        if not block.gone[m]:
+                            total += block.own[m, a, c]
+                dashpot = block.dashpot[n, c]
+                lag = 0.5 * kick * dashpot / mass
+                before = block.v[n, c]
+                pushed = (1.0 - lag) * before - kick * total / mass
+                after = block.free[n, c] * pushed / (1.0 + lag)
                 mean = 0.5 * (before + after)
-                kinetic += 0.5 * mass[n] * mean * mean
-                lost += kick * dashpot[n, c] * mean * mean
-                pressed = kick * (outer[n, c] + drags[n, c])
+                kinetic += 0.5 * mass * mean * mean
+                lost += kick * dashpot * mean * mean
+                pressed = kick * (block.outer[n, c] + block.drags[n, c])
                 taken += pressed * mean
                 ahead += 0.5 * pressed * after
-                v[n, c] = after
-                x[n, c] += dt * after
-    work[i, 0] = kinetic
-    work[i, 1] += lost
-    work[i, 2] += taken
-    work[i, 3] = ahead
+                block.v[n, c] = after
+                block.x[n, c] += dt * after
+    block.work[i, 0] = kinetic
+    block.work[i, 1] += lost
+    block.work[i, 2] += taken
+    block.work[i, 3] = ahead
 
 
 @entry(parallel=True)
-def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
-    """Velocities over `kick` [s], places over `dt` [s].
-
-    Parameters
-    ----------
-    own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts,
-        and of their damping
-    nodes : mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
-    work : (nx + 1, 4) [J] kinetic energy at the instant of the forces, overwritten; what dashpots,
-        and what contacts, took from the nodes, added to; and what of the last that is after this
-        instant, overwritten
-    """
-    nx, ny, nz = counts
-    mass, dashpot, free = nodes
-    for i in prange(nx + 1):
-        move_slice(
-            i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work
-        )
+def move(block, kick, dt):
+    """Velocities over `kick` [s], places over `dt` [s], by the forces of bricks and contacts; work
+    of these, into block.work."""
+    for i in prange(block.nx + 1):
+        move_slice(i, block, kick, dt)

@@ -29,6 +29,7 @@ import numpy as np
 from numba import prange
 
 from shellfabric.backing.block_kernels import CONTACT, DAMPING_FORCE, ELASTIC_FORCE
+from shellfabric.cloth.vector_kernels import dot, subtract
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 
@@ -38,75 +39,65 @@ MAX_FACET_COORDINATE = 3.0  # coordinate in a facet, -1 .. 1 within it, that a f
 
 
 @kernel()
-def node_active(i, j, k, nx, ny, nz, gone):
+def node_active(i, j, k, block):
     """Whether a brick is left at the node."""
-    for p in range(max(i - 1, 0), min(i + 1, nx)):
-        for q in range(max(j - 1, 0), min(j + 1, ny)):
-            for r in range(max(k - 1, 0), min(k + 1, nz)):
-                if not gone[(p * ny + q) * nz + r]:
+    for p in range(max(i - 1, 0), min(i + 1, block.nx)):
+        for q in range(max(j - 1, 0), min(j + 1, block.ny)):
+            for r in range(max(k - 1, 0), min(k + 1, block.nz)):
+                if not block.gone[(p * block.ny + q) * block.nz + r]:
                     return True
     return False
 
 
 @entry()
-def nose_forces(counts, x, v, gone, springs, position, speed, shape, forces, sums):
-    """Forces of a rigid projectile on the nodes of the block.
+def nose_forces(block, position, speed, form, numbers):
+    """Forces of a rigid projectile on the nodes of the block, added to block.outer and drags.
+
+    Energy and forces of the contact, into block.shot.
 
     Parameters
     ----------
-    counts : bricks along x, y and z
-    springs : stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
-    shape : form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge
-        radius, length
-    forces : outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
-    sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile
-        [N]; overwritten
+    form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius,
+        length
     """
-    nx, ny, nz = counts
-    stiffness, damping = springs
-    form, numbers = shape
-    outer, drags = forces
+    x = block.x
+    sums = block.shot
     sums[:] = 0.0
     widest = numbers[1] * numbers[1]
-    for i in range(nx + 1):
-        for j in range(ny + 1):
-            for k in range(nz + 1):
-                n = (i * (ny + 1) + j) * (nz + 1) + k
-                p0 = x[n, 0] - position[0]
-                p1 = x[n, 1] - position[1]
-                p2 = x[n, 2] - position[2]
+    for i in range(block.nx + 1):
+        for j in range(block.ny + 1):
+            for k in range(block.nz + 1):
+                n = (i * (block.ny + 1) + j) * (block.nz + 1) + k
+                place = subtract(x[n], position)
                 # debris may fly ahead of what it came from: every node of the column is looked at
-                if p2 > 0.0 or p0 * p0 + p1 * p1 > widest:
+                if place[2] > 0.0 or place[0] * place[0] + place[1] * place[1] > widest:
                     continue
-                if not node_active(i, j, k, nx, ny, nz, gone):
+                if not node_active(i, j, k, block):
                     continue
                 gap, n0, n1, n2 = sdf_kernels.distance(
-                    int(numbers[0]), p0, p1, p2, numbers[1], numbers[2], numbers[3], form
+                    int(numbers[0]), *place, numbers[1], numbers[2], numbers[3], form
                 )
                 if gap >= 0.0:
                     continue
-                opening = (
-                    (v[n, 0] - speed[0]) * n0
-                    + (v[n, 1] - speed[1]) * n1
-                    + (v[n, 2] - speed[2]) * n2
-                )
-                push = -stiffness[n] * gap
-                drag = max(-damping[n] * opening, -push)
-                sums[CONTACT] += 0.5 * stiffness[n] * gap * gap
-                for c, part in enumerate((n0, n1, n2)):
-                    outer[n, c] -= push * part
-                    drags[n, c] -= drag * part
-                    sums[ELASTIC_FORCE + c] -= push * part
-                    sums[DAMPING_FORCE + c] -= drag * part
+                normal = n0, n1, n2
+                opening = dot(subtract(block.v[n], speed), normal)
+                push = -block.stiffness[n] * gap
+                drag = max(-block.damping[n] * opening, -push)
+                sums[CONTACT] += 0.5 * block.stiffness[n] * gap * gap
+                for c in range(3):
+                    block.outer[n, c] -= push * normal[c]
+                    block.drags[n, c] -= drag * normal[c]
+                    sums[ELASTIC_FORCE + c] -= push * normal[c]
+                    sums[DAMPING_FORCE + c] -= drag * normal[c]
 
 
 @kernel()
-def top_brick(p, q, ny, nz, gone):
+def top_brick(p, q, block):
     """First brick of the column (p, q) below all that are gone; nz where there is none. Above it
     there is debris."""
-    for r in range(nz - 1, -1, -1):
-        if gone[(p * ny + q) * nz + r]:
+    for r in range(block.nz - 1, -1, -1):
+        if block.gone[(p * block.ny + q) * block.nz + r]:
             return r + 1
     return 0
 
@@ -135,7 +126,7 @@ def beyond(px, py, x, nodes):
 
 
 @kernel()
-def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
+def locate(at, block, column, place, nodes):
     """Facet under a point, from the column it was last over.
 
     Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it
@@ -151,11 +142,16 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     found : False beyond the block, where a column has no brick left, or under a fold that hides
         what is below
     """
+    px = at[0]
+    py = at[1]
+    x = block.x
+    ny = block.ny
+    nz = block.nz
     w = np.empty(4)
     for _ in range(MAX_COLUMNS):
         p = column[0]
         q = column[1]
-        r = top_brick(p, q, ny, nz, gone)
+        r = top_brick(p, q, block)
         if r == nz:
             return False
         first = (p * (ny + 1) + q) * (nz + 1) + r
@@ -206,7 +202,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
             place[0] = a
             place[1] = b
             return found
-        if not (0 <= p + go_p < nx and 0 <= q + go_q < ny):
+        if not (0 <= p + go_p < block.nx and 0 <= q + go_q < ny):
             return False
         column[0] = p + go_p
         column[1] = q + go_q
@@ -282,17 +278,18 @@ def outward_normal(A, B, normal):
 
 
 @kernel()
-def depth_and_opening(p, speed, x, v, nodes, w, normal, thickness):
+def depth_and_opening(p, speed, block, facet, thickness):
     """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w
-    of the facet."""
+    of the nodes of the facet."""
+    nodes, w, normal = facet
     inside = thickness
     opening = 0.0
     for c in range(3):
         under = 0.0
         moving = 0.0
         for m in range(4):
-            under += w[m] * x[nodes[m], c]
-            moving += w[m] * v[nodes[m], c]
+            under += w[m] * block.x[nodes[m], c]
+            moving += w[m] * block.v[nodes[m], c]
         inside -= (p[c] - under) * normal[c]
         opening += (speed[c] - moving) * normal[c]
     return inside, opening
@@ -343,39 +340,31 @@ def to_nodes(forces, weights, nj, found):
 
 
 @kernel()
-def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts):
+def find_contacts(ends, block, points, thickness, dt):
     """Contacts of the points from the first to before the last of `ends` with the face of the
-    block.
-
-    Parameters
-    ----------
-    counts, columns, memory, thickness, dt, points : as for `point_forces`
-    block : x, v, gone
-    feet : (s, 4) int, nodes of the facet that each bears on; overwritten
-    contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the
-        nodes; overwritten
-    """
-    nx, ny, nz = counts
-    x, v, gone = block
-    px, pv, stiffness, damping = points
+    block, into points.feet and points.contacts."""
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)
     A = np.empty(3)
     B = np.empty(3)
+    contacts = points.contacts
+    memory = points.memory
     for s in range(*ends):
         contacts[s, 0] = contacts[s, 1] = 0.0
         was = memory[s, 0]
         offset = memory[s, 1]
-        nodes = feet[s]
-        below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
-        if not (below and closest_point(px[s], x, nodes, place, A, B)):
+        nodes = points.feet[s]
+        at = points.x[s]
+        below = locate(at, block, points.columns[s], place, nodes)
+        if not (below and closest_point(at, block.x, nodes, place, A, B)):
             memory[s, 0] = -1.0
             memory[s, 1] = 0.0
             continue
         weights(place[0], place[1], w)
         outward_normal(A, B, normal)
-        inside, opening = depth_and_opening(px[s], pv[s], x, v, nodes, w, normal, thickness)
+        facet = nodes, w, normal
+        inside, opening = depth_and_opening(at, points.v[s], block, facet, thickness)
         # beyond what motion explains, twice over for a facet that turns, it is a step of the face
         step = inside - was
         if step > 2.0 * abs(opening) * dt and inside > 0.0:
@@ -386,52 +375,43 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, f
         memory[s, 1] = offset
         if depth > 0.0:
             contacts[s, 0] = depth
-            contacts[s, 1] = max(-damping[s] * opening, -stiffness[s] * depth)
+            contacts[s, 1] = max(-points.damping[s] * opening, -points.stiffness[s] * depth)
             contacts[s, 2:5] = normal
             contacts[s, 5:] = w
 
 
 @entry(parallel=True)
-def point_forces(counts, block, points, thickness, dt, columns, memory, forces, on_points, sums):
-    """Forces between points and the face of the block.
+def point_forces(block, points, thickness, dt):
+    """Forces between points and the face of the block: into points.force and points.drag, and added
+    to block.outer and block.drags; the energy of the contact into block.points.
 
     Parameters
     ----------
-    counts : bricks along x, y and z
-    block : x, v, gone of it
-    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of
-        each
+    points : BlockPoints
     thickness : [m] distance that points keep from the face: half of what they stand for
     dt : [s] since the last call
-    columns : (s, 2) int, where each was; overwritten
-    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset;
-        overwritten
-    forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
-    on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
-    sums : (7,) CONTACT [J], overwritten
     """
-    outer, drags = forces
-    force, drag_force = on_points
-    count = columns.shape[0]
-    feet = np.empty((count, 4), np.int64)
-    contacts = np.empty((count, 9))
+    count = points.columns.shape[0]
     size = (count + SLICES - 1) // SLICES
     for part in prange(SLICES):
         ends = part * size, min((part + 1) * size, count)
-        find_contacts(ends, counts, block, points, thickness, dt, columns, memory, feet, contacts)
-    sums[:] = 0.0
+        find_contacts(ends, block, points, thickness, dt)
+    block.points[:] = 0.0
     for s in range(count):
-        depth = contacts[s, 0]
-        drag = contacts[s, 1]
-        force[s] = drag_force[s] = 0.0
+        depth = points.contacts[s, 0]
+        drag = points.contacts[s, 1]
+        points.force[s] = 0.0
+        points.drag[s] = 0.0
         if depth == 0.0:
             continue
-        push = points[2][s] * depth
-        sums[CONTACT] += 0.5 * push * depth
+        push = points.stiffness[s] * depth
+        block.points[CONTACT] += 0.5 * push * depth
         for c in range(3):
-            normal = contacts[s, 2 + c]
-            force[s, c] = push * normal
-            drag_force[s, c] = drag * normal
+            normal = points.contacts[s, 2 + c]
+            points.force[s, c] = push * normal
+            points.drag[s, c] = drag * normal
             for m in range(4):
-                outer[feet[s, m], c] += push * contacts[s, 5 + m] * normal
-                drags[feet[s, m], c] += drag * contacts[s, 5 + m] * normal
+                node = points.feet[s, m]
+                weight = points.contacts[s, 5 + m]
+                block.outer[node, c] += push * weight * normal
+                block.drags[node, c] += drag * weight * normal

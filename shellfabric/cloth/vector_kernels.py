@@ -40,6 +40,12 @@ def add_scaled(a, s, b):
 
 
 @kernel(_nrt=False, forceinline=True)
+def across(a, normal):
+    """The part of a at right angles to a unit vector."""
+    return add_scaled(a, -dot(a, normal), normal)
+
+
+@kernel(_nrt=False, forceinline=True)
 def three(values, first):
     """The vector of three values that stand one after another."""
     return values[first], values[first + 1], values[first + 2]

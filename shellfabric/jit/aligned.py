@@ -10,4 +10,5 @@ def aligned_zeros(count, slots, kind=float):
     # of any kind, up to 63 bytes lie before a cache line
     whole = np.zeros(count * width + 64, kind)
     start = -whole.ctypes.data % 64 // whole.itemsize
-    return tuple(whole[start + m * width : start + m * width + slots] for m in range(count))
+    starts = [start + m * width for m in range(count)]
+    return tuple([whole[first : first + slots] for first in starts])

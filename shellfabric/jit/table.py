@@ -349,7 +349,7 @@ def _grid_of(table, values):
 def _zeros(shape, sizes):
     """Zeros of a shape, or None where one of its sizes is not known."""
     counts, dimensions, kind = parts_of(shape)
-    if not all(name.isdigit() or name in sizes for name in dimensions):
+    if [name for name in dimensions if not name.isdigit() and name not in sizes]:
         return None
     lengths = [int(sizes.get(name, name)) for name in dimensions]
     dtype = np.dtype(kind.replace("boolean", "bool"))

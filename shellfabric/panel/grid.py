@@ -419,14 +419,14 @@ class PanelGrid:
         """What acts on it besides membrane and nose, each with a row of its own."""
         return forces.make_modules(self)
 
-    @property
+    @cached_property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
         mass = self.weave.areal_density
         membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
         return (membrane + sum(module.stiffness for module in forces.make_modules(self))) ** -0.5
 
-    @property
+    @cached_property
     def yarns_a_line(self) -> tuple[float, ...]:
         """(warp, weft) yarns that a grid line stands for at the impact point."""
         return tuple(

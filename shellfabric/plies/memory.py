@@ -38,9 +38,10 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     element = ELEMENT
     if len(plies) > 1:
         element = PACK
-    run = sum(counts) * element + CROSSING * crossings_of(plies[0])
+    run = sum(counts) * element
     if backing:
         run += BRICK * prod(backing.count)
+    run += CROSSING * crossings_of(plies[0])
     if written:
         run = max(run, WRITTEN * max(counts))
     return run + SNAPSHOT * snapshots * sum(counts)

@@ -14,7 +14,7 @@ no knob.
 
 import math
 
-from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled, three
+from shellfabric.cloth.vector_kernels import across, add_scaled, dot, scaled, three
 from shellfabric.jit.compile import kernel
 
 
@@ -37,9 +37,9 @@ def friction_force(stuck, limit, spring, dt, normal, v):
     """
     k, c = spring
     taken = -0.5 * dt * dot(three(stuck, 3), v)
-    v = along_surface(v, normal)
+    v = across(v, normal)
     # the surface may have turned since the last step
-    slip = along_surface(add_scaled(three(stuck, 0), dt, v), normal)
+    slip = across(add_scaled(three(stuck, 0), dt, v), normal)
     force = add_scaled(scaled(-k, slip), -c, v)  # eq. (1)
     size = math.sqrt(dot(force, force))
     if size > limit:  # eq. (2): it slides, and the spring keeps what the limit holds
@@ -50,9 +50,3 @@ def friction_force(stuck, limit, spring, dt, normal, v):
         stuck[axis] = slip[axis]
         stuck[3 + axis] = force[axis]
     return force, taken, 0.5 * k * dot(slip, slip)
-
-
-@kernel()
-def along_surface(a, normal):
-    """The part of a vector that is at right angles to a unit vector."""
-    return add_scaled(a, -dot(a, normal), normal)

@@ -44,7 +44,8 @@ ENERGIES = (
 
 
 def energies(const: Constants, state: State, rest: float) -> FloatArray:
-    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of `further_names`.
+    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of
+    `further_names`.
 
     Parameters
     ----------

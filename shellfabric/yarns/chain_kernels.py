@@ -16,8 +16,9 @@ dissipative forces are those of the mean of the old and the new force.
 import math
 
 from shellfabric.cloth import strength_kernels
+from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.yarns.curve_kernels import dot, plus, row, scaled
+from shellfabric.yarns.curve_kernels import row
 
 # of zone.books [J]: energies at present, then works so far, then counts
 STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
@@ -56,10 +57,10 @@ def chain_forces(zone):
 @kernel(_nrt=False)
 def segment_force(zone, family, n):
     """Force of a segment; the energy [J] that it stores."""
-    side = plus(row(zone.x, n + 1), -1.0, row(zone.x, n))
+    side = add_scaled(row(zone.x, n + 1), -1.0, row(zone.x, n))
     length = math.sqrt(dot(side, side))
     along = scaled(1.0 / length, side)
-    rate = dot(plus(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
+    rate = dot(add_scaled(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
     zone.books[VISCOUS] += 0.5 * zone.dt * zone.viscous_force[n] * rate
     zone.viscous_force[n] = 0.0
     strain = length / zone.rest_length[n] - 1.0

@@ -16,19 +16,10 @@ apart, up to h: coming back does no work. A yarn leaves a crossing for good at i
 
 import math
 
+from shellfabric.cloth.vector_kernels import across, add_scaled, cross, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.chain_kernels import CROSSINGS, FAILED, FRICTION, SLACK, TANGLED, VISCOUS
-from shellfabric.yarns.curve_kernels import (
-    across,
-    cross,
-    dot,
-    gather,
-    plus,
-    row,
-    scaled,
-    scatter,
-    spline,
-)
+from shellfabric.yarns.curve_kernels import gather, row, scatter, spline
 
 # of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
 FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
@@ -75,7 +66,7 @@ def common_perpendicular(zone, i, j):
         k_b, weights_b, slopes_b = spline(s_b, zone.nodes[1])
         n_a = first_a + k_a
         n_b = first_b + k_b
-        apart = plus(gather(zone.x, n_a, weights_a), -1.0, gather(zone.x, n_b, weights_b))
+        apart = add_scaled(gather(zone.x, n_a, weights_a), -1.0, gather(zone.x, n_b, weights_b))
         tangent_a = gather(zone.x, n_a, slopes_a)
         tangent_b = gather(zone.x, n_b, slopes_b)
         aa = dot(tangent_a, tangent_a)
@@ -144,13 +135,13 @@ def crossing_force(zone, i, j):
     if slack or not whole:
         drop(zone, i, j, whole)
         return 0.0
-    velocity = plus(gather(zone.v, n_a, weights_a), -1.0, gather(zone.v, n_b, weights_b))
+    velocity = add_scaled(gather(zone.v, n_a, weights_a), -1.0, gather(zone.v, n_b, weights_b))
     push = normal_force(zone, contact, distance, dot(velocity, normal))
     stored = contact[ENERGY] + slide(
         zone, i, j, across(velocity, normal), normal, zone.friction * push
     )
     slider = row(zone.slider[i], j)
-    force = plus(scaled(push, normal), -zone.friction_stiffness, slider)
+    force = add_scaled(scaled(push, normal), -zone.friction_stiffness, slider)
     scatter(zone.f, n_a, weights_a, force)
     scatter(zone.f, n_b, weights_b, scaled(-1.0, force))
     return stored
@@ -198,12 +189,12 @@ def slide(zone, i, j, velocity, normal, limit):
     """
     k = zone.friction_stiffness
     before = row(zone.slider[i], j)
-    after = across(plus(before, zone.dt, velocity), normal)
+    after = across(add_scaled(before, zone.dt, velocity), normal)
     size = k * math.sqrt(dot(after, after))
     if size > limit and not zone.pinned[i, j]:
         after = scaled(limit / size, after)
     stored = 0.5 * k * dot(after, after)
-    work = 0.5 * k * zone.dt * dot(plus(before, 1.0, after), velocity)
+    work = 0.5 * k * zone.dt * dot(add_scaled(before, 1.0, after), velocity)
     zone.books[FRICTION] += work - stored + 0.5 * k * dot(before, before)
     for c in range(3):
         zone.slider[i, j, c] = after[c]

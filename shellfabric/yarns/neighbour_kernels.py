@@ -13,10 +13,11 @@ A closest point that runs along a loop of a slack yarn carries no force and come
 
 import math
 
+from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.chain_kernels import FAILED, NEIGHBOURS, SLACK
 from shellfabric.yarns.crossing_kernels import CLOSE, moved
-from shellfabric.yarns.curve_kernels import dot, gather, plus, scaled, scatter, spline
+from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
 # of zone.foot: index on the next yarn (below 0: torn), energy [J], distance [m] at which contact begins (below 0:
 # slack), steps until it is looked at again
@@ -57,7 +58,7 @@ def closest_point(zone, family, start, n):
     for turn in range(4):
         k, weights, slopes = spline(s, count)
         m = start + count + k
-        d = plus(gather(zone.x, m, weights), -1.0, point)
+        d = add_scaled(gather(zone.x, m, weights), -1.0, point)
         tangent = gather(zone.x, m, slopes)
         square = dot(d, d)
         step = -dot(d, tangent) / max(dot(tangent, tangent), 0.25 * zone.rest_length[m] ** 2)

@@ -8,11 +8,12 @@ and in the middle of the segments, a quarter of a crossover apart; with the sign
 """
 
 from shellfabric.cloth.spline_kernels import to_projectile_frame
+from shellfabric.cloth.vector_kernels import add_scaled, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.contact_kernels import to_panel_frame
 from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
-from shellfabric.yarns.curve_kernels import gather, plus, scaled, scatter
+from shellfabric.yarns.curve_kernels import gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
 AHEAD = 0  # of zone.counter
@@ -45,7 +46,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
         zone.books[FAILED] += zone.nose_energy[n, kind]
         zone.nose_energy[n, kind] = 0.0
         return
-    place = plus(gather(zone.x, n, weights), -1.0, state.projectile_position)
+    place = add_scaled(gather(zone.x, n, weights), -1.0, state.projectile_position)
     x, y, z = to_projectile_frame(const, place)
     reach = const.projectile_radius + zone.rod
     square = x * x + y * y
@@ -77,7 +78,9 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
     zone.books[NOSE] += zone.nose_energy[n, kind]
     force = scaled(push, normal)
     if const.friction > 0.0:
-        force = plus(force, 1.0, nose_friction(zone, state, const, n, kind, weights, normal, push))
+        force = add_scaled(
+            force, 1.0, nose_friction(zone, state, const, n, kind, weights, normal, push)
+        )
     scatter(zone.f, n, weights, force)
     for c in range(3):
         state.f_contact_nose[c] -= force[c]
@@ -86,10 +89,11 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
 @kernel(_nrt=False)
 def nose_friction(zone, state, const, n, kind, weights, normal, push):
     """Friction of one point (`friction_kernels.friction_force`), without damping."""
-    velocity = plus(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
-    spring = (zone.nose_stiffness, 0.0)
+    velocity = add_scaled(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
+    spring = zone.nose_stiffness, 0.0
+    limit = const.friction * push
     force, taken, _ = friction_kernels.friction_force(
-        zone.rubbed[n, kind], const.friction * push, spring, zone.dt, normal, velocity
+        zone.rubbed[n, kind], limit, spring, zone.dt, normal, velocity
     )
     zone.books[NOSE_FRICTION] += taken
     return force

@@ -54,6 +54,7 @@ GROUPS = {
         "fabrics list --out list.csv",
         "show S-728 --out own",
         f"fabrics new new.toml --from {ROOT}/examples/fabrics/mine.csv",
+        "new shot.toml",
         "projectiles list",
         "backings list",
         "impact ply.toml --out ply",

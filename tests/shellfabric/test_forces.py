@@ -304,12 +304,8 @@ def block(kind):
             on_others = []
             body.x[:], body.v[:] = x[0].reshape(-1, 3), v[0].reshape(-1, 3)
             if kind == "bricks":
-                bricks = (body._gradient, body._volume, body._twist, body._control, body._edges)
-                memory = (body.metric, body.alpha, body.last, body.past, body.gone)
-                block_kernels.forces(
-                    body.shape, body.x, bricks, body._law, 0.0, memory, body._own, body.energy
-                )
-                np.add.at(body._outer, body.bricks, body._own)
+                block_kernels.forces(body.row, 0.0)
+                np.add.at(body.row.outer, body.bricks, body.row.own)
             elif kind == "nose":
                 on_others = [body.strike(x[1], v[1], Projectile(shape="sphere", radius=3e-3))]
             else:
@@ -320,11 +316,11 @@ def block(kind):
                 )
                 body.press(*contact)
                 # no depth is that of a step of the face
-                body._outer[:] = 0.0
-                body._memory[:] = (1.0, 0.0)
+                body.row.outer[:] = 0.0
+                body.points.memory[:] = (1.0, 0.0)
                 on_others = [body.press(*contact, damping=1e-3 * contact[2]).reshape(x[1].shape)]
             stored = sum(body.energies()[name] for name in ("elastic", "hourglass", "contact"))
-            return [-(body._outer + body._drags).reshape(flat.shape), *on_others], stored
+            return [-(body.row.outer + body.row.drags).reshape(flat.shape), *on_others], stored
 
         axes = np.eye(3) if kind == "bricks" else np.eye(3)[2:]
         return Case(

@@ -67,3 +67,4 @@ __all__ += scatter.__all__
 __all__ += shots.__all__
 __all__ += surfaces.__all__
 __all__ += sweeps.__all__
+__all__.sort()

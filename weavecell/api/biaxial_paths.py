@@ -56,16 +56,22 @@ def biaxial(
     law: FilePath | CompressionLaw | None = None,
     out: FilePath | None = None,
 ) -> BiaxialResult:
-    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if
+    none is given.
 
-    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen:
+    `weavecell coupon`.
 
     Parameters
     ----------
-    fabric : as of `mesh`; a named one has the linear densities of `weavecell.fabric`
-    ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a yarn
-    compare_3d : solve the 3D crossover too, with this mesh, as of `mesh`, and compare; needs dolfinx
-    law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python also a CompressionLaw
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric. A named one
+        has the linear densities of `weavecell.fabric`
+    ratio : warp strain to weft strain, WARP:WEFT, may be given again; in Python a list. 0 holds a
+        yarn
+    compare_3d : also solve the 3D crossover on this mesh, such as coarse, and compare; needs
+        dolfinx
+    law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python
+        also a CompressionLaw
     out : folder of the results; in Python None writes nothing
 
     Returns
@@ -92,6 +98,7 @@ def biaxial(
         fabric = targets.as_fabric(fabric)
     else:
         fabric = meshes.of_3d(fabric)
+    # the 3D crossover is compared at the linear density that shots have
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
     source = "published"
@@ -121,6 +128,7 @@ def _ratio(text):
         ratio = tuple(float(part) for part in text.split(":"))
     except ValueError:
         ratio = ()
+    # a path with neither yarn stretched leads nowhere
     if len(ratio) != 2 or not all(map(isfinite, ratio)) or not min(ratio) >= 0 < max(ratio):
         allowed = 'two numbers of at least 0, one of them above, such as "2:1"'
         raise InputError(key="ratio", value=text, allowed=allowed)
@@ -138,6 +146,7 @@ def _crossovers(fabric, paths, size):
     with progress.bar(f"3D crossover of {fabric.name}") as advance:
         for number, (text, path) in enumerate(paths.items()):
             advance(number / len(paths), text)
+            # the 3D crossover is moved by lengths, half a cell at each end
             strain1, strain2 = path.ratio
             solved[text] = biaxial_and_platens.biaxial(built, fabric, (strain1 * w1, strain2 * w2))
     return solved
@@ -151,7 +160,7 @@ class BiaxialResult(Result):
     ----------
     model : CellModel, with its fabric
     paths : {ratio: `weavecell.studies.biaxial_path.CellPath`}
-    solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} where it was not asked for
+    solved : {ratio: `fabrics.base.record.Record`} of the 3D crossover; {} if it was not asked for
     source : of the compression law: "published", or the name of a file
     size : of the mesh of the 3D crossover, or None
     seconds : [s] it took
@@ -176,8 +185,8 @@ class BiaxialResult(Result):
         return self.model.fabric
 
     def summary(self) -> dict[str, Any]:
-        """Settings, and of each path the yarn that is first at its strength, strains, tensions and contact force there;
-        beside the 3D crossover the rms difference of the tensions [N]."""
+        """Settings, and of each path the yarn that is first at its strength, strains, tensions and
+        contact force there; beside the 3D crossover the rms difference of the tensions [N]."""
         settings = {
             "fabric": self.fabric.name,
             "cell_formulation": self.model.cell_formulation,
@@ -203,7 +212,8 @@ class BiaxialResult(Result):
         return end
 
     def _differences(self, history):
-        """[N] rms of the cell's tensions, warp and weft, from those of the 3D crossover at the same strains."""
+        """[N] rms of the cell's tensions, warp and weft, from those of the 3D crossover at the same
+        strains."""
         w1, w2 = self.fabric.weave.w
         cell = self.model.solve(1 + history["d1"] / w1, 1 + history["d2"] / w2)
         rms = []
@@ -233,6 +243,7 @@ class BiaxialResult(Result):
         stamp = provenance.stamp("", self.fabric)
         table = self.to_dataframe().to_csv(index=False, float_format="%.8g")
         files.write(folder / "biaxial.csv", table)
+        # a colon is not allowed in names of files on all systems
         for text, history in self.solved.items():
             history.write(folder / f"{text.replace(':', '-')}.h5")
         json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
@@ -256,6 +267,7 @@ class BiaxialResult(Result):
         for text, path in self.paths.items():
             strains = tuple(path.strain.T)
             history = self.solved.get(text)
+            # the 3D tensions are drawn beside the cell's at their own strains
             if history is not None:
                 strains = (history["d1"] / w1, history["d2"] / w2, history["T1"], history["T2"])
             paths[f"strains {text}"] = strains

@@ -1,10 +1,12 @@
 """The calibration of the 3D crossover.
 
 The folder of `weavecell calibrate`
-    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
+    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve
+                        determines
     law-interval.json   with the same: intervals of a and b that follow from those of E_c, V_c, K_r
     solid-runs          with the same: finished runs, for --resume
-    law.json            the fitted law, for `law` in an input file, and the contact law of plies of a pack
+    law.json            the fitted law, for `law` in an input file, and the contact law of plies of
+                        a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
     crossover.*         the mesh, as `weavecell mesh` writes it, with quality.png and mesh.json
@@ -59,24 +61,27 @@ def calibrate(
     assumed_range: bool = True,
     **options: Unpack[ResumableKeywords],
 ) -> CalibrationResult:
-    """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs dolfinx and PETSc.
+    """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs
+    dolfinx and PETSc.
 
-    The fabric has the linear density of its data sheet. With one job and the local executor everything runs in this
-    process; else in several, and a script that calls needs the guard `if __name__ == "__main__":`. A finished path is
-    kept at once, for resume.
+    The fabric has the linear density of its data sheet. With one job and the local executor
+    everything runs in this process; else in several, and a script that calls needs the guard `if
+    __name__ == "__main__":`. A finished path is kept at once, for resume.
 
-    The curve of platen_curve is a CSV file headed, for example, "pressure [MPa], thickness [mm]": one ply between flat
-    platens, loading only, at least five rows.
+    The curve of platen_curve is a CSV file headed, for example, "pressure [MPa], thickness [mm]":
+    one ply between flat platens, loading only, at least five rows.
 
     Parameters
     ----------
-    fabric : as of `mesh`
-    mesh : of the 3D crossover, as of `mesh`
-    platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what the fabric lacks of
-        its solid law is assumed by fibre family
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a
+        quarter yarn, such as 8,6,2, or an edge length
+    platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what
+        the fabric lacks of its solid law is assumed by fibre family
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
-    assumed_range : whether the law is fitted at both ends of an assumed solid law too, which triples the cost
+    assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
+        triples the cost
     **options : jobs, executor, out and resume
 
     Returns
@@ -101,6 +106,7 @@ def calibrate(
     named = not isinstance(fabric, Fabric)
     solid = None
     fabric = meshes.of_3d(fabric)
+    # a later run warns if the data that the law was fitted to have changed
     digest = data_digest(fabric)
     curve = None
     if platen_curve is not None or fit_solid:
@@ -108,6 +114,7 @@ def calibrate(
     choices = {"friction": friction, **how.solver_pool}
     place = out_folder.held(how.out, how.resume, [(fabric, size, friction, curve)])
     with place as folder, targets.kept_runs(folder, how.resume, SOLID_RUNS) as runs:
+        # first the solid from the platens, then the law from the crossover of that solid
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
@@ -134,6 +141,7 @@ def calibrate(
         interval = None
         if solid is not None:
             interval = _interval(solid, runs, choices)
+        # the law is fitted at the data sheet's linear density, and shot at with the effective one
         shot_at = fabric
         if named:
             shot_at = with_linear_density(fabric, "effective")
@@ -150,7 +158,8 @@ def calibrate(
 
 
 def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
-    """The plate curve of a file, or without one the pressure law at the fabric's measured areal density.
+    """The plate curve of a file, or without one the pressure law at the fabric's measured areal
+    density.
 
     Raises
     ------
@@ -166,11 +175,12 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
 
 
 def _solid(fabric, curve, runs):
-    """The SolidFit of a plate curve; an earlier run's where it is kept."""
+    """The SolidFit of a plate curve; an earlier run's if it is kept."""
     from unitcell3d.identify import solid_fit
 
     kept = run_cache.RunCache(runs)
     key = run_cache.key(("fit", fabric, curve), solid_fit.fit_solid.__module__)
+    # the fit takes minutes: an interrupted calibration goes on behind it
     if key not in kept:
         with progress.bar(f"Solid of {fabric.name} from platens") as advance:
             kept[key] = solid_fit.fit_solid(
@@ -184,7 +194,8 @@ def _solid(fabric, curve, runs):
 
 
 def _interval(solid, runs, choices):
-    """The LawInterval of the ends of a solid's intervals, or the exception of one whose paths give no law."""
+    """The LawInterval of the ends of a solid's intervals, or the exception of one whose paths give
+    no law."""
     from unitcell3d.identify.chain import law_intervals
 
     with progress.bar(f"Intervals of {solid.fabric.name}") as advance:
@@ -214,14 +225,16 @@ class CalibrationResult(Result):
 
     Parameters
     ----------
-    fabric : Fabric with the fitted law, ready for `impact`, and with its solid law; of a fabric that was named with the
-        linear densities of `weavecell.fabric`
+    fabric : Fabric with the fitted law, ready for `impact`, and with its solid law; of a fabric
+        that was named with the linear densities of `weavecell.fabric`
     calibration : `unitcell3d.identify.calibration.Calibration`
     mesh : MeshResult of the crossover, with the fabric that was calibrated
     failed : {"soft" or "stiff": why this end of the assumed range has no law}
     solid : `unitcell3d.identify.solid_record.SolidFit` of the platen curve, or None
-    interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception where its paths give no law; or None
-    resumable : whether the folder holds the histories of the paths already, with what `resume` needs
+    interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception if its paths give
+        no law; or None
+    resumable : whether the folder holds the histories of the paths already, with what `resume`
+        needs
 
     Examples
     --------
@@ -251,7 +264,8 @@ class CalibrationResult(Result):
         )
 
     def summary(self) -> dict[str, Any]:
-        """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid law.
+        """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid
+        law.
 
         "outside" says at which forces the ends of that range do not bracket the law.
         """
@@ -267,6 +281,7 @@ class CalibrationResult(Result):
                 numbers[f"{key}_low"], numbers[f"{key}_high"] = interval
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
             numbers |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+        # an assumed range that does not bracket its own law deserves a word
         if law.outside_ends():
             numbers["outside"] = "; ".join(law.outside_ends())
         return numbers | self._what_is_assumed()
@@ -274,6 +289,7 @@ class CalibrationResult(Result):
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
         histories = self.calibration.histories
+        # paths are of different lengths: one column names the path of each row
         lengths = [len(history["path"]) for history in histories.values()]
         columns: dict[str, Any] = {"path": np.repeat(list(histories), lengths)}
         for name, unit in units.items():
@@ -304,7 +320,8 @@ class CalibrationResult(Result):
         return points, self._fitted, (plates["F_c"], plates["d_c"])
 
     def plot(self) -> Figure:
-        """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and laws."""
+        """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and
+        laws."""
         from weavecell.report import pictures
 
         return figure(pictures.fit, *self._drawn())
@@ -314,13 +331,15 @@ class CalibrationResult(Result):
         return self.mesh.to_vtk(folder)
 
     def _around(self):
-        """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} if they are not known."""
+        """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} if
+        they are not known."""
         if self.interval is None or isinstance(self.interval, Exception):
             return {}
         return self.interval.around(self.law)
 
     def _laws(self):
-        """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread, what it leaves out."""
+        """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread,
+        what it leaves out."""
         done = self.calibration
         law = self.law
         rows = [
@@ -426,7 +445,8 @@ class CalibrationResult(Result):
         done.write(folder)
 
     def sections(self) -> tuple[Section, ...]:
-        """Chapters of the report: the fit, the solid if it was fitted, the response of the shells' cell."""
+        """Chapters of the report: the fit, the solid if it was fitted, the response of the shells'
+        cell."""
         from weavecell.report import chapters
 
         fabric = self.mesh.fabric

@@ -1,14 +1,16 @@
 """Tests of a laboratory, alone and beside what is computed.
 
 The folder of `weavecell compare`
-    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
+    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with
+                         intervals, provenance
     shots.csv            every test with the computed outcome and residual velocity
     comparison.svg       residual against strike velocity, tested and computed
     report.html          all of it on one page
     scene.toml           the input file
 
 Of tests alone
-    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals, provenance
+    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals,
+                         provenance
     shots.csv            every test
     tests.svg            residual against strike velocity
 """
@@ -49,26 +51,30 @@ def compare(
     tolerance: float | str = "1 m/s",
     **options: Unpack[SearchKeywords],
 ) -> ComparisonResult | TestsResult:
-    """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual velocities, with intervals.
+    """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual
+    velocities, with intervals.
 
-    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
-    measured, residual velocity, each speed with its unit in the heading: "velocity [m/s]". Without a target nothing is
-    computed: the tests alone give V50 of a probit fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and
-    Jonas to the residual velocities. With a target the shots are also fired at it at these velocities, and its critical
+    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated)
+    and, where it was measured, residual velocity, each speed with its unit in the heading:
+    "velocity [m/s]". Without a target nothing is computed: the tests alone give V50 of a probit
+    fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and Jonas to the residual
+    velocities. With a target the shots are also fired at it at these velocities, and its critical
     velocity is found, on the mesh of the input file.
 
-    Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
+    Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and
+    [accuracy] are rejected.
 
-    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml; of tests alone
-    tests.json, shots.csv and tests.svg.
+    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml; of
+    tests alone tests.json, shots.csv and tests.svg.
 
     Parameters
     ----------
     tests : table of tests (``*.csv``), a row a shot
-    target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up or a Fabric.
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up
+        or a Fabric.
         Left out, the tests alone are reduced
-    tolerance : as of `critical_velocity`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
     **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
     Returns

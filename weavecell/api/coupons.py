@@ -2,16 +2,19 @@
 
 The folder of `weavecell coupon`
     scene.toml      the input file as it was given
-    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon`)
+    histories.h5    measures, nodes and shear after every step, tensions at the end
+                    (`results.coupon`)
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
+                    it
 
-A pull-out has no load steps and no checkpoint: its histories.h5 holds the samples of the load, and load.csv holds them
-as text.
+A pull-out has no load steps and no checkpoint: its histories.h5 holds the samples of the load, and
+load.csv holds them as text.
 
-Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
+Everything but the checkpoint is written when the run has ended, also if it ended by becoming
+unstable.
 """
 
 from __future__ import annotations
@@ -62,21 +65,23 @@ def coupon(
     resume: bool = False,
     **options: Any,
 ) -> CouponResult | PullOutResult:
-    """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn pull-out.
+    """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn
+    pull-out.
 
     The folder then holds report.html, summary.json, histories.h5, pictures/ and
     scene.toml; while the run goes on, checkpoint.h5.
 
     Parameters
     ----------
-    target : input file of a coupon; in Python also a fabric as of `setup`
+    target : input file of a coupon; in Python also a fabric
     test : of a fabric: "bias_extension", "picture_frame", "uniaxial", "biaxial" or "pull_out"
     out : folder of the results; in Python None writes nothing
-    resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
-        of the code is refused
-    **options : of a fabric, the keys of the input file of a coupon (docs/reference.md), numbers in SI units or
-        texts with a unit: those of the table of the test, such as length, width and elongation, those of [run], such as
-        steps, and those of [fabric], such as cell_model and bending. law as of `setup`
+    resume : whether to continue an interrupted run from the folder; the state of an unfinished run
+        of another version of the code is refused
+    **options : of a fabric, the keys of the input file of a coupon (docs/reference.md), numbers in
+        SI units or texts with a unit: those of the table of the test, such as length, width and
+        elongation, those of [run], such as steps, and those of [fabric], such as cell_model and
+        bending. law may be an object, as in `setup`
 
     Returns
     -------
@@ -86,8 +91,8 @@ def coupon(
     Raises
     ------
     InputError : an unknown test or option, a value that is not allowed, or a law that is missing
-    UnstableError : shear in bands, yarns that passed one another, or no equilibrium; its attribute `result` is the
-        result up to then, which is written
+    UnstableError : shear in bands, yarns that passed one another, or no equilibrium; its attribute
+        `result` is the result up to then, which is written
 
     Examples
     --------
@@ -257,11 +262,12 @@ class CouponResult(Result):
 
     Parameters
     ----------
-    record : `fabrics.base.record.Record`, a row a load step: what is prescribed, then what is measured
+    record : `fabrics.base.record.Record`, a row a load step: what is prescribed, then what is
+        measured
     solved : `shellfabric.coupon.solver.Result`
     case : `weavecell.scenes.build.Case` of the test
     checks : quality checks
-    text : of the input file, "" where there is none
+    text : of the input file, "" if there is none
     key : of the run, by which it is not repeated
 
     Examples
@@ -346,7 +352,8 @@ class CouponResult(Result):
         )
 
     def table(self) -> DataFrame:
-        """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
+        """All load steps, in the units of the report, with residual (out-of-balance force over the
+        reaction)."""
         states = self.solved.states
         return display.frame(self._measured()).assign(
             residual=[f"{state.residual:.1e}" for state in states],
@@ -385,14 +392,16 @@ class CouponResult(Result):
         }
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
+        """A matplotlib figure: the quantities of the test in the unit of the first, against what is
+        prescribed."""
         record = self.record
         first, *others = list(record.columns)[1:]
         names = [first, *(name for name in others if record.unit(name) == record.unit(first))]
         return figure(pictures_coupon.curves, record, names, first)
 
     def to_vtk(self, folder: FilePath) -> Path:
-        """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
+        """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu;
+        returns its path."""
         from weavecell.results import vtk
 
         folder = Path(folder)
@@ -506,11 +515,12 @@ class PullOutResult(CouponResult):
 
     @property
     def plateau(self) -> float | None:
-        """[N] mean load while all crossovers slide; None where they never all do."""
+        """[N] mean load while all crossovers slide; None if they never all do."""
         return self.solved.plateau
 
     def summary(self) -> dict[str, Any]:
-        """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
+        """Set-up, loads, slip length and work of friction, each with its unit; the checks in
+        words."""
         return self.record.facts | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _rows(self):
@@ -549,7 +559,8 @@ class PullOutResult(CouponResult):
         return {"load": (caption, pictures_coupon.pull_out, (self.solved,))}
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
+        """A matplotlib figure: the load, and the crossovers in slip and left, against the
+        displacement."""
         return figure(pictures_coupon.pull_out, self.solved)
 
     def _write_record(self, out):

@@ -1,7 +1,7 @@
 """The 3D crossover under a load: a function, and a command, for each case.
 
-The fabric has the linear density of its data sheet. A case that finds no equilibrium keeps what it has computed and
-ends with exit code 3. All cases need dolfinx and PETSc.
+The fabric has the linear density of its data sheet. A case that finds no equilibrium keeps what it
+has computed and ends with exit code 3. All cases need dolfinx and PETSc.
 
 The folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
@@ -40,8 +40,8 @@ class CaseKeywords(Sections, total=False):
 
     Parameters
     ----------
-    mesh : auto, coarse (default), medium or fine, the numbers of hexahedra along, across and through a quarter yarn,
-        such as 8,6,2, or an edge length
+    mesh : auto, coarse (default), medium or fine, the numbers of hexahedra along, across and
+        through a quarter yarn, such as 8,6,2, or an edge length
     out : folder of the results; in Python None writes nothing
     section : sine, ellipse or conforming; the fabric's own if not given
     yarn_gap : gap between parallel yarns [m]; none if not given
@@ -77,7 +77,8 @@ def yarn(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
@@ -109,7 +110,8 @@ def platens(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     return _pressed("platens", 1, fabric, pressure, friction, shared)
 
@@ -136,7 +138,8 @@ def stack(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
@@ -176,7 +179,8 @@ def biaxial(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     from unitcell3d.cases import periodic_cell
 
@@ -213,7 +217,8 @@ def path(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     from unitcell3d.cases import load_path
 
@@ -240,7 +245,8 @@ def shear(
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     shear_angle : angle at the end [rad]
-    end_displacement : displacement of each yarn end before the shear, of both yarns or of warp and weft [m]
+    end_displacement : displacement of each yarn end before the shear, of both yarns or of warp and
+        weft [m]
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
@@ -249,7 +255,8 @@ def shear(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     from unitcell3d.cases import periodic_cell
 
@@ -286,8 +293,8 @@ def pull_out(
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     yarn : family of the yarn that is pulled
-    end_displacement : displacements of the crossing yarn's ends, one for each transverse load [m]; four shares of its
-        crimp if neither these nor pressures are given
+    end_displacement : displacements of the crossing yarn's ends, one for each transverse load [m];
+        four shares of its crimp if neither these nor pressures are given
     pressure : pressures of platens in their place, one for each transverse load [Pa]
     pull : displacement of the yarn along its axis [m]; as far as it takes to slide if not given
     friction : Coulomb's coefficient between the yarns
@@ -296,7 +303,8 @@ def pull_out(
     Raises
     ------
     InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are written
+    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
+        written
     """
     from unitcell3d.cases import pull_out as case
 

@@ -30,8 +30,8 @@ class SearchKeywords(Keywords, ExecutionKeywords, total=False):
     Parameters
     ----------
     jobs : shots that run at the same time, as threads of this process
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or
+        the workers of the Dask scheduler at DASK_SCHEDULER_ADDRESS
     out : folder of the results; in Python None writes nothing
     """
 
@@ -42,10 +42,11 @@ class ResumableKeywords(ExecutionKeywords, total=False):
     Parameters
     ----------
     jobs : number of runs in parallel, each in a process of its own; 1 runs them one after the other
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or
+        the workers of the Dask scheduler at DASK_SCHEDULER_ADDRESS
     out : folder of the results; in Python None writes nothing
-    resume : whether to take finished runs from the folder; those of another version of the code are computed again
+    resume : whether to take finished runs from the folder; those of another version of the code are
+        computed again
     """
 
     resume: bool
@@ -89,7 +90,8 @@ class Execution:
     def split(
         cls, options: Any, kind: type = ResumableKeywords
     ) -> tuple[Execution, dict[str, Any]]:
-        """Take the keywords of `kind` out of those of a study: (of these the Execution, the others)."""
+        """Take the keywords of `kind` out of those of a study: (of these the Execution, the
+        others)."""
         others = dict(options)
         own = {key: others.pop(key) for key in kind.__annotations__ if key in options}
         return cls(**own), others
@@ -102,7 +104,8 @@ class Execution:
     @property
     def solver_pool(self) -> dict[str, Any]:
         """The same for the 3D solver."""
-        # a single job needs no second process, in which PETSc and a script without a guard would begin anew
+        # a single job needs no second process, in which PETSc and a script without a guard would
+        # begin anew
         if self.pool == {"jobs": 1, "executor": "local"}:
             return {"jobs": 1, "executor": InProcess()}
         return self.pool

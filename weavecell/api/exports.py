@@ -34,22 +34,27 @@ def export(
     units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
     match: Literal["plane", "uniaxial"] = "plane",
 ) -> DeckResult:
-    """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
+    """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile,
+    contact, output.
 
-    The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Warp and
-    weft of a turned ply are a second material with the same error. Of an input file, the tables history and numerics,
-    the contact law of plies, and what a run records mean nothing here. Nothing breaks in a deck. OpenRadioss was run
-    with earlier decks, LS-DYNA was not: see docs/reports/cards.md.
+    The error of the material card against the unit cell is in the deck's header, printed, and in
+    report.html. Warp and weft of a turned ply are a second material with the same error. Of an
+    input file, the tables history and numerics, the contact law of plies, and what a run records
+    mean nothing here. Nothing breaks in a deck. OpenRadioss was run with earlier decks, LS-DYNA was
+    not: see docs/reports/cards.md.
 
-    The folder then holds NAME.k, or NAME_0000.rad and NAME_0001.rad, with mapping.svg, summary.json and report.html.
+    The folder then holds NAME.k, or NAME_0000.rad and NAME_0001.rad, with mapping.svg, summary.json
+    and report.html.
 
     Parameters
     ----------
-    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
+        a set-up of `setup`
     to : code that the deck is for: lsdyna or radioss
     out : folder of the deck
     units : consistent units of the deck: kg-m-s or g-mm-ms
-    match : what the law is nearest to: the cell over the biaxial plane (plane), or in uniaxial tension (uniaxial)
+    match : what the law is nearest to: the cell over the biaxial plane (plane), or in uniaxial
+        tension (uniaxial)
 
     Returns
     -------
@@ -57,7 +62,8 @@ def export(
 
     Raises
     ------
-    InputError : an unknown code, unit or match, or a target with what no deck holds; nothing has been written
+    InputError : an unknown code, unit or match, or a target with what no deck holds; nothing has
+        been written
 
     Examples
     --------
@@ -89,8 +95,8 @@ class DeckResult(Result):
     Parameters
     ----------
     code : that the deck is for
-    errors : {material: law less the cell over the strength [-]}: "rms" and "largest" over the biaxial plane, largest
-        in "uniaxial" tension and in "shear" until locking
+    errors : {material: law less the cell over the strength [-]}: "rms" and "largest" over the
+        biaxial plane, largest in "uniaxial" tension and in "shear" until locking
 
     Examples
     --------

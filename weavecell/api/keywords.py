@@ -1,9 +1,10 @@
 """Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
 
-The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
-[numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in
-SI units, an object for what a file names; everything else is written as in the file. `Keywords` names them for editors
-and type checkers; a test holds it against the schema.
+The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables
+[projectile], [history], [numerics] and [backing] are dicts; a projectile or a backing may be just
+its name. A number stands for a quantity in SI units, an object for what a file names; everything
+else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it
+against the schema.
 """
 
 from __future__ import annotations
@@ -173,7 +174,8 @@ class Keywords(TypedDict, total=False):
 
 
 def explained(*kinds: type) -> Callable[[Function], Function]:
-    """Add to the docstring of a function what each keyword of these TypedDicts means, for help()."""
+    """Add to the docstring of a function what each keyword of these TypedDicts means, for
+    help()."""
     section = "\n    Other Parameters\n    ----------------\n"
     for kind in kinds:
         section += (kind.__doc__ or "").split("\n\n")[-1].split("--\n")[-1].rstrip() + "\n"
@@ -187,7 +189,8 @@ def explained(*kinds: type) -> Callable[[Function], Function]:
 
 
 def tables() -> dict[str, str]:
-    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
+    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has
+    them."""
     from weavecell.scenes.impact import Scene
 
     flat = {}
@@ -205,7 +208,7 @@ def scene(
 
     Parameters
     ----------
-    fabric : its name, for messages; None where every ply has its own
+    fabric : its name, for messages; None if every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
     **options : of `Keywords`
 
@@ -254,8 +257,8 @@ def scene(
 
 
 def plain(value: Any) -> Any:
-    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of paths; objects as they
-    are."""
+    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of
+    paths; objects as they are."""
     if isinstance(value, Mapping):
         return {key: plain(part) for key, part in value.items() if part is not None}
     if isinstance(value, (list, tuple)):
@@ -266,7 +269,8 @@ def plain(value: Any) -> Any:
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:
-    """The input file of a table of `scene`; "" where it has objects in it, or `fabric` is one, which no file can hold.
+    """The input file of a table of `scene`; "" if it has objects in it, or `fabric` is one, which
+    no file can hold.
 
     Parameters
     ----------
@@ -295,7 +299,8 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
 @contextmanager
 def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
-    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the value as given."""
+    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the
+    value as given."""
     try:
         yield
     except InputError as problem:
@@ -320,7 +325,8 @@ def _fields(entry):
 
 
 def _text(value, entry):
-    """A value of the field `entry` as it stands in a file: a number that is a quantity with the unit of its key."""
+    """A value of the field `entry` as it stands in a file: a number that is a quantity with the
+    unit of its key."""
     from fabrics.base.schema import unit_of
 
     if isinstance(value, dict):
@@ -361,7 +367,8 @@ def _unknown(key, value, known):
 
 
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
-    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the
+    tables `flat`."""
     if isinstance(problem, InputErrors):
         return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""

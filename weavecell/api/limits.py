@@ -1,8 +1,10 @@
 """The critical velocity of a panel or pack: what was found, its files, and what is printed of it.
 
 The folder of `weavecell critical-velocity`
-    scene.toml               the input file; that of a fabric is the standard one, and can be run again or changed
-    critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
+    scene.toml               the input file; that of a fabric is the standard one, and can be run
+                             again or changed
+    critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots,
+                             provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
     report.html              all of it on one page
@@ -72,32 +74,37 @@ def critical_velocity(
     check: bool = False,
     **options: Unpack[SearchKeywords],
 ) -> CriticalVelocityResult:
-    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
+    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual
+    velocities.
 
-    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
-    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful. A shot with a quality
-    check beyond its limit counts with its outcome, but a limit with such a shot at an end of its bracket or mixed zone
-    is not sound: the result says so (`bracket_checks`).
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that
+    perforates, no single critical velocity exists: the zone of mixed outcomes is reported, and the
+    result is doubtful. A shot with a quality check beyond its limit counts with its outcome, but a
+    limit with such a shot at an end of its bracket or mixed zone is not sound: the result says so
+    (`bracket_checks`).
 
-    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5
-    mm. A shot ends with its outcome, so that these keys of an input file are ignored: title,
-    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
-    run.outputs. [history] and [accuracy] are rejected.
+    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat
+    cylinder of 3 g and 5.5 mm. A shot ends with its outcome, so that these keys of an input file
+    are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are
+    rejected.
 
-    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; of a
-    search that does not end, or is interrupted, the scene and the shots before.
+    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and
+    scene.toml; of a search that does not end, or is interrupted, the scene and the shots before.
 
     Parameters
     ----------
-    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
+        a set-up of `setup`
     tolerance : highest stop and lowest perforation differ by this at most [m/s]
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up; without this option a
-        command does so where a law or the crimp is assumed; in Python "laws" does
+    assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up;
+        without this option a command does so if a law or the crimp is assumed; in Python "laws"
+        does
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
@@ -143,6 +150,7 @@ def critical_velocity(
         if over is not None:
             searches += ranges.searches(over)
         return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
+    # the range over what is assumed searches with the same tolerance and pool
     beside = {"tolerance": width, **how.pool}
     with out_folder.held(how.out) as folder, kept_shots(panel, folder) as ended:
 
@@ -181,7 +189,8 @@ def critical_velocity(
 
 @contextmanager
 def kept_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
-    """A list for the shots of a search, which are written to the folder where an error or the user ends it."""
+    """A list for the shots of a search, which are written to the folder if an error or the user
+    ends it."""
     ended: list[Shot] = []
     try:
         yield ended
@@ -241,7 +250,8 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def critical_velocity(self) -> float | None:
-        """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
+        """[m/s] middle of the bracket; None if stops and perforations are mixed (see
+        `mixed_zone`)."""
         if not self.limit.single:
             return None
         return float(self.limit.velocity)
@@ -258,7 +268,8 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the shot in which it is worst, and the width of the zone of mixed outcomes."""
+        """Each quality check of the shot in which it is worst, and the width of the zone of mixed
+        outcomes."""
         from shellfabric.panel import quality
         from weavecell.studies import limit_scan
 
@@ -267,7 +278,8 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def bracket_checks(self) -> str:
-        """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
+        """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot,
+        and why."""
         return checks.of_bracket(self.limit)
 
     @property
@@ -287,8 +299,8 @@ class CriticalVelocityResult(StudyResult):
         return [f"the limit rests on a {self.bracket_checks}"]
 
     def summary(self) -> dict[str, Any]:
-        """The entries of critical-velocity.json (docs/reference.md), but of the shots their number and the worst
-        checks of all in words, and what is assumed."""
+        """The entries of critical-velocity.json (docs/reference.md), but of the shots their number
+        and the worst checks of all in words, and what is assumed."""
         return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _facts(self):

@@ -49,7 +49,8 @@ class Tables(dict[str, "DataFrame"]):
 
 
 def in_terminal(table: DataFrame, title: str = "") -> str:
-    """A table as text: units below the names of columns, numbers with four digits, long texts in several lines."""
+    """A table as text: units below the names of columns, numbers with four digits, long texts in
+    several lines."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -89,8 +90,8 @@ def _cell(value):
 def fabrics(*, out: FilePath | None = None) -> DataFrame:
     """The catalogue, a row a fabric.
 
-    Mass and strength are those of the data sheet. Shots use the linear density of the published runs, where the file
-    has it, which gives the mass in shots.
+    Mass and strength are those of the data sheet. Shots use the linear density of the published
+    runs, where the file has it, which gives the mass in shots.
 
     Parameters
     ----------
@@ -188,7 +189,8 @@ def _listed(kind, rows, out):
 
 
 def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
-    """A fabric, a projectile or a backing: what follows from its data, and where each number comes from.
+    """A fabric, a projectile or a backing: what follows from its data, and where each number comes
+    from.
 
     Parameters
     ----------
@@ -223,7 +225,8 @@ def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
 
 
 def _is_of_a_projectile(name):
-    """Whether a name is the path of a file that says how wide something is, as only a projectile's does."""
+    """Whether a name is the path of a file that says how wide something is, as only a projectile's
+    does."""
     return name.endswith(".toml") and "diameter" in read_toml(name, what="fabric")[1]
 
 
@@ -270,7 +273,8 @@ def _sources(data):
 
 
 def _assumptions(plain, whole):
-    """(key, value with its range, source) of what the file does not give and a command takes in its place."""
+    """(key, value with its range, source) of what the file does not give and a command takes in its
+    place."""
     from shellfabric.plies import gap as ply_gap
 
     rows = []
@@ -316,7 +320,8 @@ def _assumptions(plain, whole):
 
 
 def _copy(name, folder):
-    """Copy the data file of a fabric of the catalogue into `folder`; never over a file that is there."""
+    """Copy the data file of a fabric of the catalogue into `folder`; never over a file that is
+    there."""
     target = folder / f"{name}.toml"
     if target.exists():
         raise InputError("exists already", file=target)
@@ -332,7 +337,8 @@ def _copy(name, folder):
 
 
 def _new_toml(file: FilePath) -> Path:
-    """The path of a file that is to be written; an InputError if it exists or is no TOML file."""
+    """The path of a file that is to be written; an InputError if it exists or is not a TOML
+    file."""
     path = Path(file)
     if path.suffix != ".toml":
         raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")
@@ -355,8 +361,8 @@ def new_shot(file: FilePath) -> None:
     Examples
     --------
     >>> wc.new_shot("shot.toml")
-    >>> wc.impact("shot.toml", check=True).title
-    'my first shot'
+    >>> print(wc.impact("shot.toml", check=True))  # doctest: +ELLIPSIS
+    my first shot: nothing is run...
     """
     path = _new_toml(file)
     template = Path(scenes.__file__).with_name("new_shot.toml").read_text("utf-8")
@@ -377,19 +383,22 @@ def new_fabric(
 ) -> None:
     """Write a fabric file from data-sheet values, each with its source and status.
 
-    What no data sheet states is assumed by fibre family when the file is used; the lines of the log, which the command
-    prints, say what and what is missing. A platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE`.
+    What no data sheet states is assumed by fibre family when the file is used; the lines of the
+    log, which the command prints, say what and what is missing. A platen curve is fitted by
+    `weavecell calibrate FILE --platen-curve CURVE`.
 
     Parameters
     ----------
     file : the .toml file to write; never over one that exists
-    values : CSV file of values: columns key, warp, weft, source, status; else the terminal asks for them
+    values : CSV file of values: columns key, warp, weft, source, status; else the terminal asks for
+        them
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
-    frame_side : side of the picture frame [m], needed where the file gives its force
+    frame_side : side of the picture frame [m], needed if the file gives its force
     bias_extension : fit the trellis law to this CSV file: displacement and force of a bias strip
     strip : width and length of the bias strip between its clamps, such as "115 mm, 230 mm"
-    family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what is assumed
+    family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what
+        is assumed
 
     Raises
     ------
@@ -436,7 +445,8 @@ def new_fabric(
 
 
 def _asked():
-    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty."""
+    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be
+    open left empty."""
     import typer
 
     from weavecell.scenes import fabric_file
@@ -482,22 +492,26 @@ def view(
     movie: FilePath | None = None,
     cut: bool = False,
 ) -> None:
-    """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of it.
+    """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of
+    it.
 
-    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions and the outcome; with
-    cut its section along the warp through the impact point.
+    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions
+    and the outcome; with cut its section along the warp through the impact point.
 
     Parameters
     ----------
     file : a folder of results, or a .vtu, .pvd or .msh file
-    html : write a page, FILE.html, in which a browser shows the panel or pack from all sides at all snapshots
+    html : write a page, FILE.html, in which a browser shows the panel or pack from all sides at all
+        snapshots
     screenshot : write a picture, FILE.png, instead of opening a window
-    movie : write the snapshots of a panel or pack as a movie, FILE.gif or FILE.mp4 (which needs imageio)
+    movie : write the snapshots of a panel or pack as a movie, FILE.gif or FILE.mp4 (which needs
+        imageio)
     cut : the section through the impact point in place of the whole panel or pack
 
     Raises
     ------
-    InputError : there is nothing to be shown, a file with another ending, or no display for a window
+    InputError : there is nothing to be shown, a file with another ending, or no display for a
+        window
 
     Examples
     --------

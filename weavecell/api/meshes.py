@@ -1,7 +1,8 @@
 """The mesh of a crossover or a woven patch.
 
 The folder of `weavecell mesh`
-    crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss: crossover_0000.rad)
+    crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss:
+                                    crossover_0000.rad)
     crossover.png, quality.png      the mesh, and the scaled Jacobian of its elements
     mesh.json                       size, quality, overlap, provenance
 """
@@ -55,9 +56,11 @@ class Geometry(Sections, total=False):
     section : sine, ellipse or conforming; the fabric's own if not given
     yarn_gap : gap between parallel yarns [m]; none if not given
     width : width of both yarns, or of warp and weft [m]; else the fabric's
-    crimp : hand (default) or micrograph, as it was measured, or values for both yarns or warp and weft
+    crimp : hand (default) or micrograph, as it was measured, or values for both yarns or warp and
+        weft
     tip_thickness_ratio : thickness of the cut tips over that of the middle; 0.075 if not given
-    overlap : what to do with sections that overlap by more than a shift removes: solve (default) or refuse
+    overlap : what to do with sections that overlap by more than a shift removes: solve (default) or
+        refuse
     end_shells : close the yarn ends with shells of this thickness [m]
     """
 
@@ -80,14 +83,14 @@ def mesh(
 ) -> MeshResult:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
-    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad). The fabric has the linear density
-    of its data sheet.
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad). The fabric has
+    the linear density of its data sheet.
 
     Parameters
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
-    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a quarter yarn, such as
-        8,6,2, or an edge length
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a
+        quarter yarn, such as 8,6,2, or an edge length
     domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
     patch : a woven patch of N warp and M weft yarns instead, NxM
     format : files to write, separated by commas: msh, vtu, k, inp, rad
@@ -100,7 +103,8 @@ def mesh(
 
     Raises
     ------
-    InputError : an option that is not allowed, or a fabric that cannot be meshed; nothing has been written
+    InputError : an option that is not allowed, or a fabric that cannot be meshed; nothing has been
+        written
 
     Examples
     --------
@@ -126,7 +130,8 @@ def mesh(
 
 
 def of_3d(fabric: Fabric | FilePath) -> Fabric:
-    """A fabric with what a 3D crossover needs, with the linear density of its data sheet; logs what is assumed.
+    """A fabric with what a 3D crossover needs, with the linear density of its data sheet; logs what
+    is assumed.
 
     The densities of the runs of the thesis (erratum E-07) are those of its shells.
 
@@ -185,7 +190,8 @@ def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
 
 
 def size(value: Any) -> Any:
-    """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it, also of a text.
+    """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it, also of a
+    text.
 
     Raises
     ------
@@ -217,7 +223,8 @@ def _count(patch):
 def build(
     fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any
 ) -> YarnMesh:
-    """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m) yarns.
+    """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m)
+    yarns.
 
     `options` are those of `meshing.crossover.build`.
     """

@@ -50,7 +50,8 @@ def above_zero(value: float | str, unit: str, key: str) -> float:
 
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:
-    """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or texts."""
+    """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or
+    texts."""
     parts: Iterable[Any] = (value,)
     if isinstance(value, str):
         parts = map(str.strip, value.split(","))

@@ -23,7 +23,8 @@ __all__ = ["Result"]
 
 
 class Result:
-    """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others.
+    """What every result offers; a derived class gives `summary`, `_columns` and, if it has them,
+    the others.
 
     Examples
     --------
@@ -38,8 +39,8 @@ class Result:
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks (docs/reports/numerics.md), each with name, value, limit, unit, note, status ("ok", "noted" or
-        "doubtful"), doubtful (bool) and text; empty where none is defined."""
+        """Quality checks (docs/reports/numerics.md), each with name, value, limit, unit, note,
+        status ("ok", "noted" or "doubtful"), doubtful (bool) and text; empty if none is defined."""
         return ()
 
     @property
@@ -49,7 +50,8 @@ class Result:
 
     @property
     def checks_text(self) -> str:
-        """ "ok", or "doubtful: ..." or "noted: ..." with the worst checks, their values and limits."""
+        """ "ok", or "doubtful: ..." or "noted: ..." with the worst checks, their values and
+        limits."""
         from weavecell.report import checks
 
         return checks.words(self.checks)
@@ -68,7 +70,8 @@ class Result:
         return tuple(assumed.lines(fabric))
 
     def _assumed_laws(self) -> list[str]:
-        """The lines of `assumed` that a quasi-static result follows from: all but that of the failure length."""
+        """The lines of `assumed` that a quasi-static result follows from: all but that of the
+        failure length."""
         return [line for line in self.assumed if "failure length" not in line]
 
     def _what_is_assumed(self) -> dict[str, Any]:
@@ -113,6 +116,7 @@ class Result:
         rows = []
         for name, value in self.summary().items():
             key = known.get(name) or keys.of_name(name)
+            # numbers get their unit; a truth value is a word
             if isinstance(value, (int, float)) and not isinstance(value, bool):
                 rows.append((key.label, display.number(value, key.unit, name)))
             elif plain(value) and value not in (None, ""):
@@ -126,6 +130,7 @@ class Result:
         return display.frame({key.meaning: (key.unit, values) for key, values in columns})
 
     def _repr_html_(self) -> str:
+        # a notebook shows the outcome in bold, then what the terminal prints
         (first, *others) = str(self).splitlines()
         table = self._shown()
         lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
@@ -137,6 +142,7 @@ class Result:
             index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format
         )
         opened = ""
+        # a long table is folded: the picture should stay in view
         if len(table) <= 24:
             opened = " open"
         return "".join(
@@ -159,7 +165,7 @@ def _text(value):
 
 
 def saved(result: Any, out: FilePath | None) -> Any:
-    """The result, which is written to `out` where there is such a path."""
+    """The result, which is written to `out` if there is such a path."""
     if out is not None:
         result.save(out)
     return result

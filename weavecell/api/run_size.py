@@ -1,12 +1,13 @@
-"""What an impact or a study would take: elements, steps, memory and time, and what is assumed. Nothing is run.
+"""What an impact or a study would take: elements, steps, memory and time, and what is assumed.
+Nothing is run.
 
-The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of S-726 and S-728,
-clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up to
-the higher. A run ends earlier where the projectile stops or has passed.
+The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of
+S-726 and S-728, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up
+to the higher. A run ends earlier where the projectile stops or has passed.
 
-A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess of the limit takes
-over half of the opening. These factors and the number of shots of a search are estimates, looked at beside one run of
-`v50`: 4.7 to 70 s for 18 s.
+A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess
+of the limit takes over half of the opening. These factors and the number of shots of a search are
+estimates, looked at beside one run of `v50`: 4.7 to 70 s for 18 s.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Fabrics and impacts of the Python interface. Quantities are SI numbers, or texts with a unit ("92.5 m/s")."""
+"""Fabrics and impacts of the Python interface. Quantities are SI numbers, or texts with a unit
+("92.5 m/s")."""
 
 from __future__ import annotations
 
@@ -26,8 +27,8 @@ def fabric(
     Parameters
     ----------
     name : name of the catalogue, or path of a .toml file
-    linear_density : "effective", of the published runs if the file gives it, as in input files; or "nominal", of
-        the data sheet
+    linear_density : "effective", of the published runs if the file gives it, as in input files; or
+        "nominal", of the data sheet
 
     Raises
     ------
@@ -53,18 +54,21 @@ def setup(
 
     Parameters
     ----------
-    fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
+    fabric : Fabric, or what `weavecell.fabric` takes; None if every dict of `ply` has its name or
+        file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    **options : the keys of the input file (docs/reference.md), numbers in SI units or texts with a unit. Those of
-        [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
-        800 us if not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
-        [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
-        [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
-        whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name": "FSP 1.10 g", ...} is one of
-        `projectiles`; without it the projectile is the flat cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm.
-        backing="gelatine 10 %" or {"material": "gelatine 10 %", ...} is one of `backings`. law is a CompressionLaw of
-        both families, a pair (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult;
-        without it that of the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
+    **options : the keys of the input file (docs/reference.md), numbers in SI units or texts with a
+        unit. Those of [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`):
+        opening is 203 mm and end_time 800 us if not given, without snapshot_interval only the shape
+        at the end is kept, ply is a list of dicts, as [[panel.ply]]: ply=[{"count": 2}, {"name":
+        "S-726", "angle": "90 deg"}]. The tables [projectile], [history], [numerics] and [backing]
+        are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
+        whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name": "FSP 1.10
+        g", ...} is one of `projectiles`; without it the projectile is the flat cylinder of 3 g and
+        5.5 mm with an edge radius of 0.3 mm. backing="gelatine 10 %" or {"material": "gelatine 10
+        %", ...} is one of `backings`. law is a CompressionLaw of both families, a pair (warp,
+        weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without
+        it that of the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
     Returns
     -------

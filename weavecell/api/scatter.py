@@ -1,7 +1,7 @@
 """V50: shots at panels whose yarns differ in strength.
 
-The folder has, beside runs/ with a file for each run, report.html, v50.csv (curves), shots.csv, v50.json, v50.png and
-scene.toml.
+The folder has, beside runs/ with a file for each run, report.html, v50.csv (curves), shots.csv,
+v50.json, v50.png and scene.toml.
 """
 
 from __future__ import annotations
@@ -49,29 +49,34 @@ def v50(
     seed: int = 1,
     **options: Unpack[StudyKeywords],
 ) -> V50Result:
-    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
+    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with
+    intervals.
 
-    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
-    scatter V50 is the critical velocity. Shots that become unstable, or neither stop nor perforate, count in no
-    estimate. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
-    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, one ply has elements of a failure length near the
-    impact point and of four crossovers far off; a pack has the mesh of a shot. Of an input file these keys are ignored:
-    title, projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
-    run.outputs; [history] and [accuracy] are rejected.
+    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input
+    file models. Without scatter V50 is the critical velocity. Shots that become unstable, or
+    neither stop nor perforate, count in no estimate. A fabric is shot at as in the tests of the
+    thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. Where no mesh is
+    named, one ply has elements of a failure length near the impact point and of four crossovers far
+    off; a pack has the mesh of a shot. Of an input file these keys are ignored: title,
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
+    run.checkpoint_interval, run.outputs; [history] and [accuracy] are rejected.
 
-    The folder then holds report.html, v50.csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
+    The folder then holds report.html, v50.csv, .json, .png, shots.csv, scene.toml, and runs/, a
+    file for each shot.
 
     Parameters
     ----------
-    target : as of `critical_velocity`
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
+        a set-up of `setup`
     shots : number of shots, at least 4
     batch : shots of a round, at least 4; each round is placed by the outcomes before
-    assumed_range : fire the shots again with the ends of the two assumptions that change the limit most, and with both
-        that lower or raise it: six times as many shots, after two searches for each assumption; without this option a
-        command repeats only the search, where a law or the crimp is assumed; in Python "laws" does
+    assumed_range : fire the shots again with the ends of the two assumptions that change the limit
+        most, and with both that lower or raise it: six times as many shots, after two searches for
+        each assumption; without this option a command repeats only the search, if a law or the
+        crimp is assumed; in Python "laws" does
     check : run nothing and write nothing: forecast shots and CPU time
-    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
-        weavecell/studies/inputs.toml where it is not given
+    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and
+        below that of weavecell/studies/inputs.toml if it is not given
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
@@ -84,7 +89,8 @@ def v50(
     Raises
     ------
     InputError : as `critical_velocity`, fewer than four shots, or yarns that do not fail
-    UnstableError : shots without an outcome; its attribute `result` is the V50Result of the others, which is written
+    UnstableError : shots without an outcome; its attribute `result` is the V50Result of the others,
+        which is written
 
     Examples
     --------
@@ -141,7 +147,8 @@ def v50(
 
 @dataclass(frozen=True, repr=False)
 class V50Result(StudyResult):
-    """The probability of perforation of panels or packs whose yarns differ in strength; the table has a row a shot.
+    """The probability of perforation of panels or packs whose yarns differ in strength; the table
+    has a row a shot.
 
     Parameters
     ----------
@@ -165,7 +172,8 @@ class V50Result(StudyResult):
 
     @property
     def v50(self) -> float:
-        """[m/s] that half of the panels stop, of the probit; NaN where the shots do not determine it."""
+        """[m/s] that half of the panels stop, of the probit; NaN where the shots do not determine
+        it."""
         return float(self.study.curves["probit"].V50)
 
     @property
@@ -184,7 +192,8 @@ class V50Result(StudyResult):
         return self.study.assumed_range
 
     def summary(self) -> dict[str, Any]:
-        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50 of test series."""
+        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50
+        of test series."""
         return self.study.summary() | self._what_is_assumed()
 
     def _columns(self):

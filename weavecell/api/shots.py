@@ -8,13 +8,16 @@ The folder of `weavecell impact`
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
     pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
+                    it
     window/         finished shots of `--uncertainty` at other velocities, as long
 
-If the input file has a table [accuracy], finer and finer meshes are run (`studies.mesh_uncertainty`): summary.json and
-the report then name them, and say whether the target was met.
+If the input file has a table [accuracy], finer and finer meshes are run
+(`studies.mesh_uncertainty`): summary.json and the report then name them, and say whether the target
+was met.
 
-Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
+Everything but the checkpoint is written when the run has ended, also if it ended by becoming
+unstable.
 """
 
 from __future__ import annotations
@@ -71,36 +74,41 @@ def impact(
 ) -> ShotResult:
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
-    A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
-    [accuracy] is run on finer and finer meshes, until the uncertainty of one quantity is within its target. A key of
-    the input file that cannot be honoured is rejected.
+    A shot that is still in flight at the end time is a result with the outcome "in flight". An
+    input file with a table [accuracy] is run on finer and finer meshes, until the uncertainty of
+    one quantity is within its target. A key of the input file that cannot be honoured is rejected.
 
-    The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``, pictures/ and
-    scene.toml; while the run goes on, checkpoint.h5.
+    The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``,
+    pictures/ and scene.toml; while the run goes on, checkpoint.h5.
 
     Parameters
     ----------
-    target : input file of a ply or pack; in Python also a fabric as of `setup`, or a set-up of it
+    target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
-    assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and set-up; without this
-        option a command does so where a law or the crimp is assumed; in Python "laws" does
-    uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of a shot that
-        perforates, on both meshes, the mean over a window of +-8 % of the velocity with its standard error
-    check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed
+    assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
+        set-up; without this option a command does so if a law or the crimp is assumed; in Python
+        "laws" does
+    uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
+        a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
+        its standard error
+    check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is
+        assumed
     out : folder of the results; in Python None writes nothing
-    resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
-        of the code is refused
-    **options : of a fabric, as of `setup`
+    resume : whether to continue an interrupted run from the folder; the state of an unfinished run
+        of another version of the code is refused
+    **options : beside a fabric, keywords of `setup`
 
     Returns
     -------
-    ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful` and warns with
-    `DoubtfulResult`; of `check` RunSize; where the folder holds the results of this very run `run_folder.Finished`
+    ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
+    and warns with `DoubtfulResult`; of `check` RunSize; where the folder holds the results of this
+    very run `run_folder.Finished`
 
     Raises
     ------
     InputError : as `setup`
-    UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then, which is written
+    UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then,
+        which is written
 
     Examples
     --------
@@ -116,6 +124,7 @@ def impact(
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
+    # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
@@ -132,6 +141,7 @@ def impact(
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
+            # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
                 result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
         if folder is not None:
@@ -150,8 +160,8 @@ def impact(
 
 
 def _answer(panel, key, folder, resume, uncertainty, accuracy):
-    """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes if their
-    `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
+    """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes
+    if their `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
     from weavecell.studies import mesh_uncertainty
 
     setup = panel.setup
@@ -159,6 +169,7 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
     def shoot(setup, table=None, mesh=""):
         if folder is None:
             return _run(panel, setup, table=table)
+        # each mesh has a checkpoint of its own: a state fits its own mesh alone
         name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
         interval = panel.case.scene.run.checkpoint_interval
         return _run(panel, setup, folder / name, interval, resume, table)
@@ -199,7 +210,8 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
 
 
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
-    """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of its fields."""
+    """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of
+    its fields."""
     shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
     fabric = panel.setup.fabric
     lines = targets.assumed_of(panel.setup)
@@ -223,6 +235,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     from weavecell.studies.mesh_uncertainty import Shot
 
     table = table or setup.table(kept=checkpoint is not None)
+    # refused before the run, not when memory ends in the middle of it
     memory.check(
         [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
     )
@@ -237,7 +250,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
 
 
 def _range(setup, choice, shot):
-    """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
+    """The AssumedRange of a shot; None if nothing is assumed, or if the user interrupts it."""
     from weavecell.studies import assumed_range
 
     with_ends = assumed_range.with_ends(setup, choice)
@@ -254,7 +267,8 @@ def _range(setup, choice, shot):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class ShotResult(ImpactRecord, Result):
-    """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord` has.
+    """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord`
+    has.
 
     Parameters
     ----------
@@ -288,7 +302,8 @@ class ShotResult(ImpactRecord, Result):
 
     @property
     def window(self) -> Window | None:
-        """Shots about the strike velocity, with the means over them, on the mesh that counts; None without."""
+        """Shots about the strike velocity, with the means over them, on the mesh that counts; None
+        without."""
         if self.pair is None:
             return None
         return self.pair.windows[0]
@@ -308,8 +323,8 @@ class ShotResult(ImpactRecord, Result):
         return self.target.case
 
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/reference.md), the checks in words, the areal density of the first
-        ply, and what is assumed."""
+        """The entries of summary.json (docs/reference.md), the checks in words, the areal density
+        of the first ply, and what is assumed."""
         known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
@@ -345,7 +360,8 @@ class ShotResult(ImpactRecord, Result):
         return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     def plot_panel(self) -> Figure:
-        """A matplotlib figure: the whole panel or pack and the projectile at the end, from the side where this is.
+        """A matplotlib figure: the whole panel or pack and the projectile at the end, from the side
+        where this is.
 
         Colours are the higher of warp and weft tension over the strength [%].
         """
@@ -354,8 +370,8 @@ class ShotResult(ImpactRecord, Result):
         return figure(view.end, self)
 
     def view(self) -> Embedded:
-        """The whole panel or pack and the projectile in motion, as a notebook shows it: instant, colours and the side
-        that is seen are chosen there."""
+        """The whole panel or pack and the projectile in motion, as a notebook shows it: instant,
+        colours and the side that is seen are chosen there."""
         from weavecell.report.page import Embedded
         from weavecell.report.shot import moving
 

@@ -1,4 +1,5 @@
-"""What the results of studies of many shots share: their files, their picture, and what is printed of them."""
+"""What the results of studies of many shots share: their files, their picture, and what is printed
+of them."""
 
 from __future__ import annotations
 
@@ -21,15 +22,16 @@ CARD_LINES = 2
 
 
 class DrawnResult(Result):
-    """A result with a picture and files. A derived class has what raises NotImplementedError here."""
+    """A result with a picture and files. A derived class has what raises NotImplementedError
+    here."""
 
     def draw(self, pyplot: Any) -> Figure:
         """The picture."""
         raise NotImplementedError
 
     def files(self) -> dict[str, Any]:
-        """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV;
-        nothing for the picture (.svg or .png)."""
+        """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added,
+        a text for CSV; nothing for the picture (.svg or .png)."""
         raise NotImplementedError
 
     def plot(self) -> Figure:
@@ -49,7 +51,8 @@ class DrawnResult(Result):
 
 
 class StudyResult(DrawnResult):
-    """Shots at a target. A derived class has the target as a field, and what raises NotImplementedError here."""
+    """Shots at a target. A derived class has the target as a field, and what raises
+    NotImplementedError here."""
 
     target: Target
 
@@ -91,7 +94,8 @@ class StudyResult(DrawnResult):
         self._write_report(out, stamp)
 
     def _write_report(self, out, stamp):
-        """Write the report: what was found with its picture and table, what is assumed, and sources."""
+        """Write the report: what was found with its picture and table, what is assumed, and
+        sources."""
         from weavecell.report import chapters, checks, pictures
         from weavecell.report.page import Card, Section, Table
         from weavecell.report.shot import chapters_shot

@@ -57,20 +57,25 @@ def surface(
     friction: float = 0.0,
     **options: Unpack[ResumableKeywords],
 ) -> SurfaceResult:
-    """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
+    """Sample the response surface of the 3D crossover: tensions, contact force and heights over
+    (d1, d2).
 
-    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, runs/. With
-    friction the response depends on the path: the surface is that of stretching the weft first and the warp then. The
-    fabric has the linear density of its data sheet. Needs dolfinx and PETSc.
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes
+    on, runs/. With friction the response depends on the path: the surface is that of stretching the
+    weft first and the warp then. The fabric has the linear density of its data sheet. Needs dolfinx
+    and PETSc.
 
     Parameters
     ----------
-    fabric, mesh : as of `mesh`
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a
+        quarter yarn, such as 8,6,2, or an edge length
     d1 : end displacements of the warp [m], per end, LOW .. HIGH
     d2 : end displacements of the weft [m], per end, LOW .. HIGH
     points : initial number of lines in each direction
-    tolerance : refine until every line is interpolated from the others within this share of the largest force
-    friction : as of `calibrate`
+    tolerance : refine until every line is interpolated from the others within this share of the
+        largest force
+    friction : Coulomb's coefficient between the yarns
     **options : jobs, executor, out and resume
 
     Returns
@@ -79,7 +84,8 @@ def surface(
 
     Raises
     ------
-    InputError : a range, number of points or tolerance that is not allowed, or a fabric that cannot be meshed
+    InputError : a range, number of points or tolerance that is not allowed, or a fabric that cannot
+        be meshed
     UnstableError : a line found no equilibrium
 
     Examples
@@ -158,7 +164,8 @@ class SurfaceResult(Result):
     fabric : Fabric whose crossover it is
     sampled : `unitcell3d.identify.response_surface.Sampled`
     settings : what it was sampled with, as in surface.json
-    cell : {"T1", "T2", "F_c": (n1, n2)} [N] of the shells' cell at the samples; {} of a fabric without a law
+    cell : {"T1", "T2", "F_c": (n1, n2)} [N] of the shells' cell at the samples; {} of a fabric
+        without a law
 
     Examples
     --------
@@ -185,7 +192,8 @@ class SurfaceResult(Result):
         return rms
 
     def summary(self) -> dict[str, Any]:
-        """Settings, errors of the lines that are left out, rms from the shells' cell, counts and times."""
+        """Settings, errors of the lines that are left out, rms from the shells' cell, counts and
+        times."""
         sampled = self.sampled
         errors = {}
         for name, error in sampled.errors.items():

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -74,38 +75,45 @@ def sweep(
     check: bool = False,
     **options: Unpack[ResumableKeywords],
 ) -> Any:
-    """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
+    """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50
+    of each.
 
-    All combinations are checked before the first is computed. Ignored keys of the input file: title,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity,
-    run.end_time and backing.after_stop; [history] and [accuracy] are rejected.
+    All combinations are checked before the first is computed. Ignored keys of the input file:
+    title, run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50
+    projectile.strike_velocity, run.end_time and backing.after_stop; [history] and [accuracy] are
+    rejected.
 
-    The folder then holds report.html, sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies),
-    scene.toml, and runs/, a file for each finished run.
+    The folder then holds report.html, sweep.csv, sweep.json, sweep.png (against areal density, of
+    numbers of plies), scene.toml, and runs/, a file for each finished run.
 
     Parameters
     ----------
-    target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of `setup`, of which
-        each is fired as `impact` does
-    over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict. A key
-        is also one of modulus, failure_strain, crimp_warp, crimp_weft, areal_density, compression_a, compression_b,
-        trellis_stiffness, trellis_angles and failure_length, whose values are factors on that number of all fabrics
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of
+        `setup`, of which each is fired as `impact` does
+    over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in
+        Python also a dict. A key is also one of modulus, failure_strain, crimp_warp, crimp_weft,
+        areal_density, compression_a, compression_b, trellis_stiffness, trellis_angles and
+        failure_length, whose values are factors on that number of all fabrics
     quantity : what is computed of each: shot, critical-velocity or v50
-    tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
+    tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most
+        [m/s]
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
-    one_at_a_time : compute the input file as it is, and then each value alone, in place of all combinations
+    one_at_a_time : compute the input file as it is, and then each value alone, in place of all
+        combinations
     check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
     **options : jobs, executor, out and resume
 
     Returns
     -------
-    SweepTable, a row for each combination; of set-ups SweepResult, in their order, in which an unstable shot has the
-    outcome "unstable". Doubtful shots of set-ups warn, all in one `DoubtfulResult`
+    SweepTable, a row for each combination; of set-ups SweepResult, in their order, in which an
+    unstable shot has the outcome "unstable". Doubtful shots of set-ups warn, all in one
+    `DoubtfulResult`
 
     Raises
     ------
-    InputError : a wrong key or value, a set-up that cannot be run, jobs below 1, or no such executor
+    InputError : a wrong key or value, a set-up that cannot be run, jobs below 1, or no such
+        executor
 
     Examples
     --------
@@ -180,7 +188,8 @@ def _combinations(keys, one_at_a_time):
 
 
 def _panel(target, folder, support, changes):
-    """The Target with the values of some keys, and factors on numbers of its fabrics, in place of its own."""
+    """The Target with the values of some keys, and factors on numbers of its fabrics, in place of
+    its own."""
     from weavecell.studies import inputs
 
     factors = {key: value for key, value in changes.items() if key in inputs.table("range")}
@@ -200,7 +209,8 @@ OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
 
 
 def parse(text: str) -> tuple[str, list[Any]]:
-    """(key, values) of a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100 m/s,150 m/s".
+    """(key, values) of a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100
+    m/s,150 m/s".
 
     Raises
     ------
@@ -233,7 +243,8 @@ class SweepTable(StudyResult):
     keys : of the input file
     rows : {key or name of a result: value} of each combination
     targets : the Target of each
-    one_at_a_time : whether the first row is the input file, and each other row changes one key, the others being None
+    one_at_a_time : whether the first row is the input file, and each other row changes one key, the
+        others being None
 
     Examples
     --------
@@ -255,8 +266,7 @@ class SweepTable(StudyResult):
 
     def summary(self) -> dict[str, Any]:
         """Number of rows of each outcome."""
-        outcomes = [row["outcome"] for row in self.rows]
-        return {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+        return dict(Counter(row["outcome"] for row in self.rows))
 
     def _columns(self):
         from pandas import DataFrame
@@ -299,7 +309,8 @@ class SweepTable(StudyResult):
         return ", ".join(changed) or "input file"
 
     def _abscissa(self):
-        """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
+        """(values, label) of the first key: numbers with their unit, areal densities for numbers of
+        plies, or texts."""
         key = self.keys[0]
         if key == "panel.plies":
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
@@ -312,15 +323,15 @@ class SweepTable(StudyResult):
             for part in key.split("."):
                 value = getattr(value, part)
             values.append(value)
-        if not all(
-            isinstance(value, (int, float)) and not isinstance(value, bool) for value in values
-        ):
+        # a text, a table or a truth value has no place on an axis
+        if not {*map(type, values)} <= {int, float}:
             return [str(row[key]) for row in self.rows], key
         unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
 
     def _scatter(self):
-        """Mean, standard deviation and standard error of the residual velocity over seeds, a line a group of shots."""
+        """Mean, standard deviation and standard error of the residual velocity over seeds, a line a
+        group of shots."""
         table = self.to_dataframe()
         table = table[table["outcome"] != "unstable"]
         others = [key for key in self.keys if key != SEED and table[key].nunique() > 1]
@@ -419,11 +430,10 @@ class SweepResult(Result, Sequence):
         return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
 
     def _what(self):
-        strikes = [
-            f"{shot.strike_velocity:g} m/s"
-            for shot in self.shots
-            if shot.doubtful and shot.outcome != "unstable"
-        ]
+        strikes = []
+        for shot in self.shots:
+            if shot.doubtful and shot.outcome != "unstable":
+                strikes.append(f"{shot.strike_velocity:g} m/s")
         return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
     def summary(self) -> dict[str, Any]:

@@ -48,15 +48,17 @@ def of(
 
     Parameters
     ----------
-    target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
+    target : a set-up, the path of an input file, or a fabric
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
     refused : keys of an input file that the study does not honour
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
-    one_shot : whether what is computed is a shot, to which strike velocity and [history] mean something
+    one_shot : whether what is computed is a shot, to which strike velocity and [history] mean
+        something
 
     Raises
     ------
-    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a shot without velocity
+    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a
+        shot without velocity
     """
     from shellfabric.impact.simulation import ImpactSetup
 
@@ -96,11 +98,12 @@ def of(
 def made(
     fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]
 ) -> Target:
-    """What `weavecell.setup` describes, with the input file that says the same where one can. Its notes are warnings.
+    """What `weavecell.setup` describes, with the input file that says the same if one can. Its
+    notes are warnings.
 
     Parameters
     ----------
-    fabric, velocity, options : as of `setup`
+    fabric, velocity, options : arguments of `weavecell.setup`
 
     Raises
     ------
@@ -135,7 +138,8 @@ def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
 
 
 def as_fabric(fabric: Fabric | FilePath) -> Fabric:
-    """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
+    """A Fabric as it is; that of a name or file with the linear densities of the runs of the
+    thesis."""
     if isinstance(fabric, Fabric):
         return fabric
     return with_linear_density(catalogue.load(fabric), "effective")
@@ -152,7 +156,7 @@ class Study:
 
     Parameters
     ----------
-    folder : of the results; None where nothing is written
+    folder : of the results; None if nothing is written
     runs : folder, executor and jobs of `run_cache.results`
     advance : called as advance(share done, text)
     """
@@ -168,7 +172,8 @@ class Study:
         return time.perf_counter() - self.began
 
     def report(self, part: int = 0, parts: int = 1) -> Callable[[int, int], None]:
-        """Progress of the runs of a part of the study, called as report(number done, number of all)."""
+        """Progress of the runs of a part of the study, called as report(number done, number of
+        all)."""
         return lambda done, total: self.advance((part + done / total) / parts, f"{done} of {total}")
 
 
@@ -179,7 +184,8 @@ def study(
     how: Execution,
     *inputs: Any,
 ) -> Iterator[Study]:
-    """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
+    """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`,
+    and a bar.
 
     Raises
     ------
@@ -197,7 +203,8 @@ def study(
 
 @contextmanager
 def kept_runs(folder: Path | None, resume: bool, name: str = RUNS) -> Iterator[Path]:
-    """The folder of the finished runs, emptied but to `resume`; a temporary one where `folder` is None."""
+    """The folder of the finished runs, emptied but to `resume`; a temporary one where `folder` is
+    None."""
     with TemporaryDirectory() as spare:
         if folder is None:
             runs = Path(spare)

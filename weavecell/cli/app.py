@@ -1,8 +1,9 @@
-"""The `weavecell` command: each of its commands is a function of the Python interface (`from_signature`).
+"""The `weavecell` command: each of its commands is a function of the Python interface
+(`from_signature`).
 
-Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written), or a path that cannot be written
-to, as on a full disk (what had been computed before is kept); 3 a run became unstable (what it had computed is kept);
-130 interrupted, by Ctrl-C or SIGTERM.
+Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written), or a path that
+cannot be written to, as on a full disk (what had been computed before is kept); 3 a run became
+unstable (what it had computed is kept); 130 interrupted, by Ctrl-C or SIGTERM.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress, termination
 
 INTERRUPTED = 130
-# objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and pictures are hundreds of
-# thousands that live to the end of a command, and going through them again and again took a twentieth of its time
+# objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and
+# pictures are hundreds of thousands that live to the end of a command, and going through them again
+# and again took a twentieth of its time
 COLLECT_EVERY = 10_000
 
-# command: function of the Python interface, arguments that its help ends with, and which keywords of `weavecell.setup`
-# are options; in the order of the help
+# command: function of the Python interface, arguments that its help ends with, and which keywords
+# of `weavecell.setup` are options; in the order of the help
 COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "mesh": (api.mesh, "S-720 --patch 3x4 --mesh coarse --format vtu,k"),
     "calibrate": (api.calibrate, "S-720 --mesh coarse"),
@@ -66,7 +68,8 @@ GROUPS = {
 
 
 def program(word: str = "") -> typer.Typer:
-    """The command line; where `word` names a command or a group, of that alone, since each takes 10 ms to make."""
+    """The command line; where `word` names a command or a group, of that alone, since each takes 10
+    ms to make."""
     chosen = {
         name: entry for name, entry in COMMANDS.items() if name.partition(" ")[0] == word
     } or COMMANDS

@@ -1,10 +1,10 @@
 """Commands of the command line made from functions of the Python interface.
 
-Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
-the text of the docstring, that of an option what the section Parameters says. What is returned is printed; a doubtful
-result is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range
-over what is assumed, where a law or the crimp is. A command of a group, such as `fabrics list`, has no folder of its
-own by default.
+Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their
+default; the help is the text of the docstring, that of an option what the section Parameters says.
+What is returned is printed; a doubtful result is exit code 3 where --strict is given. Two defaults
+differ: a command uses all cores, and computes the range over what is assumed, if a law or the crimp
+is. A command of a group, such as `fabrics list`, has no folder of its own by default.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from typing import Annotated, Any
 
 import typer
 
-import weavecell
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.lists import in_terminal
 from weavecell.api.result import Result
@@ -53,9 +52,11 @@ def command(
 
     Parameters
     ----------
-    function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result there
+    function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result
+        there
     example : arguments that its help ends with
-    keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
+    keywords : of `weavecell.setup` that are options beside the function's own; lists are written as
+        in a file
     """
     text, meanings = documented(function)
     parameters = []
@@ -132,8 +133,8 @@ def _folder(name, parameters, values):
 def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
     """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
-    They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input file, which a
-    command reads.
+    They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input
+    file, which a command reads.
     """
     *_, last = inspect.signature(function).parameters.values()
     name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
@@ -173,20 +174,14 @@ def _listed(text):
 
 
 def documented(function: Callable) -> tuple[str, dict[str, str]]:
-    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich.
-
-    "as of `other`" is what the docstring of that function of the Python interface says.
-    """
+    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets
+    written for rich."""
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     parameters = "".join(sections[:1])
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(parameters):
-        known = {}
-        if other := re.fullmatch(r"as of `(\w+)`", meaning):
-            known = documented(getattr(weavecell, other[1]))[1]
         words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
-        for name in names.split(", "):
-            meanings[name] = known.get(name, words)
+        meanings |= dict.fromkeys(names.split(", "), words)
     paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
     return _escaped("\n\n".join(paragraphs)), meanings
 

@@ -1,1 +1,2 @@
-"""A panel or pack as a deck for LS-DYNA or OpenRadioss, with the material law of that code and its error."""
+"""A panel or pack as a deck for LS-DYNA or OpenRadioss, with the material law of that code and its
+error."""

@@ -1,4 +1,5 @@
-"""Cards of input files: fields in fixed columns, below a comment line with their names as the manuals have them."""
+"""Cards of input files: fields in fixed columns, below a comment line with their names as the
+manuals have them."""
 
 from __future__ import annotations
 

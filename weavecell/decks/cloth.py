@@ -1,8 +1,9 @@
-"""The cell of a fabric as a membrane of nominal stresses: what the laws of other codes are made of and held against.
+"""The cell of a fabric as a membrane of nominal stresses: what the laws of other codes are made of
+and held against.
 
-Nominal stress is force over the width and the thickness at rest: a force of N in each warp yarn is N warp_count /
-thickness. Stretches L1, L2 are those of the fabric along warp and weft, gamma [rad] is the loss of the right angle
-between the yarns, tau the stress that works on it.
+Nominal stress is force over the width and the thickness at rest: a force of N in each warp yarn is
+N warp_count / thickness. Stretches L1, L2 are those of the fabric along warp and weft, gamma [rad]
+is the loss of the right angle between the yarns, tau the stress that works on it.
 """
 
 from __future__ import annotations
@@ -100,7 +101,8 @@ class Cloth:
     def uniaxial(self, family: int) -> tuple[FloatArray, FloatArray]:
         """(stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the strength.
 
-        Crossing yarns without tension press on nothing: the yarns are straight once their crimp is gone.
+        Crossing yarns without tension press on nothing: the yarns are straight once their crimp is
+        gone.
         """
         stretch = np.linspace(1, self.failure_stretch[family], _POINTS)
         stretch = np.union1d(stretch, [1 + self.crimp[family]])
@@ -108,7 +110,8 @@ class Cloth:
 
     @cached_property
     def plane(self) -> tuple[FloatArray, FloatArray, BoolArray]:
-        """(L1, L2, inside), each (n, n): stretches from rest on, and whether both yarns are below their strengths."""
+        """(L1, L2, inside), each (n, n): stretches from rest on, and whether both yarns are below
+        their strengths."""
         L1, L2 = np.meshgrid(
             *(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij"
         )
@@ -117,12 +120,13 @@ class Cloth:
         return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 
     def curve(self, family: int, match: str) -> FloatArray:
-        """(n, 2) engineering strain and nominal stress [Pa] of one direction, on beyond the strength with the yarns'
-        modulus.
+        """(n, 2) engineering strain and nominal stress [Pa] of one direction, on beyond the
+        strength with the yarns' modulus.
 
-        match : "uniaxial" tension, or the mean over the stretches of the other direction in the biaxial `plane`, which
-            is the nearest to it of all curves of one stretch; but for its beginning, which is no steeper than the yarns
-            (crossing yarns that are stretched load a direction at rest, which no curve through 0 can have)
+        match : "uniaxial" tension, or the mean over the stretches of the other direction in the
+            biaxial `plane`, which is the nearest to it of all curves of one stretch; but for its
+            beginning, which is no steeper than the yarns (crossing yarns that are stretched load a
+            direction at rest, which no curve through 0 can have)
         """
         if match == "uniaxial":
             stretch, stress = self.uniaxial(family)

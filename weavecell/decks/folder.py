@@ -1,4 +1,5 @@
-"""The folder of a deck: a panel or pack for LS-DYNA or OpenRadioss, with the error of its material card.
+"""The folder of a deck: a panel or pack for LS-DYNA or OpenRadioss, with the error of its material
+card.
 
 What runs in OpenRadioss gave is in docs/reports/cards.md; LS-DYNA has not been run.
 """

@@ -2,16 +2,17 @@
 
 Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA): P_i = f_i(L_i - 1), tau = f(gamma).
 
-Crimp exchange, /MAT/LAW58 of OpenRadioss (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of
-linear, incompressible yarns, one to a unit width and length (N1 = N2 = 1): half length L, height H + y with H at rest,
-length D = 1 + S at rest,
+Crimp exchange, /MAT/LAW58 of OpenRadioss (engine/source/materials/mat/mat058/sigeps58c.F): two
+straight zigzags of linear, incompressible yarns, one to a unit width and length (N1 = N2 = 1): half
+length L, height H + y with H at rest, length D = 1 + S at rest,
 
     f = E (sqrt(L^2 + (H + y)^2) - D),   P = f cos(alpha),
     f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where the yarns touch,
 
-k = Flex E H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S). The law's viscosity is
-left out. Other counts would hold a fabric whose warp and weft counts differ exactly, but OpenRadioss takes the speed of
-sound from E alone, which grows with them: 27 and 26 made the time step five times smaller than it need be.
+k = Flex E H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S). The
+law's viscosity is left out. Other counts would hold a fabric whose warp and weft counts differ
+exactly, but OpenRadioss takes the speed of sound from E alone, which grows with them: 27 and 26
+made the time step five times smaller than it need be.
 """
 
 from __future__ import annotations
@@ -91,8 +92,9 @@ class CrimpExchange:
 
     @classmethod
     def of(cls, cloth: Cloth, match: str) -> CrimpExchange:
-        """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and one factor on both
-        moduli by least squares over the plane: softer yarns of less crimp stand in for yarns that flatten."""
+        """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and
+        one factor on both moduli by least squares over the plane: softer yarns of less crimp stand
+        in for yarns that flatten."""
         whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
 
         def scaled(scales):
@@ -114,7 +116,8 @@ class CrimpExchange:
 
     @property
     def rest(self) -> tuple[FloatArray, FloatArray]:
-        """Lengths and heights of half a wave at rest over its length in the fabric, each (2,) of warp and weft."""
+        """Lengths and heights of half a wave at rest over its length in the fabric, each (2,) of
+        warp and weft."""
         length = 1 + self.crimp
         return length, np.sqrt(length**2 - 1)
 
@@ -150,15 +153,16 @@ class CrimpExchange:
         return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """[Pa] nominal along one direction in uniaxial tension: crossing yarns are pushed out of the way."""
+        """[Pa] nominal along one direction in uniaxial tension: crossing yarns are pushed out of
+        the way."""
         return self._yarn(family, stretch, self._alone(family, stretch))[1]
 
     @property
     def table(self) -> FloatArray:
         """(n, 2) angle [degree] and stress [Pa] of its shear function, which is odd.
 
-        The stress is that of a picture frame, F / (2 t L sin(pi/4 + gamma/2)) (Radioss manual, Airbag Fabric
-        Material); the work of F on the frame makes it tau / cos(gamma).
+        The stress is that of a picture frame, F / (2 t L sin(pi/4 + gamma/2)) (Radioss manual,
+        Airbag Fabric Material); the work of F on the frame makes it tau / cos(gamma).
         """
         gamma, stress = self.trellis.T
         half = np.column_stack([np.degrees(gamma), stress / np.cos(gamma)])
@@ -172,7 +176,8 @@ class CrimpExchange:
 def _root(
     function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]
 ) -> FloatArray:
-    """Where a rising function of an array is zero, by bisection; `low` where it is positive there already."""
+    """Where a rising function of an array is zero, by bisection; `low` where it is positive there
+    already."""
     a = np.full(shape, low)
     b = np.full(shape, high)
     for _ in range(50):

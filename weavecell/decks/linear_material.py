@@ -1,11 +1,12 @@
-"""Yarn materials at rest, for the files of other solvers: linear, and no more than a first state of the real laws.
+"""Yarn materials at rest, for the files of other solvers: linear, and no more than a first state of
+the real laws.
 
 The solid is orthotropic without Poisson effects (thesis section 3.4.2):
 
     axial E_a Vf0 (eq. 3-2),   transverse K_r E_c (eq. 3-10),   shear K_G E_c / 2.
 
-Fibre bars are elastic. An explicit code needs mass in both: each carries half of the fibres' mass, so that the whole is
-linear density times length and neither time step collapses.
+Fibre bars are elastic. An explicit code needs mass in both: each carries half of the fibres' mass,
+so that the whole is linear density times length and neither time step collapses.
 """
 
 from __future__ import annotations

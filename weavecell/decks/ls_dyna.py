@@ -1,13 +1,15 @@
-"""LS-DYNA keyword deck of a panel: *MAT_FABRIC (034) FORM 14 on fully integrated membranes (ELFORM 9).
+"""LS-DYNA keyword deck of a panel: *MAT_FABRIC (034) FORM 14 on fully integrated membranes (ELFORM
+9).
 
-Cards, fields and widths as in the LS-DYNA Keyword User's Manual, volumes I and II (R11 to R16): columns of 10, nodes
-of 8 and 16, elements of 8, points of curves of 20 characters; the names of the fields stand above each card. The curves
-of the fibres have DATTYP -2, which the manual has for stress-strain curves of *MAT_FABRIC: here nominal stress against
-engineering strain; that of shear has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first
-direction. Compression is eliminated (CSE 1).
+Cards, fields and widths as in the LS-DYNA Keyword User's Manual, volumes I and II (R11 to R16):
+columns of 10, nodes of 8 and 16, elements of 8, points of curves of 20 characters; the names of the
+fields stand above each card. The curves of the fibres have DATTYP -2, which the manual has for
+stress-strain curves of *MAT_FABRIC: here nominal stress against engineering strain; that of shear
+has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first direction.
+Compression is eliminated (CSE 1).
 
-The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn. Contact by soft
-constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
+The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn.
+Contact by soft constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
 """
 
 from __future__ import annotations
@@ -157,6 +159,7 @@ def _contact(deck: Deck) -> Iterator[str]:
     part_set = 2
     part = 3
     sides = {"SSID": 1, "MSID": deck.nose_part, "SSTYP": part_set, "MSTYP": part}
+    # one contact for the nose, whose friction may differ from that of plies on each other
     contacts = [("SURFACE_TO_SURFACE", sides, deck.nose.friction)]
     if len(deck.plies) > 1:
         contacts.append(("SINGLE_SURFACE", sides | {"MSID": 0, "MSTYP": 0}, deck.friction))
@@ -164,6 +167,7 @@ def _contact(deck: Deck) -> Iterator[str]:
         yield f"*CONTACT_AUTOMATIC_{kind}\n" + _card(**sides, SBOXID=0, MBOXID=0, SPR=0, MPR=0)
         yield _card(FS=friction, FD=friction, DC=0.0, VC=0.0, VDC=0.0, PENCHK=0)
         yield _card(SFS=0.0, SFM=0.0, SST=0.0, MST=0.0, SFST=0.0, SFMT=0.0, FSF=0.0, VSF=0.0)
+        # the stiffness follows from masses and the step: steel and cloth differ too much in modulus
         yield _card(SOFT=1)
 
 
@@ -181,6 +185,7 @@ def _text(value):
         return " " * 10
     if isinstance(value, (int, np.integer)):
         return f"{value:10d}"
+    # a field has ten columns: three decimals fit beside a sign and an exponent
     if value:
         return f"{value:10.3E}"
     return f"{0.0:10.1f}"

@@ -1,8 +1,9 @@
 """Abaqus input file (.inp), model data only, of a numbered mesh; CalculiX reads it too.
 
-Material axes are given for each element (*DISTRIBUTION): a along the fibre, b towards node 4. Hexahedra are C3D8, bars
-T3D2, end shells S4. Faces are named as surfaces of elements: side S1 .. S6 as in C3D8. Sets of a whole
-family list their members, which more readers know than unions. A field has at most 20 characters.
+Material axes are given for each element (*DISTRIBUTION): a along the fibre, b towards node 4.
+Hexahedra are C3D8, bars T3D2, end shells S4. Faces are named as surfaces of elements: side S1 .. S6
+as in C3D8. Sets of a whole family list their members, which more readers know than unions. A field
+has at most 20 characters.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ def _listed(members):
 def _surfaces(mesh, numbered):
     """name -> lines "element, side" of each named surface.
 
-    The nodes of a structured grid are numbered along its axes: the lowest and the highest node of a face are its
-    opposite corners and name it.
+    The nodes of a structured grid are numbered along its axes: the lowest and the highest node of a
+    face are its opposite corners and name it.
     """
     corners = mesh.hexes[:, SIDES].reshape(-1, 4) + 1
     keys, order = np.unique(

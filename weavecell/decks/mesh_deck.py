@@ -1,9 +1,10 @@
-"""What the input files of LS-DYNA, Abaqus and OpenRadioss have in common: numbered parts, sets and sections of a mesh.
+"""What the input files of LS-DYNA, Abaqus and OpenRadioss have in common: numbered parts, sets and
+sections of a mesh.
 
-Nodes, elements, parts and sets are numbered from 1. Elements: all hexahedra, then all bars, then the end shells. A yarn
-is one part of hexahedra. The bars of a family with the same area are one part, so that the area is a property of the
-part; the bars of each yarn are a set. Node 1 to node 2 of a hexahedron is the fibre direction, exactly: its four edges
-along the fibre are parallel.
+Nodes, elements, parts and sets are numbered from 1. Elements: all hexahedra, then all bars, then
+the end shells. A yarn is one part of hexahedra. The bars of a family with the same area are one
+part, so that the area is a property of the part; the bars of each yarn are a set. Node 1 to node 2
+of a hexahedron is the fibre direction, exactly: its four edges along the fibre are parallel.
 
 Units are SI: m, kg, s, N, Pa.
 """
@@ -50,7 +51,8 @@ class Part:
 
     @property
     def section(self) -> int:
-        """Number of its section or property: one for all hexahedra, else one for each area or thickness."""
+        """Number of its section or property: one for all hexahedra, else one for each area or
+        thickness."""
         if self.kind == "hex":
             return 1
         return self.number
@@ -72,7 +74,8 @@ class Deck:
     parts : of Part
     bar_sets : yarn name -> (b,) int, its bars
     node_sets, surfaces : name -> (k,) int, or (q, 4) int outward quadrilaterals
-    node_unions, surface_unions : name -> names of the sets in it: the same part of all yarns of a family
+    node_unions, surface_unions : name -> names of the sets in it: the same part of all yarns of a
+        family
     materials : (RestMaterial, RestMaterial)
     """
 
@@ -107,7 +110,8 @@ def set_lines(
     per_line: int,
     quads: Callable[[np.ndarray], str],
 ) -> Iterator[str]:
-    """Text of all sets, and of the unions of a family as sets of sets; numbered through, each kind from 1.
+    """Text of all sets, and of the unions of a family as sets of sets; numbered through, each kind
+    from 1.
 
     Parameters
     ----------

@@ -1,4 +1,5 @@
-"""Files of a mesh, by their suffix: .msh, .vtu (`meshing.files`), and the input files of other solvers.
+"""Files of a mesh, by their suffix: .msh, .vtu (`meshing.files`), and the input files of other
+solvers.
 
 .k    LS-DYNA keyword file (`mesh_ls_dyna`)
 .inp  Abaqus input file (`mesh_abaqus`)
@@ -27,7 +28,8 @@ WRITERS = {
 
 
 def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
-    """Write a `Crossover` or `Patch` whole, or not at all, in the format that the suffix of `path` names.
+    """Write a `Crossover` or `Patch` whole, or not at all, in the format that the suffix of `path`
+    names.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """LS-DYNA keyword file (.k), fixed columns of 8 or 10 characters, of a numbered mesh.
 
-Material axes follow the element (AOPT 0): a from node 1 to node 2, the fibre. Solids are ELFORM 2, fully integrated:
-one-point elements have modes without energy. Bars are trusses (ELFORM 3). Columns of 10 leave five digits to areas.
+Material axes follow the element (AOPT 0): a from node 1 to node 2, the fibre. Solids are ELFORM 2,
+fully integrated: one-point elements have modes without energy. Bars are trusses (ELFORM 3). Columns
+of 10 leave five digits to areas.
 """
 
 from __future__ import annotations

@@ -1,7 +1,9 @@
 """OpenRadioss starter file (NAME_0000.rad), block format 2022, of a numbered mesh.
 
-Material axes follow the element: /PROP/TYPE6 with Ip 20, axis 1 from node 1 to node 2, the fibre, axis 2 to node 4.
-Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GRNOD, faces /SURF/SEG, bars /GRTRUS.
+Material axes follow the element: /PROP/TYPE6 with Ip 20, axis 1 from node 1 to node 2, the fibre,
+axis 2 to node 4.
+Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GRNOD, faces
+/SURF/SEG, bars /GRTRUS.
 """
 
 from __future__ import annotations
@@ -42,7 +44,8 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
 
 
 def _materials(numbered):
-    """Orthotropic solids (law 12, whose strengths left at 0 are infinite), elastic bars and shells (law 1)."""
+    """Orthotropic solids (law 12, whose strengths left at 0 are infinite), elastic bars and shells
+    (law 1)."""
     for family, (yarn, m) in enumerate(zip(YARNS, numbered.materials)):
         yield f"/MAT/LAW12/{material_number(family, 'hex')}\n{yarn}\n" + _reals(m.solid_density)
         yield (
@@ -65,8 +68,8 @@ def _materials(numbered):
 
 def _parts(numbered):
     """Parts and properties: one property for all solids, one for each area or thickness."""
-    # Isolid, Ismstr, -, Icpre, Itetra10, Inpts, Itetra4, Iframe; viscosities; vector, skew, Ip, Iorth; angle, point;
-    # time step.
+    # Isolid, Ismstr, -, Icpre, Itetra10, Inpts, Itetra4, Iframe; viscosities; vector, skew, Ip,
+    # Iorth; angle, point; time step.
     yield "/PROP/TYPE6/1\nyarns, fibre from node 1 to node 2\n" + _ids(
         FULL, 0, 0, FULL_PRESSURE, 0, 0, 0, COROTATIONAL
     )
@@ -81,7 +84,8 @@ def _parts(numbered):
         if part.kind == "bar":
             yield f"/PROP/TYPE2/{part.section}\n{part.name}\n" + _reals(part.size, 0)
         elif part.kind == "shell":
-            # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through the thickness.
+            # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through
+            # the thickness.
             yield (
                 f"/PROP/TYPE1/{part.section}\n{part.name}\n"
                 + _ids(0, 0, 0, 0)

@@ -1,4 +1,5 @@
-"""How far a law of another code is from a fabric's cell: over the biaxial plane, in uniaxial tension, in shear."""
+"""How far a law of another code is from a fabric's cell: over the biaxial plane, in uniaxial
+tension, in shear."""
 
 from __future__ import annotations
 
@@ -17,13 +18,15 @@ LIMIT = 0.1
 
 @dataclass(frozen=True)
 class Mismatch:
-    """The stress of a law less that of the cell, over the strength of the direction; of shear, over the lower one.
+    """The stress of a law less that of the cell, over the strength of the direction; of shear, over
+    the lower one.
 
     Parameters
     ----------
     stretch1, stretch2, inside : of `Cloth.plane`
     difference : (2, n, n) of warp and weft
-    uniaxial, shear : largest in uniaxial tension to the strength, and in trellis shear until locking
+    uniaxial, shear : largest in uniaxial tension to the strength, and in trellis shear until
+        locking
     """
 
     stretch1: FloatArray
@@ -74,7 +77,8 @@ class Mismatch:
 
 
 def plot(pyplot: Any, mismatch: Mismatch) -> Any:
-    """The figure of the differences along warp and weft, in percent of the strength, where no yarn has reached it."""
+    """The figure of the differences along warp and weft, in percent of the strength, where no yarn
+    has reached it."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 4.3), sharey=True, layout="constrained")
     top = 100 * max(mismatch.largest, 0.01)
     x, y = (100 * (stretch - 1) for stretch in (mismatch.stretch1, mismatch.stretch2))

@@ -1,12 +1,14 @@
-"""A panel or pack with a material card, a rigid projectile, contact and boundary, ready to be written for another code.
+"""A panel or pack with a material card, a rigid projectile, contact and boundary, ready to be
+written for another code.
 
 Numbers are SI here; the writers (`ls_dyna`, `radioss`) convert them by the deck's `Units`.
-Nodes, elements and parts are numbered from 1: the plies in the order in which the projectile meets them, then the
-projectile with a node of reference. Node 1 to node 2 of an element is the ply's first direction, along x: its warp, or
-the weft of a ply that is turned, which has a card of its own with warp and weft exchanged.
+Nodes, elements and parts are numbered from 1: the plies in the order in which the projectile meets
+them, then the projectile with a node of reference. Node 1 to node 2 of an element is the ply's
+first direction, along x: its warp, or the weft of a ply that is turned, which has a card of its own
+with warp and weft exchanged.
 
-Of a panel in symmetry the modelled part is written, with the planes as boundary conditions, and that share of the
-projectile's mass; the whole surface of the projectile is there all the same.
+Of a panel in symmetry the modelled part is written, with the planes as boundary conditions, and
+that share of the projectile's mass; the whole surface of the projectile is there all the same.
 """
 
 from __future__ import annotations
@@ -53,7 +55,8 @@ _NEAREST = {
     "uniaxial": "nearest to it in uniaxial tension",
 }
 
-# what a membrane of another code does not have: key of the input file, what is allowed, and whether a set-up has it
+# what a membrane of another code does not have: key of the input file, what is allowed, and whether
+# a set-up has it
 REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "backing": (
         "left out: a block behind the fabric is not exported",
@@ -126,7 +129,8 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Card:
-    """A material: its number from 1, the membrane that it is of, the law, and how far they differ."""
+    """A material: its number from 1, the membrane that it is of, the law, and how far they
+    differ."""
 
     number: int
     name: str
@@ -145,7 +149,8 @@ class Ply:
     card : Card
     points : (n, 3) [m]
     quads : (m, 4) its nodes, by their numbers in the deck
-    held : {"clamped", "mirror_x", "mirror_y": (n,) bool} nodes in the clamp, and on planes of symmetry x = 0, y = 0
+    held : {"clamped", "mirror_x", "mirror_y": (n,) bool} nodes in the clamp, and on planes of
+        symmetry x = 0, y = 0
     """
 
     number: int
@@ -238,7 +243,8 @@ class Deck:
         return self.end_time / _PICTURES, self.end_time / _SAMPLES
 
     def held(self) -> dict[str, IntArray]:
-        """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are left out."""
+        """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are
+        left out."""
         chosen = {}
         for name in self.plies[0].held:
             chosen[name] = np.concatenate([ply.held[name] for ply in self.plies])
@@ -247,7 +253,8 @@ class Deck:
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def watched(self) -> dict[str, int]:
-        """{name: node number} of what histories are written: the projectile, and the point of impact of each ply."""
+        """{name: node number} of what histories are written: the projectile, and the point of
+        impact of each ply."""
         nodes = {"projectile": self.nose.reference}
         for ply in self.plies:
             nodes[ply.name] = int(ply.quads.min() + np.argmin(np.hypot(*ply.points[:, :2].T)))
@@ -271,6 +278,7 @@ def build(
     ------
     InputError : what no deck holds
     """
+    # a deck that left something out would run, and be wrong in silence
     for key, (allowed, has) in REFUSED.items():
         if has(setup):
             raise InputError(key=key, allowed=allowed)
@@ -279,12 +287,15 @@ def build(
     plies: list[Ply] = []
     first = 1
     for p, (panel, z) in enumerate(zip(pack.plies, pack.places)):
+        # plies that are alike share a panel, and so a card
         if id(panel) not in cards:
             name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
+            # a card needs the cell to the strength, not beyond
             cloth = Cloth(replace(panel.table.model, reach=1.0))
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
         x, y = (values.ravel() for values in panel.coordinates())
+        # what is clamped stands first: a node of the clamp is not on a mirror too
         held = {"clamped": ~panel.loose().ravel()}
         for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
             held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)
@@ -315,7 +326,8 @@ def build(
 
 
 def _nose(setup, share, thickness, ply, first):
-    """The body's surface in elements of the fabric's size, its nose on the line of flight before the first ply."""
+    """The body's surface in elements of the fabric's size, its nose on the line of flight before
+    the first ply."""
     shot = setup.projectile
     clear = (0.5 + 0.5 * _SKIN + _CLEARANCE) * thickness
     start = shot.start() - shot.flight * clear / shot.flight[2]
@@ -360,9 +372,10 @@ def _header(cards, units, share, law, source, code, notes):
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"
         )
-    return tuple(
-        line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
-    )
+    lines = []
+    for entry in text:
+        lines += textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
+    return tuple(lines)
 
 
 def _title(text):

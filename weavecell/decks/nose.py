@@ -1,11 +1,13 @@
-"""Mesh of the projectile's surface in quadrilaterals alone, as that of a box drawn on the body: it has no pole.
+"""Mesh of the projectile's surface in quadrilaterals alone, as that of a box drawn on the body: it
+has no pole.
 
-A square grid on the nose and one on the rear, their sides bowed towards a circle, are joined by rings of four times as
-many elements as the grid has along a side. No node belongs to more than four elements. A pole would: a contact by
-penalties adds the stiffness of all elements that hold the touching point.
+A square grid on the nose and one on the rear, their sides bowed towards a circle, are joined by
+rings of four times as many elements as the grid has along a side. No node belongs to more than four
+elements. A pole would: a contact by penalties adds the stiffness of all elements that hold the
+touching point.
 
-A place on the surface is (arc, turn): length from the tip along the meridian at turn 0, angle about the axis. The rings
-are closer together where that meridian bends.
+A place on the surface is (arc, turn): length from the tip along the meridian at turn 0, angle about
+the axis. The rings are closer together where that meridian bends.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from scipy.ndimage import map_coordinates
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.projectile.projectile import Projectile
 
-# Least and most elements along a side of the grid; one more if an element, not a node, is to face the middle.
+# Least and most elements along a side of the grid; one more if an element, not a node, is to face
+# the middle.
 _LEAST = 6
 _MOST = 24
 # shapes whose tip is a node
@@ -34,12 +37,14 @@ _TURNS = 145
 
 
 def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
-    """Points (n, 3) [m] about the nose, and quadrilaterals (m, 4) of their numbers from 0, anticlockwise from outside.
+    """Points (n, 3) [m] about the nose, and quadrilaterals (m, 4) of their numbers from 0,
+    anticlockwise from outside.
 
     Parameters
     ----------
     shot : Projectile
-    size : [m] of the fabric's elements, which those of the projectile have within _LEAST and _MOST along the grid
+    size : [m] of the fabric's elements, which those of the projectile have within _LEAST and _MOST
+        along the grid
     """
     n = int(np.clip(np.ceil(0.5 * np.pi * shot.radius / size), _LEAST, _MOST)) // 2 * 2 + (
         shot.shape not in _POINTED
@@ -83,7 +88,8 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
 
 
 def _meridian(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
-    """(n,) arc length [m] along a line (n, 3), and elements along it: of a size, and of a bend of at most _BEND."""
+    """(n,) arc length [m] along a line (n, 3), and elements along it: of a size, and of a bend of
+    at most _BEND."""
     steps = np.diff(line, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     moving = lengths > 0
@@ -96,9 +102,11 @@ def _meridian(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _placed(square: FloatArray, arc: float, total: float, radius: float) -> FloatArray:
-    """(2, n) arc and turn of points (n, 2) of the square [-1, 1]^2 whose sides lie at an arc, of nose or rear.
+    """(2, n) arc and turn of points (n, 2) of the square [-1, 1]^2 whose sides lie at an arc, of
+    nose or rear.
 
-    From the sides of the grid to the first circle, the square turns into the circle of the same angles.
+    From the sides of the grid to the first circle, the square turns into the circle of the same
+    angles.
     """
     x, y = square.T
     wide = np.abs(x) >= np.abs(y)

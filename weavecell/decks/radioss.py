@@ -1,13 +1,15 @@
 """OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16.
 
-Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of OpenRadioss
-(hm_cfg_files): whole numbers in columns of 10, reals of 20 characters; the names of the fields stand above each card.
-The shells are membranes, with one point through the thickness; the vector (1, 0, 0) is the ply's first direction, the
-second is at 90 degrees to it. LAW58 has linear yarns, and a function of the shear angle in degrees. /FAIL/FABRIC stands
-as a comment (_NO_FAILURE): without it nothing breaks.
+Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of
+OpenRadioss (hm_cfg_files): whole numbers in columns of 10, reals of 20 characters; the names of the
+fields stand above each card.
+The shells are membranes, with one point through the thickness; the vector (1, 0, 0) is the ply's
+first direction, the second is at 90 degrees to it. LAW58 has linear yarns, and a function of the
+shear angle in degrees. /FAIL/FABRIC stands as a comment (_NO_FAILURE): without it nothing breaks.
 
-The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not turn. Contact is
-/INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two neighbouring plies both ways.
+The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not
+turn. Contact is /INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two
+neighbouring plies both ways.
 """
 
 from __future__ import annotations
@@ -84,6 +86,7 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     yield _card(fct_ID1=0, _=None, Fscale1=0.0)
     yield _card(fct_ID2=0, _=None, Fscale2=0.0)
     yield _card(fct_ID3=number, _=None, Fscale3=1.0)
+    # written as comments: OpenRadioss takes one of these strains for a stress (`_NO_FAILURE`)
     start1, start2 = law.limit
     end1, end2 = _BROKEN * law.limit
     strains = _card(
@@ -91,13 +94,15 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     ).splitlines()[1]
     for line in (*_NO_FAILURE, f"/FAIL/FABRIC/{number}", strains, f"{0:20.12E}"):
         yield f"#{line}\n"
+    # the trellis law is a curve of its own, in the unit of stress of the deck
     yield f"/FUNCT/{number}\n{material.name}, shear\n"
     yield table(_MARK, "%20.12E%20.12E", "X Y", law.table[:, 0], u.stress(law.table[:, 1]))
 
 
 def _properties(deck: Deck) -> Iterator[str]:
     m = deck.units.m
-    # OpenRadioss reads dn = 0 as its default of 1.5 % of critical damping, whose work is in no energy
+    # OpenRadioss reads dn = 0 as its default of 1.5 % of critical damping, whose work is in no
+    # energy
     hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=1e-9)
     flags = _card(Ishell=_QEPH, Ismstr=0, Ish3n=0) + hourglass
     for material in deck.cards:
@@ -129,7 +134,8 @@ def _mesh(deck: Deck) -> Iterator[str]:
 
 
 def _groups(deck: Deck) -> Iterator[str]:
-    """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each part."""
+    """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each
+    part."""
     fixed = {"clamped": "111 111", "mirror_x": "100 011", "mirror_y": "010 101"}
     for number, (name, nodes) in enumerate(deck.held().items(), 1):
         yield f"/GRNOD/NODE/{number}\n{name}\n" + numbers(_MARK, "node_ID", nodes, 10)
@@ -138,6 +144,7 @@ def _groups(deck: Deck) -> Iterator[str]:
         for kind in ("GRNOD", "SURF"):
             yield f"/{kind}/PART/{_group(part)}\npart {part}\n"
             yield numbers(_MARK, "part_ID", [part], 10)
+    # all plies together: what the nose may touch
     yield f"/GRNOD/PART/{_plies(deck)}\nplies\n"
     yield numbers(_MARK, "part_ID", [ply.number for ply in deck.plies], 10)
 
@@ -147,6 +154,7 @@ def _body(deck: Deck) -> Iterator[str]:
     nose = deck.nose
     main = _group(deck.nose_part + 2)
     surface = _group(deck.nose_part)
+    # the nose does not turn, but a rigid body needs an inertia
     J = u.kg * u.m**2 * nose.inertia
     vx, vy, vz = u.velocity(nose.velocity)
     yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n"
@@ -166,6 +174,7 @@ def _body(deck: Deck) -> Iterator[str]:
     yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
     mirror_x, mirror_y = deck.mirrors
     yield f"/BCS/{main}\nprojectile\n" + _held(f"{mirror_x:d}{mirror_y:d}0 111", main)
+    # the main node and the surface start with the same velocity, or the body would jump
     for number, nodes in enumerate((main, surface), 1):
         yield f"/INIVEL/TRA/{number}\nprojectile\n"
         yield _card(Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0)
@@ -179,9 +188,11 @@ def _contact(deck: Deck) -> Iterator[str]:
     heights = [ply.points[0, 2] for ply in deck.plies]
     pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF_NOSE)]
     for p, (z, beyond) in enumerate(pairwise(heights), 1):
+        # plies that start within the gap of their contact would be pushed apart
         gap = min(2 * half, _GAP * (beyond - z))
         ply = _group(p)
         next_ply = _group(p + 1)
+        # nodes against segments see one side: each ply is once the one and once the other
         pairs.append((ply, next_ply, gap, deck.friction, _STIFF_PLIES))
         pairs.append((next_ply, ply, gap, deck.friction, _STIFF_PLIES))
     for number, (nodes, surface, gap, friction, stiffness) in enumerate(pairs, 1):
@@ -234,7 +245,8 @@ def _held(codes, group):
 
 
 def _card(**fields: Any) -> str:
-    """A card: whole numbers and None (empty) in fields of 10 columns, reals of 20; texts as they are."""
+    """A card: whole numbers and None (empty) in fields of 10 columns, reals of 20; texts as they
+    are."""
     return card(_MARK, {name: _text(value) for name, value in fields.items()})
 
 

@@ -1,4 +1,5 @@
-"""The chapters of a report, each from results to a Section: what to say, which picture, which table."""
+"""The chapters of a report, each from results to a Section: what to say, which picture, which
+table."""
 
 from __future__ import annotations
 
@@ -67,7 +68,8 @@ def law_card(
 
 
 def law_cards(case: Any) -> tuple[Card, ...]:
-    """The card of the law of what was built from an input file; none of a response surface, or without a file."""
+    """The card of the law of what was built from an input file; none of a response surface, or
+    without a file."""
     if case is None or getattr(case, "surface", None) is not None:
         return ()
     if not case.materials:
@@ -98,13 +100,13 @@ def cell(
     model: str = "compressible",
     paths: Mapping[str, tuple] | None = None,
 ) -> Section:
-    """The cell's biaxial response with each law, and the 3D crossover's where it is known.
+    """The cell's biaxial response with each law, and the 3D crossover's if it is known.
 
     Parameters
     ----------
     laws : {label: (warp, weft) laws}
-    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
-        has not been solved; two plain paths without
+    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or
+        strains alone where it has not been solved; two plain paths without
     """
     from shellfabric.cell.model import CellModel
 
@@ -238,7 +240,8 @@ def report(
     tone: str = "plain",
     more: tuple[Table, ...] = (),
 ) -> Report:
-    """The page of any result: the first card, those of its fabrics, the others; sources and the making at the end.
+    """The page of any result: the first card, those of its fabrics, the others; sources and the
+    making at the end.
 
     Parameters
     ----------

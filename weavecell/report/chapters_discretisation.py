@@ -1,4 +1,5 @@
-"""The discretisation uncertainty of a scene's results (`--uncertainty`, [accuracy]): words, summary, section."""
+"""The discretisation uncertainty of a scene's results (`--uncertainty`, [accuracy]): words,
+summary, section."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Quality indicators of a run as users meet them: in summary.json, in the report, in one printed line, as exit code."""
+"""Quality indicators of a run as users meet them: in summary.json, in the report, in one printed
+line, as exit code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What the cases of the 3D crossover come to: {quantity [unit]: value} of each record (`weavecell crossover`)."""
+"""What the cases of the 3D crossover come to: {quantity [unit]: value} of each record (`weavecell
+crossover`)."""
 
 from __future__ import annotations
 
@@ -26,6 +27,7 @@ def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
         )
         numbers["strain at which it is straight [-]"] = -start / slope
         numbers["crimp [-]"] = record.facts["crimp"]
+    # without failure the strength does not enter
     if record["broken"].any():
         numbers["greatest tension over the yarn's strength [-]"] = record["T"].max() / yarn.strength
         numbers["bars failed at the end [-]"] = record["broken"][-1]
@@ -41,6 +43,7 @@ def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
         "closure of a ply at the end [um]": 1e6 * record["closure_ply"][-1],
         "deepest penetration [um]": 1e6 * record["deepest"].max(),
     }
+    # the pressure law of the thesis holds for these packs alone
     if fabric.areal_density_measured is not None and record.facts["plies"] in (1, 4, 8, 16):
         pressure, law, closure = law_closure(fabric, record)
         if pressure.size:
@@ -64,6 +67,7 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
     from unitcell3d.identify import shear_fit
 
     turned = record["gamma"] > 0
+    # a stretch before the shear leaves states at zero angle
     gamma = np.concatenate([[0.0], record["gamma"][turned]])
     tau = np.concatenate([[0.0], record["tau"][turned]])
     numbers = {
@@ -86,6 +90,8 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
     numbers["rms of the fit [MPa]"] = fit.rms / 1e6
     numbers["gamma2 lies inside the curve"] = fit.locked
     if fabric.shear is not None:
+        # the data's moduli are tangents: where the computed curve is as steep shows how both
+        # compare
         slope = np.gradient(tau, gamma)
         for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
             stiffer = np.flatnonzero(slope >= modulus)
@@ -112,6 +118,7 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
         ).max(),
         "largest share of Coulomb's limit [-]": record["mobilised"].max(),
     }
+    # one threshold does not determine a line
     if F_c.size > 1:
         law = case.fit(record)
         numbers |= {

@@ -1,4 +1,5 @@
-"""What follows from the data of a fabric, as text: geometry, mass, stiffness and strength of its yarns."""
+"""What follows from the data of a fabric, as text: geometry, mass, stiffness and strength of its
+yarns."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ def derived(fabric: Fabric) -> list[tuple[str, str]]:
 
 
 def density_kind(fabric: Fabric) -> str:
-    """ "effective" of a fabric that has the linear densities of the published runs, "nominal" of the data sheet's."""
+    """ "effective" of a fabric that has the linear densities of the published runs, "nominal" of
+    the data sheet's."""
     used = tuple(yarn.linear_density for yarn in fabric.weave.yarns)
     if used == tuple(fabric.effective_linear_density or ()):
         return "effective"
@@ -40,9 +42,9 @@ def density_kind(fabric: Fabric) -> str:
 
 def _densities(fabric):
     """Which linear densities are used, and what follows from the others, in words."""
-    nominal = tuple(
-        si(fabric.sources[f"{family}.linear_density"]["value"], "kg/m")
-        for family in ("warp", "weft")
+    nominal = (
+        si(fabric.sources["warp.linear_density"]["value"], "kg/m"),
+        si(fabric.sources["weft.linear_density"]["value"], "kg/m"),
     )
     both = {"effective": fabric.effective_linear_density, "nominal": nominal}
     kind = density_kind(fabric)

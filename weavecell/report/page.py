@@ -1,6 +1,8 @@
-"""One self-contained HTML page from cards, sections, figures and tables: no file beside it, nothing fetched.
+"""One self-contained HTML page from cards, sections, figures and tables: no file beside it, nothing
+fetched.
 
-This file knows how a report is built and nothing of mechanics; `chapters.py` turns results into its parts.
+This file knows how a report is built and nothing of mechanics; `chapters.py` turns results into its
+parts.
 """
 
 from __future__ import annotations
@@ -61,7 +63,8 @@ class Table:
 
     @classmethod
     def of(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
-        """The table of a frame, numbers with four digits; `numeric` are columns of texts that are numbers."""
+        """The table of a frame, numbers with four digits; `numeric` are columns of texts that are
+        numbers."""
         rows = frame.itertuples(index=False, name=None)
         texts = tuple(
             tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows

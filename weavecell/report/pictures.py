@@ -1,4 +1,5 @@
-"""Plots of the report, from plain arrays in SI units to matplotlib figures. Units are converted here, on the axes."""
+"""Plots of the report, from plain arrays in SI units to matplotlib figures. Units are converted
+here, on the axes."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ from weavecell.results.display import US
 
 UM = 1e6
 
-# energies from the largest and best known down to the losses: name in the results, name in the plot, colour
+# energies from the largest and best known down to the losses: name in the results, name in the
+# plot, colour
 ENERGIES = (
     ("kinetic_projectile", "projectile, kinetic", "#c9d2db"),
     ("elastic_projectile", "projectile, elastic", "#97a6b5"),
@@ -61,7 +63,8 @@ ENERGIES = (
 
 
 def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
-    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png".
+    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or
+    "png".
 
     The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
     """
@@ -104,7 +107,8 @@ def place(
     across: float = 0.0,
     down: float = 0.0,
 ) -> None:
-    """Set the margins of a figure without a layout engine, and the gaps between its axes, all in inches.
+    """Set the margins of a figure without a layout engine, and the gaps between its axes, all in
+    inches.
 
     A layout engine draws all text twice to measure it, which takes longer than drawing the picture.
     """
@@ -174,7 +178,8 @@ def cell(pyplot: Any, cases: Any) -> Any:
 
     Parameters
     ----------
-    cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or None}} [-, N]
+    cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or
+        None}} [-, N]
     """
     figure, row = pyplot.subplots(
         1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False, layout="none"
@@ -214,7 +219,8 @@ def velocity(pyplot: Any, runs: Any) -> Any:
 
     Parameters
     ----------
-    runs : {label: (t, v)} [s, m/s]; of runs of one strike velocity, the first is drawn broad, the next dashed over it
+    runs : {label: (t, v)} [s, m/s]; of runs of one strike velocity, the first is drawn broad, the
+        next dashed over it
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 4.2))
     strikes = list(dict.fromkeys(round(float(v[0]), 6) for _, v in runs.values()))
@@ -243,7 +249,8 @@ def velocity(pyplot: Any, runs: Any) -> Any:
 
 
 def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any) -> Any:
-    """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted curve.
+    """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted
+    curve.
 
     Parameters
     ----------
@@ -290,7 +297,8 @@ def _of_velocities(pyplot, title, low, high):
 
 
 def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
-    """Residual against strike velocity of tests and of computed shots, V50 and the critical velocity.
+    """Residual against strike velocity of tests and of computed shots, V50 and the critical
+    velocity.
 
     Parameters
     ----------

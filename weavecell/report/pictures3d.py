@@ -1,6 +1,8 @@
-"""A deformed panel and its projectile in space, seen from behind or from the front, drawn off screen by pyvista.
+"""A deformed panel and its projectile in space, seen from behind or from the front, drawn off
+screen by pyvista.
 
-Without a display VTK draws by EGL. There is no scalar bar: VTK's aborts a process that has loaded dolfinx.
+Without a display VTK draws by EGL. There is no scalar bar: VTK's aborts a process that has loaded
+dolfinx.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from weavecell.report.pictures_style import RED, STEEL, tension_map
 
 # [pixels] width and height of an image
 SIZE = (1120, 612)
-# The projectile is drawn this far [m] behind where it is: fabric that it touches would else be drawn inside of it.
+# The projectile is drawn this far [m] behind where it is: fabric that it touches would else be
+# drawn inside of it.
 _CLOTH_DEPTH = 1e-3
 # direction from the panel to the viewer, who stands behind it
 _VIEWER = np.array([0.55, -1.4, 0.95])
@@ -67,7 +70,8 @@ def panel(
 
 
 def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
-    """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in vermilion.
+    """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in
+    vermilion.
 
     Elements without a yarn are left out.
 

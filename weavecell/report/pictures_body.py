@@ -1,4 +1,5 @@
-"""Plots of an elastic projectile and of the block behind a panel, from results in SI units to matplotlib figures."""
+"""Plots of an elastic projectile and of the block behind a panel, from results in SI units to
+matplotlib figures."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ _AT = 24e-3
 
 
 def bar(pyplot: Any, history: BarHistory) -> Any:
-    """Velocities of tip, tail and centre of mass, and how far tip and tail have moved against the centre.
+    """Velocities of tip, tail and centre of mass, and how far tip and tail have moved against the
+    centre.
 
     Parameters
     ----------
@@ -41,7 +43,8 @@ def bar(pyplot: Any, history: BarHistory) -> Any:
 
 
 def crater(pyplot: Any, blocks: Any) -> Any:
-    """Blocks cut along the warp through the impact point, mirrored, coloured by effective plastic strain.
+    """Blocks cut along the warp through the impact point, mirrored, coloured by effective plastic
+    strain.
 
     Parameters
     ----------

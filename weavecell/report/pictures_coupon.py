@@ -1,4 +1,5 @@
-"""Plots of tests on coupons, from their records and what the solver returned to matplotlib figures."""
+"""Plots of tests on coupons, from their records and what the solver returned to matplotlib
+figures."""
 
 from __future__ import annotations
 
@@ -112,7 +113,8 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
 
 
 def _zones(axes, solved):
-    """The borders of the zones of a bias coupon, lines of the fabric along the yarns from its clamped corners."""
+    """The borders of the zones of a bias coupon, lines of the fabric along the yarns from its
+    clamped corners."""
     points = solved.coupon.points
     x = 1e3 * solved.states[-1].x
     half = np.array([np.ptp(points[:, 0]) / 2, np.abs(points[solved.grips > 0][:, 1]).min()])
@@ -137,8 +139,8 @@ def _zones(axes, solved):
 
 
 def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any:
-    """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of yarns that do not
-    stretch) are dashed. The label of the axis is without its unit."""
+    """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of
+    yarns that do not stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     prescribed = record.facts["prescribed_name"]
     unit, factor = shown(record.unit(names[0]), names[0])
@@ -166,7 +168,8 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
 
 
 def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
-    """Out-of-balance force over the reaction through all iterations; a line marks the end of each step."""
+    """Out-of-balance force over the reaction through all iterations; a line marks the end of each
+    step."""
     figure, axes = pyplot.subplots(figsize=(10.4, 3.6))
     out, reaction = np.concatenate([state.history for state in solved.states]).T
     ratio = out / np.maximum(reaction, solved.force_floor)
@@ -183,7 +186,8 @@ def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
 
 
 def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
-    """Load of a pulled yarn, and the crossovers that it slides through and has left, against the displacement."""
+    """Load of a pulled yarn, and the crossovers that it slides through and has left, against the
+    displacement."""
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1)
     )

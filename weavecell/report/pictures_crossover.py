@@ -55,7 +55,7 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Pressure against the closure of a ply, with the pressure law where it knows the pack."""
+    """Pressure against the closure of a ply, with the pressure law if it knows the pack."""
     from unitcell3d.cases.stack import law_closure
 
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
@@ -155,7 +155,8 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Axial force against the pull at each transverse load, and the thresholds against the contact force."""
+    """Axial force against the pull at each transverse load, and the thresholds against the contact
+    force."""
     from unitcell3d.cases import pull_out as case
 
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.6), layout="constrained")
@@ -205,7 +206,8 @@ def plates(pyplot: Any, fit: Any) -> Any:
 
 
 def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
-    """Draw the last state as a PNG: warps blue, wefts vermilion; mirrored or repeated where that is what the domain is.
+    """Draw the last state as a PNG: warps blue, wefts vermilion; mirrored or repeated where that is
+    what the domain is.
 
     Parameters
     ----------
@@ -241,7 +243,8 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
 
 
 def _bodies(mesh, record, yarns):
-    """((family, grid, points), ...) of the yarns, and a function that yields the images of a yarn's points."""
+    """((family, grid, points), ...) of the yarns, and a function that yields the images of a yarn's
+    points."""
     if len(record.last["u"]) == len(mesh.points):
         of = mesh
     elif record.facts["case"].startswith("yarn"):

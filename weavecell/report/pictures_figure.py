@@ -1,4 +1,5 @@
-"""Figures in one look, made as by pyplot but outside of it: the user's backend and open figures stay as they are."""
+"""Figures in one look, made as by pyplot but outside of it: the user's backend and open figures
+stay as they are."""
 
 from __future__ import annotations
 
@@ -52,13 +53,15 @@ _SETTINGS = {
 
 @contextmanager
 def plots() -> Iterator[Any]:
-    """Within the block figures get this project's look; yields this module, which draws as pyplot does."""
+    """Within the block figures get this project's look; yields this module, which draws as pyplot
+    does."""
     with rc_context(_SETTINGS):
         yield sys.modules[__name__]
 
 
 class StyledFigure(Figure):
-    """A figure that is drawn in the project's look wherever it is drawn, and that a notebook shows."""
+    """A figure that is drawn in the project's look wherever it is drawn, and that a notebook
+    shows."""
 
     def __init__(self, *arguments: Any, **options: Any):
         super().__init__(*arguments, **options)

@@ -1,4 +1,5 @@
-"""A picture of a meshed crossover, drawn off screen: the two yarns in two colours, mesh lines, size and quality."""
+"""A picture of a meshed crossover, drawn off screen: the two yarns in two colours, mesh lines, size
+and quality."""
 
 from __future__ import annotations
 
@@ -25,7 +26,8 @@ WINDOW = (1600, 1000)
 FOOT = 0.15
 # share of the window's height that stays free around the crossover
 MARGIN = 0.05
-# Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
+# Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both
+# sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 
 
@@ -63,7 +65,8 @@ def save(scene: Any, path: FilePath) -> None:
 
 
 def can_draw() -> bool:
-    """Whether there is a library that draws off screen: VTK ends a process in which it finds none."""
+    """Whether there is a library that draws off screen: VTK ends a process in which it finds
+    none."""
     if sys.platform != "linux":
         return True
     libraries = ["EGL", "OSMesa"]

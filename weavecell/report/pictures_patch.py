@@ -1,4 +1,5 @@
-"""A picture of a woven patch, drawn off screen: smooth yarns in two colours, lit from above one corner."""
+"""A picture of a woven patch, drawn off screen: smooth yarns in two colours, lit from above one
+corner."""
 
 from __future__ import annotations
 
@@ -60,7 +61,8 @@ def picture(patch: Patch, path: FilePath) -> None:
 
 
 def _skin(patch, family):
-    """Outer faces of all yarns of a family, in millimetres; yarns share no nodes, so each is a body of its own."""
+    """Outer faces of all yarns of a family, in millimetres; yarns share no nodes, so each is a body
+    of its own."""
     yarns = [name for name, of in zip(patch.names, patch.families) if of == family]
     quads = np.concatenate(
         [q for name, q in patch.faces.items() if name.rsplit("_", 1)[0] in yarns]
@@ -70,7 +72,8 @@ def _skin(patch, family):
 
 
 def _light(scene):
-    """A warm, low key light from the left: every arch has a bright and a dark flank. A cool fill from the right."""
+    """A warm, low key light from the left: every arch has a bright and a dark flank. A cool fill
+    from the right."""
     for position, colour, strength in (
         ((-4.0, 0.6, 2.2), "#fff1dd", 1.05),
         ((2.5, -4.0, 1.4), "#dce8ff", 0.62),

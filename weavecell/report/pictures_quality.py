@@ -1,4 +1,5 @@
-"""A picture of a mesh's quality: the scaled Jacobian of each hexahedron on the yarns, and how many there are of each.
+"""A picture of a mesh's quality: the scaled Jacobian of each hexahedron on the yarns, and how many
+there are of each.
 
 The scene is drawn by pyvista without a scalar bar and set into a figure by matplotlib.
 """

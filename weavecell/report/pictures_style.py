@@ -1,4 +1,5 @@
-"""One palette for all pictures, which is distinct for colour-blind readers (Okabe and Ito, 2008)."""
+"""One palette for all pictures, which is distinct for colour-blind readers (Okabe and Ito,
+2008)."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ PUBLISHED = ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
 
-# of tensions in 3D pictures: light grey where nothing happens, even steps of lightness down to a dark blue
+# of tensions in 3D pictures: light grey where nothing happens, even steps of lightness down to a
+# dark blue
 TENSIONS = ("#eceff2", "#b5d5e6", "#6bb0d0", "#2b83ba", "#1a4f92", "#0b1a4a")
 DASHES = ("-", "--", "-.", ":")
 

@@ -75,7 +75,8 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
         axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
         low = values.min()
         high = values.max()
-        # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
+        # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is
+        # cut
         ticks = MaxNLocator(8).tick_values(low, high)
         shares = (ticks - low) / (high - low)
         levels = ticks[(0.05 < shares) & (shares < 0.95)]
@@ -139,7 +140,8 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
 
 
 def missed(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
-    """Largest miss on each grid line of the spline through the other lines, of the quantity's largest value."""
+    """Largest miss on each grid line of the spline through the other lines, of the quantity's
+    largest value."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 3.6), sharey=True)
     for number, (axes, axis) in enumerate(zip(pair, (surface.d1, surface.d2))):
         for (name, title), colour, dash in zip(FORCES, (WARP, WEFT, INK), DASHES):

@@ -1,4 +1,5 @@
-"""Pictures of scatter and of assumptions: tornado plot, probability of perforation with its shots, sweeps."""
+"""Pictures of scatter and of assumptions: tornado plot, probability of perforation with its shots,
+sweeps."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
 def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
-    """Lowest and highest velocity over each assumed range alone, the widest on top, with its share; all together."""
+    """Lowest and highest velocity over each assumed range alone, the widest on top, with its share;
+    all together."""
     nominal = around.rows[0].velocity or 0.0
     y = np.arange(len(around.widths))
     low, high = np.array(list(around.widths.values())).T
@@ -39,7 +41,8 @@ def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
 
 
 def perforation(pyplot: Any, study: Study, title: str) -> Any:
-    """Fitted curves with the interval of the probit, shots, and limit without scatter; residual velocities below."""
+    """Fitted curves with the interval of the probit, shots, and limit without scatter; residual
+    velocities below."""
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
     curve = study.curves["probit"]
@@ -134,7 +137,8 @@ def sweep(
 
 
 def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantity: Quantity) -> Any:
-    """A quantity of each row of a sweep, with what the row changes at its side; the first row changes nothing."""
+    """A quantity of each row of a sweep, with what the row changes at its side; the first row
+    changes nothing."""
     figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(changes)))
     values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)
     axes.plot(values, range(len(changes)), "o", color=BLUE)

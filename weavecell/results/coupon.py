@@ -1,9 +1,11 @@
-"""Tests on coupons: what is measured after each load step, or sample of a pull-out, and their files in HDF5.
+"""Tests on coupons: what is measured after each load step, or sample of a pull-out, and their files
+in HDF5.
 
-Layout of histories.h5 of a quasi-static test: attributes of the root for scalars and texts; /histories with one value a
-load step; /coupon with the fabric at rest; /states with nodes and shear angles after every step; /final with the
-tensions of the yarns at the end; /relaxation with the out-of-balance force of every iteration. That of a pull-out has
-/histories alone. Every dataset has the attribute "unit".
+Layout of histories.h5 of a quasi-static test: attributes of the root for scalars and texts;
+/histories with one value a load step; /coupon with the fabric at rest; /states with nodes and shear
+angles after every step; /final with the tensions of the yarns at the end; /relaxation with the
+out-of-balance force of every iteration. That of a pull-out has /histories alone. Every dataset has
+the attribute "unit".
 """
 
 from __future__ import annotations
@@ -158,7 +160,8 @@ def _biaxial(inputs, solved):
 
 
 def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
-    """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
+    """Quality indicators of a test; the load step in which a yarn fails may go beyond its
+    strength."""
     from shellfabric.panel import quality
 
     coupon = solved.coupon
@@ -202,7 +205,8 @@ def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
 
 
 def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
-    """Write histories.h5, whole or not at all; `solved` is what the solver returned, None of a pull-out."""
+    """Write histories.h5, whole or not at all; `solved` is what the solver returned, None of a
+    pull-out."""
     kind = PULL_OUT_FORMAT
     arrays = {}
     if solved is not None:
@@ -244,7 +248,8 @@ def _arrays(solved):
 
 
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
-    """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene and of the code."""
+    """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene
+    and of the code."""
     with write_hdf5(path, CHECKPOINT, **stamp) as file:
         for number, state in enumerate(states):
             for name, unit in _STATE.items():

@@ -1,4 +1,5 @@
-"""Quantities in the units that are read: one table of SI units for tables, axes of pictures and texts."""
+"""Quantities in the units that are read: one table of SI units for tables, axes of pictures and
+texts."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ _SHARE = re.compile(
 
 
 def shown(unit: str, name: str = "") -> tuple[str, float]:
-    """(unit shown, factor) of a quantity in an SI unit; a number "1" is shown in % where its name says it is a share.
+    """(unit shown, factor) of a quantity in an SI unit; a number "1" is shown in % where its name
+    says it is a share.
 
     Examples
     --------
@@ -52,7 +54,8 @@ def heading(label: str, unit: str, name: str = "") -> str:
 
 
 def number(value: Any, unit: str, name: str = "", form: str = ".4g") -> str:
-    """A value, or several, in the unit shown and without it; a dash for None and what is not a number."""
+    """A value, or several, in the unit shown and without it; a dash for None and what is not a
+    number."""
     if np.ndim(value):
         return ", ".join(number(part, unit, name, form) for part in value)
     known = value is not None and np.isfinite(value)
@@ -67,7 +70,8 @@ def text(value: Any, unit: str, name: str = "", form: str = ".4g") -> str:
 
 
 def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
-    """The DataFrame of {label: (SI unit, values)} in shown units, which its headings name; texts and counts as is."""
+    """The DataFrame of {label: (SI unit, values)} in shown units, which its headings name; texts
+    and counts as is."""
     from pandas import DataFrame
 
     table = {}

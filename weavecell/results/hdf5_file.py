@@ -32,7 +32,8 @@ def plain(value: Any) -> Any:
 
 
 def write_group(group: Any, source: object, table: Iterable[Key]) -> None:
-    """Write what a table names of an object: keys with a unit as datasets, the others as attributes."""
+    """Write what a table names of an object: keys with a unit as datasets, the others as
+    attributes."""
     for key in table:
         if key.unit:
             put(group, key.name, key.value(source), key.unit)
@@ -41,7 +42,8 @@ def write_group(group: Any, source: object, table: Iterable[Key]) -> None:
 
 
 def read_group(group: Any, kind: Any, table: str, **more: Any) -> Any:
-    """The object of a dataclass `kind` that `write_group` wrote by a table; `more` of its fields are given."""
+    """The object of a dataclass `kind` that `write_group` wrote by a table; `more` of its fields
+    are given."""
     known = {entry.name for entry in fields(kind)}
     for key in TABLES[table]:
         if key.field in known:

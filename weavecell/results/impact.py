@@ -1,13 +1,16 @@
-"""What an impact leaves in one HDF5 file (histories.h5): scalars, histories, and every ply at two instants.
+"""What an impact leaves in one HDF5 file (histories.h5): scalars, histories, and every ply at two
+instants.
 
-Layout: attributes of the root for scalars and texts; /histories and /energies with one value an instant;
-/plies/histories with one column a ply; /plies with one row a ply; /half_energy/00, 01, ... and /final/00, 01, ... with
-each ply's shape and state when the projectile had lost half of the energy that it lost (the snapshot nearest to it) and
-at the end, /quads/00, ... with the node numbers of its elements; /cuts with the section through the impact point at the
-instants of the snapshots. Where there are any: /measured/00, ... with histories along the yarns of a ply (samples by
-elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories of tip, tail and centre
-of mass of an elastic projectile; /backing with the block at the end, as far as it is modelled. Nodes
-count from the middle surface of the first ply at rest. Every dataset has an attribute "unit".
+Layout: attributes of the root for scalars and texts; /histories and /energies with one value an
+instant; /plies/histories with one column a ply; /plies with one row a ply; /half_energy/00, 01, ...
+and /final/00, 01, ... with each ply's shape and state when the projectile had lost half of the
+energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... with the node
+numbers of its elements; /cuts with the section through the impact point at the instants of the
+snapshots. Where there are any: /measured/00, ... with histories along the yarns of a ply (samples
+by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
+of tip, tail and centre of mass of an elastic projectile; /backing with the block at the end, as far
+as it is modelled. Nodes count from the middle surface of the first ply at rest. Every dataset has
+an attribute "unit".
 """
 
 from __future__ import annotations
@@ -46,28 +49,33 @@ AT_REST = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class ImpactRecord:
-    """One impact on one ply or several, from strike to its end; energies and forces are those of the whole panel.
+    """One impact on one ply or several, from strike to its end; energies and forces are those of
+    the whole panel.
 
-    Scalars, histories (n,) and data of the plies (plies, ...) are in SI units and as results/keys.toml has them, in the
-    tables run, impact, histories and plies.
+    Scalars, histories (n,) and data of the plies (plies, ...) are in SI units and as
+    results/keys.toml has them, in the tables run, impact, histories and plies.
 
     Parameters
     ----------
     energies : {name: (n,)} [J], names of the table energies
     plies : {name: (n, plies)} of the table ply_histories
-    strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run, and when
+    strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run,
+        and when
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
     gaps, max_penetration_ratio : (plies - 1,) [m, -]
     guard_impulses : that kept plies from passing through each other
     step_factor : [-] 0.7 of a run made again with a shorter step, else 1
-    half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it lost, and at the end
+    half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it
+        lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
     cuts : tuple of Cut
     projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
     pack : {key: value} of the table stacking, of several plies; empty of one
-    failure : {key: value} of the table failure, of strengths that follow strain rate; empty of constant ones
+    failure : {key: value} of the table failure, of strengths that follow strain rate; empty of
+        constant ones
     checks : tuple of shellfabric.panel.quality.Indicator
-    measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
+    measured : tuple of shellfabric.output.histories.Histories of each ply; empty if nothing was to
+        be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
     backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
     """
@@ -122,15 +130,18 @@ class ImpactRecord:
     def of(
         cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any
     ) -> Self:
-        """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived class."""
+        """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived
+        class."""
         from shellfabric.output.snapshots import quads
 
         setup = result.setup
         panels = result.panels
         target = result.target
+        # the last snapshot may be the end of the run, which is cut on its own
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
         named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
+        # velocity is the vector at the end there, and the history along the normal here
         same = set.intersection(*named) - {"velocity"}
         return cls(
             **{name: getattr(result, name) for name in same},
@@ -161,7 +172,8 @@ class ImpactRecord:
             final=final,
             quads=tuple(map(quads, panels)),
             cuts=tuple(Cut.of(shots, panels) for shots in (*before, result.last)),
-            # set back by its edge radius: the flat elements of the fabric cut across the rounding that they lie on
+            # set back by its edge radius: the flat elements of the fabric cut across the rounding
+            # that they lie on
             projectile=setup.projectile.surface(setup.projectile.edge_radius),
             pack=_stacked(setup, target) if len(panels) > 1 else {},
             measured=result.histories,
@@ -178,6 +190,7 @@ class ImpactRecord:
         """The contact law of plies, for the reader."""
         law = {name: self.pack[f"ply_contact_{name}"] for name in ("source", "status", "travel_m")}
         words = f"contact of plies: {law['source']} ({law['status']})"
+        # a law of solid fibre has no travel worth a word
         if law["travel_m"] <= SOLID_TRAVEL:
             return words
         return f"{words}, travel {law['travel_m'] * 1e6:.3g} um, then solid fibre"
@@ -215,7 +228,8 @@ class ImpactRecord:
 
     @property
     def viscous_energy_fraction(self) -> float:
-        """[-] energy that viscosity has dissipated over the energy absorbed, until the first failure of a yarn."""
+        """[-] energy that viscosity has dissipated over the energy absorbed, until the first
+        failure of a yarn."""
         return self._viscous_split[0]
 
     @property
@@ -225,9 +239,11 @@ class ImpactRecord:
 
     @property
     def viscous_note(self) -> str:
-        """That viscosity dissipated more in the whole run than the check allows until the first failure, or ""."""
+        """That viscosity dissipated more in the whole run than the check allows until the first
+        failure, or ""."""
         from shellfabric.panel.quality import LIMITS
 
+        # a nose that hardly loses energy would make any share large
         share = float(self.energies["viscous"][-1]) / max(
             self.absorbed_energy, 1e-3 * self.strike_energy
         )
@@ -254,7 +270,8 @@ class ImpactRecord:
 
     @property
     def dent(self) -> dict[str, float | None]:
-        """{name: value} of the dent in the block: depth [m], volume [m3], steepness [rad]; None while it moves."""
+        """{name: value} of the dent in the block: depth [m], volume [m3], steepness [rad]; None
+        while it moves."""
         names = ("depth", "volume", "steepness")
         return {name: None if self.block_moves else getattr(self.backing, name) for name in names}
 
@@ -272,7 +289,8 @@ class ImpactRecord:
         return self.half_energy[-1], self.final[-1]
 
     def nose_place(self, t: float) -> FloatArray:
-        """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
+        """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and
+        end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
         times = [0.0, *(shape.time for shape in self.rear)]
         return np.array([np.interp(t, times, place) for place in places[:, :2].T])
@@ -307,7 +325,8 @@ class ImpactRecord:
 
     @property
     def histories(self) -> Record:
-        """All that has a value an instant: of the shot, (n,) energy_NAME [J] of `energies`, (n, plies) ply_NAME."""
+        """All that has a value an instant: of the shot, (n,) energy_NAME [J] of `energies`, (n,
+        plies) ply_NAME."""
         columns = {}
         meanings = {}
 
@@ -315,6 +334,7 @@ class ImpactRecord:
             columns[f"{prefix}{key.name}"] = history
             meanings[f"{prefix}{key.name}"] = f"[{key.unit}] {key.meaning}"
 
+        # the tables in keys.toml give the order, the unit and the meaning of each column
         for key in TABLES["histories"]:
             add("", key, key.value(self))
         for prefix, table, held in (
@@ -328,7 +348,8 @@ class ImpactRecord:
         return Record(columns, meanings, self.facts())
 
     def to_xarray(self) -> Dataset:
-        """The histories as an xarray.Dataset over time, those of plies over time and ply, with units and meanings."""
+        """The histories as an xarray.Dataset over time, those of plies over time and ply, with
+        units and meanings."""
         return self.histories.to_xarray("time", "ply")
 
     def write(self, path: FilePath) -> None:
@@ -339,6 +360,7 @@ class ImpactRecord:
             def write_table(name, source, table):
                 write_group(file.create_group(name), source, TABLES[table])
 
+            # numbers stand in attributes, arrays in datasets with a unit each
             for name, key in SCALARS.items():
                 file.attrs[key] = getattr(self, name)
             for name in _TEXTS:
@@ -359,6 +381,7 @@ class ImpactRecord:
                 put(file, f"quads/{ply:02d}", quads, "1")
                 write_table(f"half_energy/{ply:02d}", self.half_energy[ply], "shape")
                 write_table(f"final/{ply:02d}", self.final[ply], "shape")
+            # four digits keep the order of cuts when a reader sorts by name
             for number, cut in enumerate(self.cuts):
                 write_table(f"cuts/{number:04d}", cut, "cut")
                 for ply, line in enumerate(cut.lines):
@@ -431,6 +454,7 @@ def _write_measured(group, measured):
         write_group(group.create_group(f"yarns/{number:03d}-{yarn.family}"), yarn, TABLES["yarn"])
     for name, forces in measured.edges.items():
         put(group, f"edges/{name}", forces, "N")
+    # fronts follow from the histories: reading a file leaves them out
     for front in fronts(measured):
         write_group(
             group.create_group(f"fronts/{front.family}-{front.kind}"), front, TABLES["front"]
@@ -454,6 +478,7 @@ def _stacked(setup, pack):
         given = setup.lay_up[0].gap
     else:
         given = setup.ply_gap
+    # a gap that the user gives has no range
     if given is not None:
         gap = PlyGap(given, given, given, "given")
     else:
@@ -473,9 +498,11 @@ def _stacked(setup, pack):
 
 
 def _failure(result):
-    """{key: value} of the table failure, where strengths follow the strain rate; None before a yarn has failed."""
+    """{key: value} of the table failure, where strengths follow the strain rate; None before a yarn
+    has failed."""
     if not result.setup.rate_dependence:
         return {}
+    # the solver counts failures and sums what each had: the mean is asked for
     count, *sums = result.failures.sum(axis=0)
     shares = {}
     for key, value in zip(TABLES["failure"], sums):
@@ -491,6 +518,7 @@ def _half_energy(result, final):
     lost = kinetic[0] - kinetic
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shots for shots in result.snapshots if shots[0].t <= final[0].time]
+    # a short run has no snapshot before its end
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
     if nearest is None:
         return final

@@ -1,4 +1,5 @@
-"""What records of an impact hold besides histories: shapes of the fabric, cuts through it, and peak tensions."""
+"""What records of an impact hold besides histories: shapes of the fabric, cuts through it, and peak
+tensions."""
 
 from __future__ import annotations
 
@@ -63,7 +64,8 @@ class Cut:
     Parameters
     ----------
     time, nose_position : [s, m] and the foremost point of the projectile
-    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its yarn has failed
+    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its
+        yarn has failed
     """
 
     time: float
@@ -72,7 +74,8 @@ class Cut:
 
     @classmethod
     def of(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
-        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at rest."""
+        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at
+        rest."""
         lines = []
         for shot, panel in zip(shots, panels):
             j = panel.nearest_lines[1]
@@ -89,8 +92,8 @@ class Cut:
 
 
 def _across(shot, panel):
-    """((n, 2) [m] places x and z of a turned ply along x at rest, from grid line to grid line, numbers of those after
-    which a yarn of the element has failed)."""
+    """((n, 2) [m] places x and z of a turned ply along x at rest, from grid line to grid line,
+    numbers of those after which a yarn of the element has failed)."""
     from scipy.interpolate import RegularGridInterpolator
 
     # a step along x in the ply's own frame

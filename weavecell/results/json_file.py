@@ -20,7 +20,8 @@ def write(path: FilePath, content: object) -> None:
 
 
 def finite(content: Any) -> Any:
-    """Content with numpy numbers and arrays as numbers and lists, and None for what is not finite."""
+    """Content with numpy numbers and arrays as numbers and lists, and None for what is not
+    finite."""
     if isinstance(content, Mapping):
         return {key: finite(value) for key, value in content.items()}
     if isinstance(content, (list, tuple)):

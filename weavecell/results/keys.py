@@ -1,8 +1,10 @@
-"""Keys of the result files of impacts and coupons, from keys.toml; docs/reference.md is made from them.
+"""Keys of the result files of impacts and coupons, from keys.toml; docs/reference.md is made from
+them.
 
-One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". A quantity of an impact
-is one line of keys.toml: its key, unit and meaning, and where the record (`results.impact.ImpactRecord`) holds it.
-summary.json, histories.h5, the tables of pandas and xarray and the report take it from there.
+One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". A
+quantity of an impact is one line of keys.toml: its key, unit and meaning, and where the record
+(`results.impact.ImpactRecord`) holds it. summary.json, histories.h5, the tables of pandas and
+xarray and the report take it from there.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ class Key(NamedTuple):
 
     Parameters
     ----------
-    path : where an object holds it, its name if not given: attributes, keys of dicts and indices with dots between them
+    path : where an object holds it, its name if not given: attributes, keys of dicts and indices
+        with dots between them
     """
 
     name: str

@@ -1,6 +1,8 @@
-"""The folder that a command writes to: made, probed and locked before anything is computed, so that no result is lost.
+"""The folder that a command writes to: made, probed and locked before anything is computed, so that
+no result is lost.
 
-The lock is a file in the folder, held by flock until the command ends; the system frees it when the process dies.
+The lock is a file in the folder, held by flock until the command ends; the system frees it when the
+process dies.
 """
 
 from __future__ import annotations
@@ -26,17 +28,20 @@ _held: dict[
 
 
 def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> None:
-    """Make a folder ready for results, and keep it until `release`; print whose results are there and get replaced.
+    """Make a folder ready for results, and keep it until `release`; print whose results are there
+    and get replaced.
 
     Parameters
     ----------
-    folder : made with its parents where it does not exist
+    folder : made with its parents if it does not exist
     resume : whether the run goes on with what the folder holds, and replaces nothing
-    inputs : what is computed, of a run that can be resumed; its digests are kept in the folder, as `INPUT`
+    inputs : what is computed, of a run that can be resumed; its digests are kept in the folder, as
+        `INPUT`
 
     Raises
     ------
-    InputError : it cannot be made or written to, or another run writes to it; to resume, it holds none of the inputs
+    InputError : it cannot be made or written to, or another run writes to it; to resume, it holds
+        none of the inputs
     """
     place = folder.resolve()
     if place in _held:
@@ -74,7 +79,8 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 def held(
     out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
 ) -> Iterator[Path | None]:
-    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written.
+    """The folder, which is claimed in this block, while an outer claim goes on; None if nothing is
+    written.
 
     What the folder holds outlives a SIGTERM, which is an interrupt in this block.
     """
@@ -110,7 +116,8 @@ def _release(place):
 
 
 def _locked(path):
-    """Descriptor of a file that this process alone has locked; where files cannot be locked, of the file."""
+    """Descriptor of a file that this process alone has locked; where files cannot be locked, of the
+    file."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -126,7 +133,8 @@ def _locked(path):
         except BlockingIOError:
             os.close(descriptor)
             raise
-        # Windows and some network file systems have no locks: two runs in one folder are then the user's care
+        # Windows and some network file systems have no locks: two runs in one folder are then the
+        # user's care
         except (ImportError, OSError):
             return descriptor
         os.close(descriptor)
@@ -140,7 +148,7 @@ def _remove_empty(folders):
 
 
 def _earlier(folder):
-    """What a folder holds the results of, with their date; None where it holds none."""
+    """What a folder holds the results of, with their date; None if it holds none."""
     dated: list[tuple[str, str]] = []
     for path in folder.glob("*.json"):
         content: Any = None

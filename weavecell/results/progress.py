@@ -1,6 +1,7 @@
 """Progress on stderr, by tqdm: a bar for each stage of work in a terminal and in a notebook.
 
-In a batch job only the command line (`shown`) tells its progress, in lines; Python functions do not.
+In a batch job only the command line (`shown`) tells its progress, in lines; Python functions do
+not.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ class _Log:
 
 
 class _Cell:
-    """The output of a notebook's cell that a bar is written over, so that none stays in a saved notebook."""
+    """The output of a notebook's cell that a bar is written over, so that none stays in a saved
+    notebook."""
 
     def __init__(self) -> None:
         self.output: Any = None
@@ -52,7 +54,8 @@ class _Cell:
 
 @contextmanager
 def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
-    """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction done, text="")`."""
+    """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction
+    done, text="")`."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     notebook = hasattr(shell, "kernel")
     # a bar redraws its line, which a file of a batch job would keep as thousands of lines
@@ -95,7 +98,8 @@ def write(line: str, file: Any) -> None:
 def watched(
     run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
 ) -> tuple[Any, UnstableError | None]:
-    """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
+    """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or
+    None)."""
     with bar(title) as advance:
 
         def show(solver):
@@ -112,7 +116,8 @@ def watched(
 
 
 def by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
-    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one bar."""
+    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one
+    bar."""
     shares = {}
 
     def report_path(fabric, path, share):

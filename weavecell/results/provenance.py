@@ -39,8 +39,9 @@ PACKAGES = (
 def stamp(
     scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None
 ) -> dict[str, str]:
-    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a set-up, which of their
-    tables were assumed, and of a set-up its notes and what a projectile from an STL file was."""
+    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a
+    set-up, which of their tables were assumed, and of a set-up its notes and what a projectile from
+    an STL file was."""
     if setup is not None:
         fabrics = (*fabrics, *setup.fabrics)
     lines = []
@@ -70,8 +71,8 @@ def stamp(
 def versions() -> dict[str, str]:
     """Versions of the installed packages that results can depend on.
 
-    Debian names some distributions otherwise than their makers do, so the version of the module that is loaded, where
-    it states one, goes before that of the distribution.
+    Debian names some distributions otherwise than their makers do, so the version of the module
+    that is loaded, where it states one, goes before that of the distribution.
     """
     installed = {}
     for name in PACKAGES:
@@ -85,7 +86,8 @@ def versions() -> dict[str, str]:
 
 
 def commit() -> str:
-    """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
+    """The git commit this package was run from, "+ changes" if the tree had been edited; "not a
+    checkout" otherwise."""
     # installed from a wheel, the folder may lie inside the checkout of another project
     home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():

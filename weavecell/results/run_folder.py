@@ -1,4 +1,5 @@
-"""What a folder holds of a run: the results of a finished one, checkpoints of one that was interrupted."""
+"""What a folder holds of a run: the results of a finished one, checkpoints of one that was
+interrupted."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ class Finished:
 
 
 def finished(out: Path, key: str) -> Finished | None:
-    """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was not unstable."""
+    """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was
+    not unstable."""
     file = out / "summary.json"
     content = {}
     if file.exists() and not checkpoints(out):

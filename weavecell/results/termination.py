@@ -1,4 +1,5 @@
-"""SIGTERM, by which a batch system ends a job, ends a run as Ctrl-C does: what is computed by then is kept."""
+"""SIGTERM, by which a batch system ends a job, ends a run as Ctrl-C does: what is computed by then
+is kept."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from contextlib import contextmanager
 
 @contextmanager
 def as_interrupt() -> Iterator[None]:
-    """SIGTERM raises KeyboardInterrupt in this block, unless the program has a handler of its own."""
+    """SIGTERM raises KeyboardInterrupt in this block, unless the program has a handler of its
+    own."""
     default = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     if not default or threading.current_thread() is not threading.main_thread():
         yield

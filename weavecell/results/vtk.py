@@ -1,6 +1,8 @@
-"""Panels in motion as a ParaView series, by pyvista: one .vtu a snapshot, and a .pvd that lists them with their times.
+"""Panels in motion as a ParaView series, by pyvista: one .vtu a snapshot, and a .pvd that lists
+them with their times.
 
-Pressures times areas add up to what histories.h5 has of each ply at that time, over the modelled part of the panel.
+Pressures times areas add up to what histories.h5 has of each ply at that time, over the modelled
+part of the panel.
 """
 
 from __future__ import annotations
@@ -77,7 +79,8 @@ def failed_yarns(broken: np.ndarray) -> np.ndarray:
 
 
 def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[IntArray]) -> None:
-    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; parameters as of `panel`."""
+    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; parameters as of
+    `panel`."""
     times: dict[str, float] = {}
     for number, plies in enumerate(instants):
         name = f"panel/panel-{number:04d}.vtu"

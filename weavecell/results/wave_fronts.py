@@ -1,14 +1,15 @@
 """Wave fronts along a yarn, read off its recorded history, with the speeds fitted to them.
 
-Longitudinal: in each element, the instant at which the tension passes a threshold, interpolated between records. In a
-woven yarn of no crimp it runs at c / sqrt(1 + mass of the crossing yarn over its own), c / sqrt 2 in a balanced weave
-(thesis eq. 5-6, erratum E-38). The speed in the fabric at rest, X / t, is less than that along the yarn by the
-crimp, and a crimped yarn's front is a shock: with the tension T behind it and the stretch eps of the fabric there, it
-runs at sqrt(T / (m eps)), m being the mass of the fabric per length and yarn (momentum and mass across the jump).
+Longitudinal: in each element, the instant at which the tension passes a threshold, interpolated
+between records. In a woven yarn of no crimp it runs at c / sqrt(1 + mass of the crossing yarn over
+its own), c / sqrt 2 in a balanced weave (thesis eq. 5-6, erratum E-38). The speed in the fabric at
+rest, X / t, is less than that along the yarn by the crimp, and a crimped yarn's front is a shock:
+with the tension T behind it and the stretch eps of the fabric there, it runs at sqrt(T / (m eps)),
+m being the mass of the fabric per length and yarn (momentum and mass across the jump).
 
-Transverse: at each instant, the foot of the deflected part: where the chord through the side of the profile at 3/4
-and 1/4 of its height meets the undeflected fabric. On a straight yarn the side is straight and the foot is the kink,
-which runs at U (`smith`).
+Transverse: at each instant, the foot of the deflected part: where the chord through the side of the
+profile at 3/4 and 1/4 of its height meets the undeflected fabric. On a straight yarn the side is
+straight and the foot is the kink, which runs at U (`smith`).
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Front:
     kind : "longitudinal" or "transverse"
     family : "warp" or "weft"
     time, place : (m,) [s, m] of the front; place counts from the impact point
-    speed : [m/s] of the line through those within the window; nan where there are fewer than four
+    speed : [m/s] of the line through those within the window; nan if there are fewer than four
     interval : (low, high) [m/s] of the speed, at 95 %
     start : [s] at which the line leaves the impact point
     r2 : coefficient of determination of the line
@@ -58,7 +59,8 @@ class Front:
 
 
 def fronts(histories: Histories) -> tuple[Front, ...]:
-    """The fronts along the warp and the weft yarn nearest the impact point, where such were recorded."""
+    """The fronts along the warp and the weft yarn nearest the impact point, where such were
+    recorded."""
     yarns = [yarn for yarn in map(histories.through, FAMILIES) if yarn is not None]
     return tuple(front(yarn, histories.t) for yarn in yarns for front in (longitudinal, transverse))
 

@@ -1,4 +1,5 @@
-"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the impact."""
+"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the
+impact."""
 
 from __future__ import annotations
 
@@ -82,12 +83,14 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
 
     Raises
     ------
-    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
+    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file
+        and key
     """
     panel = getattr(scene, "panel", None)
     shot = getattr(scene, "projectile", None)
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
+    # a coupon has no panel; plies that are all alike are those of [fabric]
     if panel is None or not panel.ply:
         return Case(
             **vars(material(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name
@@ -109,6 +112,7 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
             if own:
                 where = "panel.ply"
             materials[key] = material(of_ply, where, scene, file, None if named else fabric)
+        # a ply without a gap of its own takes that of the pack
         if table.gap is None:
             gap = panel.ply_gap
         else:
@@ -129,6 +133,7 @@ def material(
     scene, file : of it; see `build`, as the other parameters and exceptions
     given : Fabric in place of that which the table names
     """
+    # a law is compared with the data before weaving damage, which it was fitted to
     fabric = plain = _fabric(table, key, file) if given is None else given
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
@@ -148,9 +153,11 @@ def material(
         fabric if fails else assumed.given(fabric, "failure_length")
     )  # which is of no use without failure
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
+    # a response surface stands in place of the compression law
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
     laws, law_name = _laws(table, key, plain, file, given)
+    # a single ply touches no other, and a fabric without data for that is fine
     if panel is not None and panel.plies > 1:
         try:
             fabric = _with_ply_contact(fabric, panel.ply_contact, table.law)
@@ -177,7 +184,8 @@ def _fabric(table, key, file):
 
 
 def _sheared(fabric, need, file):
-    """The fabric with a trellis law, assumed where its file has none, if it is "needed", "optional" or "unused".
+    """The fabric with a trellis law, assumed if its file has none, if it is "needed", "optional" or
+    "unused".
 
     Of a scene's file a line is logged for each law that is assumed, or left out.
     """
@@ -188,13 +196,15 @@ def _sheared(fabric, need, file):
         if need == "needed":
             raise problem.changed(file=file) from None
         LOG.info(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
+    # in Python the result carries these lines; a command prints them
     for line in assumed.lines(fabric) if file is not None else ():
         LOG.info(line)
     return fabric
 
 
 def _with_ply_contact(fabric, choice, law):
-    """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file `law` holds."""
+    """The fabric with the contact law of plies of `choice` (`ply_laws.choose`), or that the file
+    `law` holds."""
     if choice is not None:
         contact = ply_laws.choose(choice, fabric)
         # the same file has warned as the fabric's law already
@@ -224,6 +234,7 @@ def _surface(surface, fabric):
 def _laws(table, key, fabric, file, given):
     """((warp, weft) CompressionLaw, where they come from in words) of a table."""
     law = table.law
+    # yarns that do not compress need no law
     if table.cell_model != "compressible":
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
@@ -231,6 +242,7 @@ def _laws(table, key, fabric, file, given):
             own = CompressionLaw(law.a, law.b, law.form, provenance="given in the input file")
         check_room((own, own), fabric.weave, file=file, key=f"{key}.law.a")
         return (own, own), own.provenance
+    # the same advice as in `laws_of`, in the words of an input file
     if law == "published" and fabric.laws is None and file is not None:
         raise InputError(
             f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
@@ -262,14 +274,16 @@ def laws_of(
     Parameters
     ----------
     fabric : Fabric, whose own laws are taken where `law` is None
-    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
-        attribute `law` such as the result of `calibrate`; None or "published" for the fabric's own
+    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an
+        object with the attribute `law` such as the result of `calibrate`; None or "published" for
+        the fabric's own
     file, key : named in errors
 
     Raises
     ------
     InputError : none of these, a law of another fabric, or None for a fabric without laws
     """
+    # messages show what the user gave, not what it was turned into
     written = law
     law = getattr(law, "law", law)
     if law is None or law == "published":
@@ -300,7 +314,8 @@ def laws_of(
 
 
 def _warn_of_change(fitted_data, fabric, name):
-    """Warn if a law was fitted to other data of the fabric; `fitted_data` is their digest, empty if not known."""
+    """Warn if a law was fitted to other data of the fabric; `fitted_data` is their digest, empty if
+    not known."""
     if fitted_data and fitted_data != data_digest(fabric):
         LOG.warning(f"{name} {CHANGED.format(fabric.name)}: `weavecell calibrate` again")
 
@@ -325,6 +340,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
 
     scene = case.scene
     panel = case.scene.panel
+    # a key reaches the solver under its own name, unless it is an object of several keys
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
     for table in (scene.fabric, panel, scene.run):
@@ -347,6 +363,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "numerics": Numerics(**_given(scene.numerics)),
         }
         given["crossovers"] = _resolved(panel)
+        # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
         made = ShortSetup(**given)
@@ -376,6 +393,7 @@ def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
     given = _given(table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density")
+    # a body of any shape has its radius and length from its surface
     if table.shape != "stl":
         return Projectile(radius=table.diameter / 2, **given)
     solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
@@ -423,7 +441,8 @@ def _side(side):
 
 
 def of_file(problem: InputError) -> bool:
-    """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
+    """Whether an InputError may be of a key of an input file, and not of a parameter of a
+    command."""
     known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
 

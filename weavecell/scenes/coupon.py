@@ -1,4 +1,5 @@
-"""Scene files of coupons: one test on a piece of fabric, described in TOML as impacts are (`tables`)."""
+"""Scene files of coupons: one test on a piece of fabric, described in TOML as impacts are
+(`tables`)."""
 
 from __future__ import annotations
 
@@ -112,7 +113,8 @@ class BiaxialTable(Table):
 
 
 class PullOutTable(Table):
-    """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in tension.
+    """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in
+    tension.
 
     [pull_out]
     displacement = "5 mm"
@@ -231,5 +233,6 @@ def check(
     refused: honoured.Keys | None = None,
     context: Any = None,
 ) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; its parameters are those of `scenes.impact.check`."""
+    """Turn a scene's table into a checked CouponScene; its parameters are those of
+    `scenes.impact.check`."""
     return checked(CouponScene, table, file, refused, context)

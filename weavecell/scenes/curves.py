@@ -1,23 +1,27 @@
 """Curves of tests in CSV files, and the constants of a fabric file that are fitted to them.
 
-The shear stress of the trellis law is the work for a change of the shear angle gamma over the volume of the fabric,
-t times its area at rest, with t its thickness as a shell. The three zones are fitted (`unitcell3d.identify.shear_fit`).
+The shear stress of the trellis law is the work for a change of the shear angle gamma over the
+volume of the fabric, t times its area at rest, with t its thickness as a shell. The three zones are
+fitted (`unitcell3d.identify.shear_fit`).
 
-Picture frame: columns "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]" with the side L of the
-frame. The crosshead moves by L sin(phi) dgamma, and so its force F gives
+Picture frame: columns "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]"
+with the side L of the frame. The crosshead moves by L sin(phi) dgamma, and so its force F gives
 
     stress = F sin(phi) / (L t),  phi = (pi/2 - gamma) / 2
 
 which is the shear force along a side, F / (2 cos phi), times cos(gamma) / (L t).
 
-Bias strip: columns "displacement [mm], force [N]" of a strip of width W and length H >= 2 W between its clamps. Yarns
-do not stretch, the middle shears by gamma, the zones beside it by gamma / 2 (Cao et al. 2008):
+Bias strip: columns "displacement [mm], force [N]" of a strip of width W and length H >= 2 W between
+its clamps. Yarns do not stretch, the middle shears by gamma, the zones beside it by gamma / 2 (Cao
+et al. 2008):
 
     sin gamma = (1 + displacement / (H - W))^2 - 1
-    (1 - p) stress(gamma) + p stress(gamma / 2) = F (cos(gamma / 2) - sin(gamma / 2)) / (2 W t),  p = W / (2 (H - W))
+    (1 - p) stress(gamma) + p stress(gamma / 2) = F (cos(gamma / 2) - sin(gamma / 2)) / (2 W t),  p
+    = W / (2 (H - W))
 
-Yarn in tension: columns "strain [%], force [N]". The straight line through the points between LINEAR shares of the
-greatest force gives E A_s and the slack at its foot; the failure strain is the greatest force over E A_s.
+Yarn in tension: columns "strain [%], force [N]". The straight line through the points between
+LINEAR shares of the greatest force gives E A_s and the slack at its foot; the failure strain is the
+greatest force over E A_s.
 """
 
 from __future__ import annotations
@@ -66,7 +70,7 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
     ----------
     path : of the CSV file
     thickness : [m] of the fabric as a shell
-    side : [m] of the frame; needed where the file gives the force of the crosshead
+    side : [m] of the frame; needed if the file gives the force of the crosshead
 
     Raises
     ------

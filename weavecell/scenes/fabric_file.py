@@ -1,15 +1,16 @@
 """Fabric files made from data-sheet values: `weavecell fabrics new`.
 
-The values come from prompts or from a CSV file with the columns key, warp, weft and, if wanted, source and status:
+The values come from prompts or from a CSV file with the columns key, warp, weft and, if wanted,
+source and status:
 
     key, warp, weft, source
     linear_density, 1100 dtex, 1100 dtex, data sheet of the yarn
     tenacity, 2350 mN/tex, 2350 mN/tex, data sheet of the yarn
     thickness, 0.30 mm, , data sheet of the fabric
 
-A value of the fabric as a whole stands in the column warp. Crimp may be left out where the thickness is given, and the
-failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests (`weavecell.scenes.curves`) replace
-modulus, failure strain or the trellis law by fits.
+A value of the fabric as a whole stands in the column warp. Crimp may be left out if the thickness
+is given, and the failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of
+tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
 """
 
 from __future__ import annotations
@@ -102,7 +103,8 @@ class Draft:
 
         Raises
         ------
-        InputError : the file exists, or its values are not those of a fabric; nothing has been written
+        InputError : the file exists, or its values are not those of a fabric; nothing has been
+            written
         """
         path = Path(path)
         if path.exists():
@@ -114,7 +116,8 @@ class Draft:
 
 
 def check(key: str, text: str) -> str:
-    """The text of one value; InputError where it is no quantity of a unit that the key may have, or out of bounds."""
+    """The text of one value; InputError if it is not a quantity of a unit that the key may have, or
+    out of bounds."""
     ALL[key].read(text, key=key)
     return text.strip()
 
@@ -124,7 +127,8 @@ def read_values(path: FilePath) -> dict[str, Value]:
 
     Raises
     ------
-    InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
+    InputError : all that is wrong, a line each naming the file, the key, the value and what is
+        allowed
     """
     rows = read_csv(path, "a CSV file of key, warp, weft", words=("key", "source", "status"))
     heading = []
@@ -226,13 +230,13 @@ def with_curves(
     ----------
     yarn : CSV file of a yarn's strain and force, of both families
     frame : CSV file of a picture-frame test
-    side : [m] of the frame, where the file gives the force
+    side : [m] of the frame, if the file gives the force
     bias : CSV file of a bias strip
     strip : (width, length) [m] of it
 
     Raises
     ------
-    InputError : a bad file, or a draft that is no fabric
+    InputError : a bad file, or a draft that does not make a fabric
     """
     fitted = []
     if yarn is not None:
@@ -284,8 +288,8 @@ def _with_shear(draft, fit, source, fitted):
 
 
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:
-    """A line about each number that disagrees with another, each table that will be assumed, and at the end what is
-    missing in the file at `path`."""
+    """A line about each number that disagrees with another, each table that will be assumed, and at
+    the end what is missing in the file at `path`."""
     missing = [f"missing: the compression law, which `weavecell calibrate {path}` computes"]
     try:
         fabric = assumed.with_solid_laws(assumed.with_shear(fabric))

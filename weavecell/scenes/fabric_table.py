@@ -117,8 +117,8 @@ class WeavingDamageTable(Table):
 
 
 class FabricTable(Table):
-    """The fabric of all plies that name no other, its compression law and the model of its unit cell. The first two
-    lines are all that most input files need.
+    """The fabric of all plies that name no other, its compression law and the model of its unit
+    cell. The first two lines are all that most input files need.
 
     [fabric]
     name = "S-728"
@@ -185,9 +185,11 @@ class FabricTable(Table):
         if self.cell_model != "compressible":
             models = '"incompressible" or "decoupled", whose yarns are not compressed'
             self.refuse("law", f"left out if fabric.cell_model is {models}")
+        # yarns that never touch have no play to close
         if self.cell_model == "decoupled":
             words = 'left out if fabric.cell_model is "decoupled", whose yarns never touch'
             self.refuse("crossover_gap", words)
+        # `direct` reads tensions off a surface, `equilibrium` solves the analytical cell
         if self.surface is None:
             other = "direct"
             words = "without"
@@ -211,13 +213,15 @@ def anchored(scene: Any, file: FilePath) -> Any:
     """
 
     def of(name, table, keys):
-        """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
+        """The table [name] whose paths, all texts but the names of laws, are taken from that
+        folder."""
         given = {key: getattr(table, key) for key in keys}
         texts = {}
         for key, text in given.items():
             if isinstance(text, str) and text not in _NAMED_LAWS:
                 texts[key] = text
         paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
+        # a missing file is named by the key of the scene, before anything is built
         for key, path in paths.items():
             if not os.path.isfile(path):
                 allowed = type(table).model_fields[key].description
@@ -255,7 +259,7 @@ def checked(
     kind : class of the scene
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : keys that are not honoured, see `honoured`; None where any key may be set
+    refused : keys that are not honoured, see `honoured`; None if any key may be set
     context : see `fabrics.base.schema.validated`
 
     Raises

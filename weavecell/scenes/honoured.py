@@ -1,11 +1,13 @@
-"""Keys of an input file that a function does not honour. One that is set is refused; none is passed over.
+"""Keys of an input file that a function does not honour. One that is set is refused; none is passed
+over.
 
-Of each function {key or table: what is allowed}, completing "must be ..."; None of what means nothing to the function
-by its definition, such as the strike velocity of a scene whose ballistic limit is computed, and is therefore silent.
+Of each function {key or table: what is allowed}, completing "must be ..."; None of what means
+nothing to the function by its definition, such as the strike velocity of a scene whose ballistic
+limit is computed, and is therefore silent.
 All other keys are honoured, new ones too. A test finds one that does not reach the solver.
 
-A key at its default value counts as not set: it changes nothing, since every function does what the defaults of the
-keys that it refuses describe (one ply, no block, no [history]).
+A key at its default value counts as not set: it changes nothing, since every function does what the
+defaults of the keys that it refuses describe (one ply, no block, no [history]).
 """
 
 from __future__ import annotations

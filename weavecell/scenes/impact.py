@@ -1,4 +1,5 @@
-"""Scene files: one impact, described in TOML with units as text, checked before anything is computed or written."""
+"""Scene files: one impact, described in TOML with units as text, checked before anything is
+computed or written."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 
 
 def _name_or_size(schema):
-    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
+    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not
+    required."""
     schema["required"] = ["strike_velocity"]
     schema["anyOf"] = [
         {"required": ["name"]},
@@ -49,8 +51,8 @@ def _name_or_size(schema):
 
 
 class ProjectileTable(Table):
-    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the panel. It is rigid
-    unless `body` says otherwise.
+    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
+    panel. It is rigid unless `body` says otherwise.
 
     [projectile]
     name = "FSP 1.10 g"
@@ -253,6 +255,7 @@ class RunTable(Table):
     @model_validator(mode="after")
     def _within_the_run(self):
         for key in ("snapshot_interval", "checkpoint_interval"):
+            # the defaults may be longer than a short run; a value that is given may not
             if key in self.model_fields_set and getattr(self, key) > self.end_time:
                 raise InputError(key=key, allowed="at most run.end_time")
         return self
@@ -308,7 +311,8 @@ class AccuracyTable(Table):
 
 
 class NumericsTable(Table):
-    """Parameters of the time integration and of the contact with the projectile. The defaults fit all fabrics.
+    """Parameters of the time integration and of the contact with the projectile. The defaults fit
+    all fabrics.
 
     [numerics]
     cfl = 0.8
@@ -366,6 +370,7 @@ class Scene(Table):
         fabric = self.fabric
         shot = self.projectile
         panel = self.panel
+        # [fabric] may be missing only if every ply names its own fabric
         if not (
             panel.ply
             and all(ply.name or ply.file for ply in panel.ply)
@@ -379,13 +384,16 @@ class Scene(Table):
             smallest = min(panel.opening)
         else:
             smallest = panel.opening
+        # a nose as wide as the opening would strike the clamp
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
+        # the mass of a body from a file is checked against its volume there
         if shot.shape != "stl":
             stl_file.check_mass(shot)
         if self.accuracy is not None and panel.crossovers != "pinned":
             words = '"pinned" where the mesh is chosen by [accuracy]'
             raise InputError(key="panel.crossovers", allowed=words)
+        # a response surface belongs to one fabric with one modulus, all yarns alike
         if fabric.surface is None:
             return self
         if panel.ply:
@@ -405,7 +413,7 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
     Parameters
     ----------
     path : of the file
-    refused : keys that what reads it does not honour (`honoured`); None where any key may be set
+    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
 
     Returns
     -------

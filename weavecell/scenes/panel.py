@@ -55,6 +55,7 @@ class SlipTable(Table):
     @model_validator(mode="after")
     def _clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        # [panel.boundary] has these keys too, and may have none of them
         if given == {"clamp_force"} or (
             type(self) is not SlipTable and not given & set(SlipTable.model_fields)
         ):
@@ -90,8 +91,8 @@ Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discrimina
 
 
 class BoundaryTable(SlipTable):
-    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys of a slipping side,
-    which then holds for all four: `boundary = { clamp_force = "5 N" }`.
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys
+    of a slipping side, which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
     [panel.boundary]
     warp = "clamped"
@@ -103,7 +104,8 @@ class BoundaryTable(SlipTable):
 
     @property
     def sides(self) -> dict[str, Any]:
-        """{"warp": side, "weft": side} in the forms of these keys; where all four slip alike, this table itself."""
+        """{"warp": side, "weft": side} in the forms of these keys; if all four slip alike, this
+        table itself."""
         alike = bool(self.model_fields_set & set(SlipTable.model_fields))
         return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
 
@@ -149,6 +151,7 @@ def _ply_angle(text, read):
     degrees = round(math.degrees(read(text, "rad")), 6)
     if not -180 <= degrees <= 180:
         raise ValueError("out of range")
+    # half a turn leaves a weave as it is
     least = math.remainder(degrees, 180)
     return math.radians(90 if least == -90 else least)
 
@@ -170,6 +173,7 @@ def _crossovers(value):
     """A number of crossovers, or a fraction of one such as "1/3"."""
     if not isinstance(value, str):
         return float(value)
+    # a third has no finite decimal, so fractions are read as such
     over, _, under = value.partition("/")
     if int(under) == 0:
         raise ValueError("divided by 0")
@@ -177,8 +181,9 @@ def _crossovers(value):
 
 
 class StrengthTable(Table):
-    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull distribution. The whole
-    panel is modelled. `weavecell sweep` over seeds gives the scatter of a result ([studies](../studies.md)).
+    """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull
+    distribution. The whole panel is modelled. `weavecell sweep` over seeds gives the scatter of a
+    result ([studies](../studies.md)).
 
     [panel.strength]
     weibull_shape = 14.3
@@ -203,8 +208,8 @@ BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
-    """One table for each group of plies that are alike, from the struck side to the back. `panel.plies` and
-    `panel.stacking` are then left out.
+    """One table for each group of plies that are alike, from the struck side to the back.
+    `panel.plies` and `panel.stacking` are then left out.
 
     [[panel.ply]]
     count = 2
@@ -254,7 +259,8 @@ class PlyTable(Table):
 
 
 class PanelTable(Table):
-    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
+    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
+    `[[panel.ply]]`.
 
     [panel]
     opening = "150 mm"
@@ -368,6 +374,7 @@ class PanelTable(Table):
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
         """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
+        # earlier versions had sliding crossovers with a cohesion
         if key == "crossover_cohesion":
             return None, 'left out: resolved yarns (crossovers = "yarns") have a friction alone'
         return super().unknown(key, near)
@@ -377,6 +384,7 @@ class PanelTable(Table):
         """The panel with the number of the plies of its tables [[panel.ply]]."""
         if not self.ply:
             return self
+        # a number that contradicts the tables would be wrong in silence
         for key in {"plies", "stacking"} & self.model_fields_set:
             raise InputError(key=key, allowed="left out beside [[panel.ply]]")
         self.refuse("weave_angle", "left out with [[panel.ply]]")
@@ -396,6 +404,7 @@ class PanelTable(Table):
             self._check_resolved()
         else:
             self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
+        # a key of packs that changes nothing is a misunderstanding
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
@@ -412,6 +421,8 @@ class PanelTable(Table):
     @model_validator(mode="after")
     def _of_the_modelled_part(self):
         """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
+        # these panels have no plane of symmetry; a symmetry that is given is not overruled in
+        # silence
         given = "symmetry" in self.model_fields_set
         if self.angled and given and self.symmetry != "whole":
             raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")

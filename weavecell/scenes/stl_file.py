@@ -1,10 +1,13 @@
-"""A projectile's body from an STL file: checks of its surface by trimesh, its signed distance on a grid by VTK.
+"""A projectile's body from an STL file: checks of its surface by trimesh, its signed distance on a
+grid by VTK.
 
-The z axis of the file is the axis of the projectile and points along its flight; x and y lie along warp and weft at no
-obliquity and roll. Where the body lies along z makes no difference: its foremost point is where the nose is.
+The z axis of the file is the axis of the projectile and points along its flight; x and y lie along
+warp and weft at no obliquity and roll. Where the body lies along z makes no difference: its
+foremost point is where the nose is.
 
-Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of the edge radius rho:
-it becomes all places of that ball in it. With K the points at least rho deep, d = dist(p, K) - rho outside K.
+Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of
+the edge radius rho: it becomes all places of that ball in it. With K the points at least rho deep,
+d = dist(p, K) - rho outside K.
 """
 
 from __future__ import annotations
@@ -101,7 +104,8 @@ class Surface:
         return bool(np.any(angles > np.radians(SHARP)))
 
     def off_axis(self, unit: str) -> str:
-        """What is said of a body that its axis misses, with where it lies and the shift that helps."""
+        """What is said of a body that its axis misses, with where it lies and the shift that
+        helps."""
         (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
         return (
             "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = "
@@ -115,7 +119,8 @@ def surface(path: FilePath, unit: str) -> Surface:
 
     Raises
     ------
-    InputError : one line: no file, no triangles, not closed, facing inwards, or of no projectile's size in this unit
+    InputError : one line: no file, no triangles, not closed, facing inwards, or of no projectile's
+        size in this unit
     """
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
@@ -131,12 +136,14 @@ def _surface(path, unit, digest):
     mesh = _triangles(Path(path).read_bytes())
     if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
+    # an STL file lists the corners of each triangle anew, rounded
     mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
     corners = np.sort(mesh.faces, axis=1)
     # some triangles have shrunk to a line
     mesh.update_faces(np.all(np.diff(corners, axis=1) > 0, axis=1))
     _check_closed(mesh, path)
     mesh.apply_scale(UNITS[unit])
+    # the foremost point is where the fabric is at the start
     mesh.apply_translation((0, 0, -mesh.bounds[1, 2]))
     _check_one_body(mesh, path)
     body = Surface(mesh, digest)
@@ -156,11 +163,12 @@ def _surface(path, unit, digest):
 def _triangles(content):
     """The Trimesh of the bytes of a file; an empty one where they are not STL.
 
-    A file is binary if it is long enough for the number of triangles in its head, whatever follows them. A text may
-    begin with a byte order mark, be in capitals, and end with "end solid".
+    A file is binary if it is long enough for the number of triangles in its head, whatever follows
+    them. A text may begin with a byte order mark, be in capitals, and end with "end solid".
     """
     import trimesh
 
+    # a binary file may begin with the word solid too: its length decides
     end = _HEAD + _FACET * int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
     if _HEAD < end <= len(content):
         kind = "stl"
@@ -198,6 +206,7 @@ def _check_closed(mesh, path):
 def _check_one_body(mesh, path):
     """One surface whose normals point outwards, and in it cavities, whose normals point inwards."""
     parts = mesh.split(only_watertight=False)
+    # a surface that faces outwards encloses a positive volume, a cavity a negative one
     bodies = [part for part in parts if part.volume > 0]
     if len(bodies) > 1:
         volumes = " and ".join(f"{1e9 * part.volume:.4g}" for part in bodies)
@@ -216,7 +225,8 @@ def _check_one_body(mesh, path):
 
 
 def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
-    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and mass of a density.
+    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and
+    mass of a density.
 
     Raises
     ------
@@ -236,6 +246,7 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     except InputError:
         # the schema reports it
         return known
+    # a wrong unit shows itself as a density that no solid has
     mean = mass / body.volume
     (low, high) = DENSITIES
     if not low <= mean <= high:
@@ -250,8 +261,8 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
 def described(
     table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None
 ) -> dict[str, Any]:
-    """The table of a scene with what the STL file of [projectile] says of it, as if it were written there; the whole
-    panel unless another symmetry is given.
+    """The table of a scene with what the STL file of [projectile] says of it, as if it were written
+    there; the whole panel unless another symmetry is given.
 
     Parameters
     ----------
@@ -294,6 +305,7 @@ def described(
         )
     measured = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
     panel = table.get("panel")
+    # a body of any shape has no plane of symmetry that could be relied on
     whole = {}
     if isinstance(panel, dict):
         whole = {"panel": {"symmetry": "whole"} | panel}
@@ -301,7 +313,8 @@ def described(
 
 
 def check_mass(shot: Any) -> None:
-    """Check that a body of the diameter and length of a projectile can have its mass; `data` does so for an STL file.
+    """Check that a body of the diameter and length of a projectile can have its mass; `data` does
+    so for an STL file.
 
     Parameters
     ----------
@@ -330,11 +343,13 @@ def check_mass(shot: Any) -> None:
 
 
 def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
-    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are sharp.
+    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are
+    sharp.
 
     Raises
     ------
-    InputError : as `surface`; an edge radius too large or too small for the body, or an axis outside of it
+    InputError : as `surface`; an edge radius too large or too small for the body, or an axis
+        outside of it
     """
     return _solid(str(path), surface(path, unit).digest, unit, edge_radius)
 
@@ -343,6 +358,7 @@ def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
 def _solid(path, digest, unit, edge_radius):
     body = _surface(path, unit, digest)
     h = edge_radius / SAMPLES
+    # samples are as fine as the edge radius asks; a fine radius on a large body fills the memory
     size = np.prod(np.array([body.width, body.width, body.length]) / h)
     if size > MOST_SAMPLES:
         least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
@@ -352,6 +368,7 @@ def _solid(path, digest, unit, edge_radius):
     axes = solid_body.Solid.axes(body.points, h)
     distances = _distances(body, axes, h, edge_radius, path)
     middle = distances[axes[0].size // 2, axes[1].size // 2]
+    # the axis passes beside the body, or through a hole
     if not middle.min() < 0:
         raise InputError(body.off_axis(unit), file=path)
     return solid_body.Solid(
@@ -360,9 +377,11 @@ def _solid(path, digest, unit, edge_radius):
 
 
 def _distances(body, axes, h, rho, path):
-    """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is below 1.2 rho.
+    """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is
+    below 1.2 rho.
 
-    Further away, where a search for the nearest triangle takes long, it is interpolated between samples COARSE h apart.
+    Further away, where a search for the nearest triangle takes long, it is interpolated between
+    samples COARSE h apart.
     """
     import pyvista
     from scipy import ndimage
@@ -383,14 +402,15 @@ def _distances(body, axes, h, rho, path):
     at = places(axes)
     near = np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)
-    steps = (
-        np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3)
-    )
+    clipped = np.clip(d, -1.2 * rho, 1.2 * rho)
+    steps = [np.abs(np.diff(clipped, axis=axis)).max() for axis in range(3)]
+    # a distance cannot change by more than the way between two samples
     if max(steps) > 1.05 * h:
         raise InputError(
             "its distance jumps; must be a surface that does not cut itself, without slivers",
             file=path,
         )
+    # opening: shrink the body by the radius, and grow it again; convex edges come out round
     if body.sharp:
         grid: Any = pyvista.ImageData(
             dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes]

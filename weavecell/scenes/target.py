@@ -1,7 +1,7 @@
 """What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
 
-A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the flat cylinder of
-3 g and 5.5 mm (`STANDARD`).
+A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the
+flat cylinder of 3 g and 5.5 mm (`STANDARD`).
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ class Target:
     ----------
     case : build.Case; None of a set-up that was made in Python
     setup : ImpactSetup
-    text : of the input file; that of a fabric is the standard one, "" where no file can say what is shot at
+    text : of the input file; that of a fabric is the standard one, "" if no file can say what is
+        shot at
     name : as it was given
     from_file : whether it is an input file
     """
@@ -98,7 +99,8 @@ class Target:
             raise self.in_file(problem) from None
 
     def in_file(self, problem: InputError) -> InputError:
-        """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
+        """An InputError of what an input file asks, with the file and its key in it; any other as
+        it is."""
         if not self.from_file or not build.of_file(problem):
             return problem
         return build.in_file(problem, self.name)
@@ -145,7 +147,7 @@ def read(
 
 
 def unknown(name: str) -> InputError:
-    """The InputError of a target that is no fabric of the catalogue and no *.toml file."""
+    """The InputError of a target that is neither a fabric of the catalogue nor a *.toml file."""
     return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 
@@ -166,7 +168,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
     Raises
     ------
-    InputError : a key within what is no table
+    InputError : a key inside of a value
     """
     for key, value in (changes or {}).items():
         *parts, last = key.split(".")

@@ -1,15 +1,16 @@
 """Ranges of residual and critical velocity that follow from what is assumed.
 
-Laws, crimp, failure length and numbers of a fabric are assumed with a range (`fabrics.assumed`), and what a set-up
-assumes besides (`inputs.ranges`). The shot, or the search of the critical velocity, is repeated with each end of each,
-one at a time, and with all ends together that lower the velocity, or raise it. The range is the envelope of these runs
-and the nominal one, and no bound, since the outcome need not be monotonic. The share of an assumption is the width of
-its own runs over the sum of these widths.
+Laws, crimp, failure length and numbers of a fabric are assumed with a range (`fabrics.assumed`),
+and what a set-up assumes besides (`inputs.ranges`). The shot, or the search of the critical
+velocity, is repeated with each end of each, one at a time, and with all ends together that lower
+the velocity, or raise it. The range is the envelope of these runs and the nominal one, and no
+bound, since the outcome need not be monotonic. The share of an assumption is the width of its own
+runs over the sum of these widths.
 
-What is assumed besides the fabric follows from the set-up: strength after weaving, unless `weaving_damage` gives it,
-since yarns are tested before; friction of the projectile, of plies where there are several, the force of clamps in
-which yarns slip, and in packs the area that packed fabric keeps. Rigid clamps stay: slip is another model, not the end
-of a range.
+What is assumed besides the fabric follows from the set-up: strength after weaving, unless
+`weaving_damage` gives it, since yarns are tested before; friction of the projectile, of plies where
+there are several, the force of clamps in which yarns slip, and in packs the area that packed fabric
+keeps. Rigid clamps stay: slip is another model, not the end of a range.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ NEXT_STEP = 1.05
 
 @dataclass(frozen=True)
 class Row:
-    """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of several or nothing."""
+    """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of
+    several or nothing."""
 
     laws: str
     outcome: str
@@ -58,7 +60,8 @@ class AssumedRange:
 
     @property
     def widths(self) -> dict[str, tuple[float, float]]:
-        """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest first."""
+        """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest
+        first."""
         nominal = self.rows[0].velocity
         ranges = dict[str, tuple[float, float]]()
         for row in self.rows:
@@ -112,21 +115,24 @@ class AssumedRange:
 
 
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed, None where none is, by a choice of True, False and "laws": where more is
-    assumed of the fabric than its failure length; InputError: another choice."""
+    """The set-up whose range is computed, None if none is, by a choice of True, False and "laws":
+    where more is assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
-    if choice:
-        assumed_names = set(changes(setup))
-    else:
-        assumed_names = set()
-    if assumed_names - {"failure length", *inputs.ranges()} if choice == "laws" else assumed_names:
+    if not choice:
+        return None
+    names = set(changes(setup))
+    # these are assumed of nearly every set-up, so they alone do not start a range
+    if choice == "laws":
+        names -= {"failure length", *inputs.ranges()}
+    if names:
         return setup
     return None
 
 
 def searches(setup: ImpactSetup) -> int:
-    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the velocity."""
+    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the
+    velocity."""
     alone = sum(map(len, changes(setup).values()))
     if not alone:
         return 0
@@ -134,11 +140,13 @@ def searches(setup: ImpactSetup) -> int:
 
 
 def changes(setup: ImpactSetup) -> Ends:
-    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be combined.
+    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be
+    combined.
 
     Parameters
     ----------
-    setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an assumed solid law
+    setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an
+        assumed solid law
     """
     ends_of: dict[str, dict[str, Any]] = {}
     for fabric in setup.fabrics:
@@ -146,19 +154,19 @@ def changes(setup: ImpactSetup) -> Ends:
             change = partial(_of_each_ply, partial(_with_end, name))
             ends_of.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
     stiffness = {
-        f"yarns {end}": partial(_of_each_ply, _with_laws, end) for end in ("soft", "stiff")
+        "yarns soft": partial(_of_each_ply, _with_laws, "soft"),
+        "yarns stiff": partial(_of_each_ply, _with_laws, "stiff"),
     }
+    # a law that was fitted to a given solid has no ends
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges().items():
-        values = []
+        own = {}
         for end in (entry.low, entry.high):
             if end != entry.value and _of_setup(setup, name, end) != setup:
-                values.append(end)
-        if values:
-            ends_of[name] = {
-                f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values
-            }
+                own[f"{name} {end:g}"] = partial(_of_setup, name=name, value=end)
+        if own:
+            ends_of[name] = own
     return ends_of
 
 
@@ -168,7 +176,8 @@ def _of_each_ply(change, end, setup):
 
 
 def _with_end(name, ply, number):
-    """A ply with the first or the second end of what its fabric assumes of this name, if it does."""
+    """A ply with the first or the second end of what its fabric assumes of this name, if it
+    does."""
     ends = list(assumed.ends(ply.fabric).get(name, {}).values())
     if ends:
         return replace(ply, fabric=ends[min(number, len(ends) - 1)])
@@ -202,7 +211,8 @@ def _of_setup(setup, name, value):
 
 
 def _with_woven_strength(ply, value):
-    """A ply whose yarns have this share of their strength after weaving, unless its fabric says what they have."""
+    """A ply whose yarns have this share of their strength after weaving, unless its fabric says
+    what they have."""
     if "weaving_damage.strength" in ply.fabric.sources:
         return ply
     damage = WeavingDamage(1.0, value, "range of a limit")
@@ -224,7 +234,7 @@ def residual_velocity(
     velocity: float,
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """Range of the residual velocity of a shot; None where nothing is assumed.
+    """Range of the residual velocity of a shot; None if nothing is assumed.
 
     Parameters
     ----------
@@ -252,7 +262,7 @@ def critical_velocity(
     on_progress: Callable[[float], object] | None = None,
     **beside: Any,
 ) -> AssumedRange | None:
-    """Range of the critical velocity of a panel or pack; None where nothing is assumed.
+    """Range of the critical velocity of a panel or pack; None if nothing is assumed.
 
     Parameters
     ----------
@@ -292,7 +302,8 @@ def over_ends(
     run: Callable[[ImpactSetup], tuple[str, float | None]],
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None where nothing is assumed."""
+    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None if
+    nothing is assumed."""
     rows = [nominal]
     velocity = nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2
@@ -307,12 +318,14 @@ def over_ends(
             add(words, change(setup), name)
     alone = {row.laws: row.velocity - velocity for row in rows if row.velocity is not None}
     for words, sign in (("all that lower it", -1.0), ("all that raise it", 1.0)):
-        worst = [
-            max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()
-        ]
-        chosen = [
-            ends[name][end] for name, end in zip(ends, worst) if sign * alone.get(end, 0.0) > 0
-        ]
+        chosen = []
+        for of_one in ends.values():
+            # of each assumption the end that moves the velocity furthest this way
+            effects = [sign * alone.get(end, 0.0) for end in of_one]
+            largest = max(effects)
+            if largest > 0:
+                chosen.append(list(of_one.values())[effects.index(largest)])
+        # one alone has been run already
         if len(chosen) > 1:
             add(words, reduce(lambda changed, change: change(changed), chosen, setup))
     if ends:

@@ -1,13 +1,15 @@
-"""Critical velocity (ballistic limit) of a panel or pack: the velocity between the last stop and the first perforation.
+"""Critical velocity (ballistic limit) of a panel or pack: the velocity between the last stop and
+the first perforation.
 
-A shot of a deterministic model either stops or perforates, so that two shots with different outcomes bracket the
-critical velocity (thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that grow, then
-halved until it is as narrow as the tolerance. Panel and table of the cell are made once for all shots, a shot ends as
-soon as its outcome is known, and the residual velocities are kept for a Lambert-Jonas fit (`lambert_jonas`).
+A shot of a deterministic model either stops or perforates, so that two shots with different
+outcomes bracket the critical velocity (thesis section 5.2.3, Figure 5-51). The bracket is found
+from a first guess by steps that grow, then halved until it is as narrow as the tolerance. Panel and
+table of the cell are made once for all shots, a shot ends as soon as its outcome is known, and the
+residual velocities are kept for a Lambert-Jonas fit (`lambert_jonas`).
 
-Shots can be fired beside each other: while one is under way, those that would follow from either of its outcomes are
-begun, and given up if they turn out not to be needed. The shots that count, and the result, are the same with any
-executor and number of workers.
+Shots can be fired beside each other: while one is under way, those that would follow from either of
+its outcomes are begun, and given up if they turn out not to be needed. The shots that count, and
+the result, are the same with any executor and number of workers.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, log, sqrt
+
+import numpy as np
 
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
@@ -35,9 +39,9 @@ UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforat
 # [s] a shot that has neither stopped nor perforated by then is given up
 _AUDIT = 10e-6
 # [s] between audits, which nothing but the guards of the solver uses
-# one ply is first tried at this share of the velocity that fails a lone yarn at once; the share rises
-# with this power of the number of plies (177 and 237 m/s of two and four plies of S-728, 140 of one).
-# Only the number of shots depends on both
+# one ply is first tried at this share of the velocity that fails a lone yarn at once; the share
+# rises with this power of the number of plies (177 and 237 m/s of two and four plies of S-728, 140
+# of one). Only the number of shots depends on both
 _GUESS = 0.17
 _RISES = 1 / 3
 
@@ -48,7 +52,8 @@ class Shot:
 
     Parameters
     ----------
-    strike_velocity, residual_velocity : [m/s]; the residual velocity of a projectile that stops is 0
+    strike_velocity, residual_velocity : [m/s]; the residual velocity of a projectile that stops is
+        0
     outcome : "stopped" or "perforated"
     time : [s] from strike to stop or perforation
     cut_yarns : of the whole panel, of all plies
@@ -79,7 +84,8 @@ class Limit:
 
     Parameters
     ----------
-    low, high : [m/s] the fastest shot that stopped and the slowest that perforated, of the bisection
+    low, high : [m/s] the fastest shot that stopped and the slowest that perforated, of the
+        bisection
     shots : tuple of Shot, in the order in which they were fired
     """
 
@@ -99,7 +105,8 @@ class Limit:
 
     @property
     def ends(self) -> tuple[Shot, ...]:
-        """The shots at the ends of the bracket, and of the zone of mixed outcomes, by strike velocity."""
+        """The shots at the ends of the bracket, and of the zone of mixed outcomes, by strike
+        velocity."""
         velocities = sorted({self.low, self.high, *(self.mixed_zone or ())})
         return tuple(shot for v in velocities for shot in self.shots if shot.strike_velocity == v)
 
@@ -119,8 +126,10 @@ class Limit:
 
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
-        """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one that perforated;
-        None where the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
+        """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one
+        that perforated;
+        None if the shots know of a single limit. A bisection alone never finds one; see
+        `limit_scan`."""
         zone = self.lowest_perforation, self.highest_stop
         if zone[0] < zone[1]:
             return zone
@@ -128,12 +137,14 @@ class Limit:
 
     @property
     def single(self) -> bool:
-        """Whether the shots know of one limit only: none stopped that was faster than one that perforated."""
+        """Whether the shots know of one limit only: none stopped that was faster than one that
+        perforated."""
         return self.mixed_zone is None
 
 
 def first_guess(panel: Panel | Pack) -> float:
-    """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
+    """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by
+    Smith's theory."""
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
     alone = inf
@@ -161,7 +172,8 @@ def critical_velocity(
     panel : Panel or Pack; its table of the cell serves all shots
     tolerance : [m/s] at most between a stop and a perforation
     guess : [m/s] where to begin; `first_guess` if None
-    step : first factor from the guess towards the other outcome: the better the guess, the nearer to 1
+    step : first factor from the guess towards the other outcome: the better the guess, the nearer
+        to 1
     highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
     executor : as of `fabrics.base.executors.open_executor`; "local": threads of this process
     jobs : shots that are under way beside each other
@@ -174,7 +186,8 @@ def critical_velocity(
     Raises
     ------
     InputError : a panel with no limit between `tolerance` and `highest`
-    UndecidedError : a shot that neither stops nor perforates within UNDECIDED; its `shots` are those before it
+    UndecidedError : a shot that neither stops nor perforates within UNDECIDED; its `shots` are
+        those before it
     UnstableError : a shot became unphysical; its attribute `shots` holds those that had ended
     """
     guess = guess or first_guess(panel)
@@ -216,9 +229,9 @@ def shoot(
     ----------
     panel, executor, jobs, report : as of `critical_velocity`
     velocities : (n,) [m/s] strike velocities
-    stops_below : share of the strike velocity below which a projectile counts as stopped where no yarn has failed for
-        as long as a stress wave takes to an edge and back. The outcome is then known sooner; time and peak tensions are
-        those up to then
+    stops_below : share of the strike velocity below which a projectile counts as stopped where no
+        yarn has failed for as long as a stress wave takes to an edge and back. The outcome is then
+        known sooner; time and peak tensions are those up to then
 
     Raises
     ------
@@ -272,9 +285,9 @@ class _GivenUp(Exception):
 class _Range:
     """Shots at one panel, each begun when it is first wanted and kept until it is requested.
 
-    Locally threads suffice: the kernels hold no lock. Shots that are fired beside each other have one thread
-    each, unless the panel sets more. A shot of another process cannot be given up: one that is no longer wanted
-    goes on to its end.
+    Locally threads suffice: the kernels hold no lock. Shots that are fired beside each other have
+    one thread each, unless the panel sets more. A shot of another process cannot be given up: one
+    that is no longer wanted goes on to its end.
     """
 
     def __init__(self, panel, executor, jobs, stops_below=0.0):
@@ -300,7 +313,8 @@ class _Range:
         return self.opened.__exit__(*problem)
 
     def only(self, velocities):
-        """Begin the shots that are wanted and not under way; give up those that are under way and not wanted."""
+        """Begin the shots that are wanted and not under way; give up those that are under way and
+        not wanted."""
         for velocity in set(self.pending) - set(velocities):
             future, give_up = self.pending.pop(velocity)
             if give_up is not None:
@@ -336,7 +350,8 @@ def _on_one_thread(panel):
 
 
 def _round_trip(panel):
-    """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
+    """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than
+    along a lone yarn."""
     longest = 0.0
     for ply in Pack.of(panel).plies:
         for x, yarn in zip(ply.lines(), ply.weave.yarns):
@@ -370,15 +385,14 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         raise UndecidedError(
             f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity"
         )
+    peaks = np.array([state.peak_tension[:2] for _, _, state in solver.parts])
     return Shot(
         strike_velocity=float(velocity),
         residual_velocity=solver.residual_velocity,
         outcome=solver.outcome,
         time=solver.time,
         cut_yarns=float(solver.sample("cut_yarns")[-1]),
-        peak_tension=tuple(
-            max(float(state.peak_tension[k]) for _, _, state in solver.parts) for k in (0, 1)
-        ),
+        peak_tension=tuple(map(float, peaks.max(axis=0))),
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),

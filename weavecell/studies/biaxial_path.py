@@ -38,7 +38,8 @@ class CellPath:
 
 
 def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellPath:
-    """Stretch a crossover from rest at a fixed ratio of strains until its first yarn is at its strength.
+    """Stretch a crossover from rest at a fixed ratio of strains until its first yarn is at its
+    strength.
 
     Parameters
     ----------

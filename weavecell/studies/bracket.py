@@ -63,7 +63,8 @@ class Bracket:
         return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
 
     def ahead(self, count: int, tolerance: float) -> list[float]:
-        """The next velocity and those that may follow it, the most likely first; at most `count`."""
+        """The next velocity and those that may follow it, the most likely first; at most
+        `count`."""
         wanted: list[float] = []
         open_ends = deque([self])
         while open_ends and len(wanted) < count:

@@ -1,4 +1,5 @@
-"""Shots of a laboratory, and how a computed limit and computed residual velocities compare with them."""
+"""Shots of a laboratory, and how a computed limit and computed residual velocities compare with
+them."""
 
 from __future__ import annotations
 
@@ -37,13 +38,14 @@ FASTEST = 1000.0
 def read(path: FilePath) -> DataFrame:
     """Read the shots of a laboratory from a CSV file: a heading, then a row a shot.
 
-    The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated) and, where it was
-    measured, "residual velocity [m/s]", in any order and any unit of speed. Lines that begin with # are left out.
+    The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated)
+    and, where it was measured, "residual velocity [m/s]", in any order and any unit of speed. Lines
+    that begin with # are left out.
 
     Returns
     -------
-    DataFrame with "velocity" [m/s], "outcome" ("stopped" or "perforated") and "residual velocity" [m/s], 0 of a stopped
-    projectile, NaN where it was not measured
+    DataFrame with "velocity" [m/s], "outcome" ("stopped" or "perforated") and "residual velocity"
+    [m/s], 0 of a stopped projectile, NaN where it was not measured
 
     Raises
     ------
@@ -204,8 +206,8 @@ class Comparison:
 
         Returns
         -------
-        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE` by Student's t,
-        and rms
+        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE`
+        by Student's t, and rms
         """
         tests = self.table[self.table["tested"] == "perforated"]
         off = (
@@ -239,16 +241,17 @@ class Comparison:
             "critical_velocity_m_s": limit.velocity,
             "bracket_m_s": [limit.low, limit.high],
             "critical_velocity_over_v50": limit.velocity / self.tests.curve.V50,
-            **{
-                f"residual_velocity_{name}_m_s": off[name]
-                for name in ("mean", "low", "high", "rms")
-            },
+            "residual_velocity_mean_m_s": off["mean"],
+            "residual_velocity_low_m_s": off["low"],
+            "residual_velocity_high_m_s": off["high"],
+            "residual_velocity_rms_m_s": off["rms"],
             "lambert_jonas_computed": asdict(self.computed),
         }
 
 
 def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison:
-    """The Comparison of tests with the computed shots at their velocities and the computed limit."""
+    """The Comparison of tests with the computed shots at their velocities and the computed
+    limit."""
     reduced = reduce(tests)
     columns = {
         "computed": [shot.outcome for shot in shots],

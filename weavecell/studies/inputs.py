@@ -1,6 +1,7 @@
 """Ranges and spreads of the input from inputs.toml, and a fabric changed by them.
 
-Areal density changes mass alone, the stiffness of the yarns is kept, as in the thesis (thesis section 6.3.3).
+Areal density changes mass alone, the stiffness of the yarns is kept, as in the thesis (thesis
+section 6.3.3).
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ FILE = _PATH.name
 
 @dataclass(frozen=True)
 class Entry:
-    """A number of inputs.toml in SI, with where it comes from; of a range its width below, and `up`, that above."""
+    """A number of inputs.toml in SI, with where it comes from; of a range its width below, and
+    `up`, that above."""
 
     name: str
     value: float
@@ -120,7 +122,8 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
 
 
 def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
-    """The set-up on one thread, since others run beside it, that records nothing beside its samples; others change."""
+    """The set-up on one thread, since others run beside it, that records nothing beside its
+    samples; others change."""
     numerics = replace(setup.numerics, threads=1)
     return replace(
         setup, **{"numerics": numerics, "history": None, "snapshot_interval": None} | others
@@ -128,7 +131,8 @@ def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
 
 
 def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
-    """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names changed alike.
+    """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names
+    changed alike.
 
     Raises
     ------

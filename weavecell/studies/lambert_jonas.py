@@ -1,10 +1,12 @@
-"""Residual velocity against strike velocity: the Lambert-Jonas curve, fitted with confidence intervals.
+"""Residual velocity against strike velocity: the Lambert-Jonas curve, fitted with confidence
+intervals.
 
     V_r = a (V_s^p - V_bl^p)^(1/p)   above the ballistic limit V_bl,   0 below it
 
-J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity Representation, BRL
-Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of the projectile in the mass that flies on;
-the larger p, the more abruptly V_r rises at the limit. a is at most 1: no projectile leaves faster than it came.
+J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity
+Representation, BRL Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of
+the projectile in the mass that flies on; the larger p, the more abruptly V_r rises at the limit. a
+is at most 1: no projectile leaves faster than it came.
 Computed here as a V_s (1 - (V_bl / V_s)^p)^(1/p).
 """
 
@@ -34,9 +36,9 @@ class LambertJonas:
     ----------
     a, p : [-]
     limit : [m/s] V_bl
-    intervals : {name: (low, high)} of the parameters that were fitted, at the level of `confidence`, from the curve's
-        slopes at the fit; None for one that came to rest on a bound of what is sought, infinite where the shots tell
-        nothing of it
+    intervals : {name: (low, high)} of the parameters that were fitted, at the level of
+        `confidence`, from the curve's slopes at the fit; None for one that came to rest on a bound
+        of what is sought, infinite where the shots tell nothing of it
     confidence : [-]
     residual_rms : [m/s] of the fit
     points : number of shots that it was fitted to
@@ -59,7 +61,8 @@ class LambertJonas:
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
     def words(self, between: str = ", ") -> str:
-        """The fitted parameters, each with its interval; the reason where that does not exclude half of the value."""
+        """The fitted parameters, each with its interval; the reason where that does not exclude
+        half of the value."""
         if self.reason:
             return f"not determined, because {self.reason}"
         return between.join(map(self._in_words, self.intervals))
@@ -82,6 +85,7 @@ class LambertJonas:
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
     """[m/s] residual velocity, (n,) or a number."""
+    # below the limit the projectile is stopped
     ratio = np.minimum(limit / strike_velocity, 1.0)
     return a * strike_velocity * (-np.expm1(p * np.log(ratio))) ** (1 / p)
 
@@ -98,17 +102,17 @@ def fit(
     Parameters
     ----------
     strike_velocity, residual_velocity : (n,) [m/s]; 0 where the projectile was stopped
-    limit : [m/s] to hold V_bl at, where it is known; fitted if None
+    limit : [m/s] to hold V_bl at, if it is known; fitted if None
     confidence : [-] of the intervals
 
     Returns
     -------
-    LambertJonas, with a `reason` and no numbers where there are no more perforations than parameters, or one of them
-    below the limit
+    LambertJonas, with a `reason` and no numbers where there are no more perforations than
+    parameters, or one of them below the limit
 
     Raises
     ------
-    InputError : shots that are not numbers, or a confidence that is no share
+    InputError : shots that are not numbers, or a confidence that is not a share
     """
     vs = np.asarray(strike_velocity, float)
     vr = np.asarray(residual_velocity, float)
@@ -119,6 +123,7 @@ def fit(
     through = vs[vr > 0]
     slowest = float(through.min(initial=inf))
     reason = ""
+    # as many points as parameters are met exactly, and say nothing about scatter
     if through.size <= len(free):
         reason = f"{through.size} perforations do not determine its {len(free)} parameters"
     elif limit is not None and not 0 < limit < slowest:
@@ -135,7 +140,8 @@ def fit(
             return (*x, limit)
         return x
 
-    # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep the deepest
+    # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep
+    # the deepest
     starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
     best = min(
         (
@@ -152,6 +158,7 @@ def fit(
         ),
         key=lambda solution: solution.cost,
     )
+    # the search ends just short of a bound: a value there is the bound
     best.x = np.where(best.x > high - 1e-9 * (high - low), high, best.x)
     a, p, at = (float(value) for value in full(best.x))
     intervals = _intervals(best, dict(zip(free, zip(low, high))), len(vs), confidence)
@@ -169,18 +176,18 @@ def _check(vs, vr, confidence):
 
 
 def _intervals(solution, bounds, points, confidence):
-    """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
-    inner = [
-        k
-        for k, (low, high) in enumerate(bounds.values())
-        if low < solution.x[k] < high and not solution.active_mask[k]
-    ]
+    """Linearised intervals; a parameter on its bound has none, and the others are found with it
+    held."""
+    low, high = np.transpose([*bounds.values()])
+    inside = (low < solution.x) & (solution.x < high) & (solution.active_mask == 0)
+    inner = list(np.flatnonzero(inside))
     intervals = dict.fromkeys(bounds)
     J = solution.jac[:, inner]
     freedom = points - len(inner)
     if not inner:
         return intervals
     spread = np.full(len(inner), np.inf)
+    # two parameters that do the same have no interval of their own
     if np.linalg.matrix_rank(J) == len(inner):
         spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * solution.cost / freedom)
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread

@@ -1,4 +1,5 @@
-"""The ballistic limit of a panel or pack with what is reported of it: scan and residual velocities."""
+"""The ballistic limit of a panel or pack with what is reported of it: scan and residual
+velocities."""
 
 from __future__ import annotations
 
@@ -15,10 +16,12 @@ from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.limit_scan import ScanRange
 
-# strike velocities of the first and last residual shot, over the velocity above which all shots perforate
+# strike velocities of the first and last residual shot, over the velocity above which all shots
+# perforate
 RESIDUAL_SHOTS = 1.03, 2.0
 
-# called with a title; a context whose value is called as report(share of the work done, Shot or None)
+# called with a title; a context whose value is called as report(share of the work done, Shot or
+# None)
 Stage = Callable[[str], AbstractContextManager[Callable[..., object]]]
 
 
@@ -78,7 +81,8 @@ def search(
 
 
 def residual_fit(limit: Limit) -> LambertJonas:
-    """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a single limit."""
+    """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a
+    single limit."""
     perforations = [shot for shot in limit.shots if shot.perforated]
     strikes = [shot.strike_velocity for shot in perforations]
     residuals = [shot.residual_velocity for shot in perforations]

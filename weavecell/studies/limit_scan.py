@@ -1,10 +1,12 @@
-"""Scan of strike velocities about a ballistic limit: is there one limit, or a zone of mixed outcomes?
+"""Scan of strike velocities about a ballistic limit: is there one limit, or a zone of mixed
+outcomes?
 
-Bisection finds one pair of a stop and a perforation and takes for granted that every faster shot perforates. Where
-that does not hold, the pair that it finds depends on where it began. The scan fires shots on an even ladder of strike
-velocities below and above the bracket. It goes on until no stop lies within a given range below its upper end and no
-perforation within a given range above its lower end; a stop far above the bracket thus extends it upwards. The shots
-of a range are fired beside each other, and the result is the same with any executor and number of workers.
+Bisection finds one pair of a stop and a perforation and takes for granted that every faster shot
+perforates. Where that does not hold, the pair that it finds depends on where it began. The scan
+fires shots on an even ladder of strike velocities below and above the bracket. It goes on until no
+stop lies within a given range below its upper end and no perforation within a given range above its
+lower end; a stop far above the bracket thus extends it upwards. The shots of a range are fired
+beside each other, and the result is the same with any executor and number of workers.
 """
 
 from __future__ import annotations
@@ -32,14 +34,16 @@ class ScanRange:
 
     Parameters
     ----------
-    above : [-] range above the highest stop in which every shot has to perforate, as a share of the highest stop
-    below : [-] range below the lowest perforation in which every shot has to stop, as a share of that velocity
+    above : [-] range above the highest stop in which every shot has to perforate, as a share of the
+        highest stop
+    below : [-] range below the lowest perforation in which every shot has to stop, as a share of
+        that velocity
     step : [-] between neighbouring shots, as a share of the bracket's upper end
 
     Raises
     ------
-    InputError : a range that is negative or, below, not less than 1; a step that is not above 0 or that makes too many
-        shots
+    InputError : a range that is negative or, below, not less than 1; a step that is not above 0 or
+        that makes too many shots
     """
 
     above: float = 0.25
@@ -59,7 +63,8 @@ class ScanRange:
             )
 
     def ladder(self, limit: Limit) -> list[float]:
-        """[m/s] velocities that the present shots call for, rising; those of the bracket itself are not among them."""
+        """[m/s] velocities that the present shots call for, rising; those of the bracket itself are
+        not among them."""
         step = self.step * limit.high
         top = min((1 + self.above) * limit.highest_stop, HIGHEST)
         bottom = (1 - self.below) * limit.lowest_perforation
@@ -79,7 +84,8 @@ def scan(
     jobs: int = 1,
     report: Callable[..., object] | None = None,
 ) -> Limit:
-    """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
+    """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is
+    enclosed.
 
     Parameters
     ----------
@@ -111,7 +117,8 @@ def with_shots(limit: Limit, shots: Sequence[Shot]) -> Limit:
 
 
 def indicator(limit: Limit) -> Indicator:
-    """Quality indicator: width [m/s] of the zone of mixed outcomes, 0 where there is a single limit."""
+    """Quality indicator: width [m/s] of the zone of mixed outcomes, 0 where there is a single
+    limit."""
     low, high = limit.mixed_zone or (0.0, 0.0)
     meaning = "highest strike velocity that is stopped less the lowest that perforates, where it is positive"
     return Indicator("mixed outcomes", high - low, 0.0, "m/s", meaning)

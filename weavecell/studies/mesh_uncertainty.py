@@ -1,25 +1,29 @@
-"""Discretisation uncertainty of an impact from pairs of meshes: the grid convergence index of ASME V&V 20.
+"""Discretisation uncertainty of an impact from pairs of meshes: the grid convergence index of ASME
+V&V 20.
 
-The element side near the impact point of the finer mesh is half that of the other. With the difference d of a result
-between the two,
+The element side near the impact point of the finer mesh is half that of the other. With the
+difference d of a result between the two,
 
-    U = F_s d r^p / (r^p - 1)  on the coarser mesh,    U = F_s d / (r^p - 1)  on the finer one,    r = 2.
+    U = F_s d r^p / (r^p - 1)  on the coarser mesh,    U = F_s d / (r^p - 1)  on the finer one,    r
+                                                       = 2.
 
-Two meshes show no order of convergence, so that p is the formal order of the elements, 2, and F_s = 3, the factor that
-goes with an order which is assumed (P. J. Roache, Verification and Validation in Computational Science and Engineering,
-1998; ASME V&V 20-2009, section 2-4): U is 4 d and d. The interval of a result phi is phi - U to phi + U.
+Two meshes show no order of convergence, so that p is the formal order of the elements, 2, and F_s =
+3, the factor that goes with an order which is assumed (P. J. Roache, Verification and Validation in
+Computational Science and Engineering, 1998; ASME V&V 20-2009, section 2-4): U is 4 d and d. The
+interval of a result phi is phi - U to phi + U.
 
-The difference of a single number can vanish by chance where two solutions cross. So d is a norm of the difference of
-the solutions: of the deflection, and of the velocity and the absorbed energy of a projectile that is still in flight,
-the largest difference of their histories, up to the end of the shorter run, and of peak tensions the larger of the
-relative differences of warp and weft. What a projectile that stops leaves (no velocity, and all its energy absorbed)
-has no error. Residual velocity and absorbed energy of one that perforates are means over a window of strike velocities
-(`window`): d is the difference of the means on the two meshes, and to U is added the root of the sum of the squares of
-their standard errors. Where the outcomes on the meshes differ, the outcome depends on the mesh, and no result has an
-uncertainty.
+The difference of a single number can vanish by chance where two solutions cross. So d is a norm of
+the difference of the solutions: of the deflection, and of the velocity and the absorbed energy of a
+projectile that is still in flight, the largest difference of their histories, up to the end of the
+shorter run, and of peak tensions the larger of the relative differences of warp and weft. What a
+projectile that stops leaves (no velocity, and all its energy absorbed) has no error. Residual
+velocity and absorbed energy of one that perforates are means over a window of strike velocities
+(`window`): d is the difference of the means on the two meshes, and to U is added the root of the
+sum of the squares of their standard errors. Where the outcomes on the meshes differ, the outcome
+depends on the mesh, and no result has an uncertainty.
 
-`run_pair` states the uncertainty on the scene's own mesh. `refine` runs finer and finer meshes, until the uncertainty
-of one quantity is within its target.
+`run_pair` states the uncertainty on the scene's own mesh. `refine` runs finer and finer meshes,
+until the uncertainty of one quantity is within its target.
 """
 
 from __future__ import annotations
@@ -52,8 +56,8 @@ MOST_ELEMENTS = 8
 
 @dataclass(frozen=True)
 class Shot:
-    """A run, why it became unstable, or None, in which case the result is what it had computed, and its window, or None
-    of one that did not perforate."""
+    """A run, why it became unstable, or None, in which case the result is what it had computed, and
+    its window, or None of one that did not perforate."""
 
     result: ImpactResult
     failure: UnstableError | None = None
@@ -66,8 +70,8 @@ Shoot: TypeAlias = Callable[..., Shot]
 
 @dataclass(frozen=True)
 class Interval:
-    """A result on the mesh that counts, on the other mesh, and its discretisation uncertainty, all in its unit; of
-    means also their standard errors on these meshes, otherwise 0."""
+    """A result on the mesh that counts, on the other mesh, and its discretisation uncertainty, all
+    in its unit; of means also their standard errors on these meshes, otherwise 0."""
 
     name: str
     unit: str
@@ -124,9 +128,10 @@ def index(difference: float, *, of_finer: bool = False) -> float:
 
 
 def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
-    """The set-up with half the element side within REACH of the impact point, or further where the projectile needs it;
-    of a graded mesh with half the side of the first zone, and all zones twice as far out. Where the panel cannot be
-    graded so (edges that are held by friction) all its elements are halved.
+    """The set-up with half the element side within REACH of the impact point, or further where the
+    projectile needs it; of a graded mesh with half the side of the first zone, and all zones twice
+    as far out. Where the panel cannot be graded so (edges that are held by friction) all its
+    elements are halved.
 
     Raises
     ------
@@ -183,15 +188,18 @@ def in_words(setup: ImpactSetup) -> str:
     if len(zones) == 1 and zones[0][1] <= 1:
         count = round(1 / zones[0][1])
         return f"{count} element{'s' * (count > 1)} per crossover"
-    sides = [
-        f"{Fraction(side).limit_denominator(MOST_ELEMENTS)}{'' if until == inf else f' to {until:g}'}"
-        for until, side in zones
-    ]
+    sides = []
+    for until, side in zones:
+        words = str(Fraction(side).limit_denominator(MOST_ELEMENTS))
+        if until < inf:
+            words += f" to {until:g}"
+        sides.append(words)
     return f"sides of {', '.join(sides)} crossovers"
 
 
 def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
-    """Run a scene on its mesh, which counts, and on the finer one; where its run became unstable, on its mesh alone.
+    """Run a scene on its mesh, which counts, and on the finer one; where its run became unstable,
+    on its mesh alone.
 
     Raises
     ------
@@ -210,7 +218,8 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
 def refine(
     setup: ImpactSetup, quantity: str, target: float, shoot: Shoot
 ) -> tuple[Shot, Discretisation]:
-    """Run a scene on its mesh and on finer ones, until the uncertainty of a quantity is within its target.
+    """Run a scene on its mesh and on finer ones, until the uncertainty of a quantity is within its
+    target.
 
     The last run counts. A run that became unstable is compared with none.
     """
@@ -285,7 +294,8 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
 
 
 def _results(shot):
-    """(quantity, what its uncertainty is a share of, its Interval on this mesh alone) of each result of a shot."""
+    """(quantity, what its uncertainty is a share of, its Interval on this mesh alone) of each
+    result of a shot."""
     result = shot.result
     strike = result.setup.strike_velocity
     residual = (max(result.residual_velocity, 0.0), 0.0)
@@ -310,9 +320,10 @@ def _single(name, unit, value, error=0.0):
 
 
 def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
-    """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the strike, the largest
-    deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
-    panel that is perforated does not have. Velocity and energy of a projectile that perforates have none: infinite."""
+    """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the
+    strike, the largest deflection and the peak tensions; infinite where the outcomes differ, 0 of
+    what a projectile that has stopped or a panel that is perforated does not have. Velocity and
+    energy of a projectile that perforates have none: infinite."""
     (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
     common = t <= tf[-1]
     strike = coarse.setup.strike_velocity
@@ -334,6 +345,6 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
         "deflection": holds and np.abs(depths).max() / deepest,
         "peak_tension": holds and max(tensions, default=0.0),
     }
-    return {
-        name: float(norm) if coarse.outcome == fine.outcome else inf for name, norm in norms.items()
-    }
+    if coarse.outcome != fine.outcome:
+        return dict.fromkeys(norms, inf)
+    return {name: float(norm) for name, norm in norms.items()}

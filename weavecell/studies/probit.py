@@ -1,18 +1,22 @@
 """Probability of perforation against strike velocity, fitted to shots that stopped or perforated.
 
-    P(V) = F((V - V50) / s)   with F of the standard normal (probit) or logistic (logit) distribution
+    P(V) = F((V - V50) / s)   with F of the standard normal (probit) or logistic (logit)
+                              distribution
 
-V50 and s have the largest likelihood, intervals those values at which the profile likelihood has fallen by half the
-quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 / s, and any V_P = V50 + z_P s in
-the place of V50, the logarithm of the likelihood is concave in beta, so that every profile has one top. Since P reaches
-0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
+V50 and s have the largest likelihood, intervals those values at which the profile likelihood has
+fallen by half the quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 /
+s, and any V_P = V50 + z_P s in the place of V50, the logarithm of the likelihood is concave in
+beta, so that every profile has one top. Since P reaches 0 and 1 nowhere, V0 and V100 are taken
+where it is `LOW` and `HIGH`.
 
-Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0, a step, with V50
-anywhere between them: the middle is given, and the intervals are those of the profile as ever, too narrow for V0 and
-V100 then. Where the fastest stop and the slowest perforation have one velocity, the step is there.
+Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0,
+a step, with V50 anywhere between them: the middle is given, and the intervals are those of the
+profile as ever, too narrow for V0 and V100 then. Where the fastest stop and the slowest perforation
+have one velocity, the step is there.
 
-statsmodels finds the same curves (a test holds them against each other). It is not used here: where shots are
-separated it does not converge, and its intervals are those of a normal distribution, too narrow for few shots.
+statsmodels finds the same curves (a test holds them against each other). It is not used here: where
+shots are separated it does not converge, and its intervals are those of a normal distribution, too
+narrow for few shots.
 """
 
 from __future__ import annotations
@@ -46,8 +50,8 @@ class Curve:
     link : a name of LINKS
     V50, s : [m/s]
     deviation : [m/s] standard deviation of the velocity at which a panel fails
-    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite where the shots set no
-        bound, and 0 where it would be below
+    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite
+        where the shots set no bound, and 0 where it would be below
     likelihood : its logarithm
     separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
@@ -84,12 +88,14 @@ class Curve:
 
     def probability(self, velocity: ArrayLike) -> np.ndarray:
         """[-] of perforation at strike velocities [m/s] of any shape."""
+        # a step: half of the panels perforate at V50 itself
         if self.s == 0:
             return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
         return LINKS[self.link].cdf((np.asarray(velocity, float) - self.V50) / self.s)
 
     @property
     def V0(self) -> float:
+        # a wide curve would have V0 below 0, which no test can show
         return float(np.maximum(self.velocity(LOW), 0.0))
 
     @property
@@ -105,6 +111,7 @@ class _Likelihood:
         self.hit = perforated
         self.law = LINKS[link]
         self.range = float(np.ptp(velocity))
+        # the slope is searched by its logarithm: it spans eight powers of ten
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
         # [m/s] least s
         self.least = self.range / _STEEPEST
@@ -126,6 +133,7 @@ class _Likelihood:
 
     def over_place(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
+        # a flat curve may have its V50 far outside the shots
         reach = 10 * self.range + 10 / beta
         bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
         top = minimize_scalar(
@@ -155,7 +163,7 @@ def fit(
 
     Raises
     ------
-    InputError : velocities that are not numbers, unknown link, or a confidence that is no share
+    InputError : velocities that are not numbers, unknown link, or a confidence that is not a share
     """
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
@@ -168,13 +176,16 @@ def fit(
     if reason := _no_curve(V, hit):
         return _none(link, confidence, reason)
     likelihood = _Likelihood(V, hit, link)
+    # then the likelihood has no maximum: it grows with the slope for ever
     separated = bool(V[hit].min() >= V[~hit].max())
     if separated:
         V50, s, best = _step(likelihood)
     else:
         V50, s, best = _top(likelihood)
+        # the search ended at its flattest slope
         if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
             return _none(link, confidence, NOT_RISING)
+    # profile likelihood: with few shots it is far from a parabola, and so are the intervals
     floor = best - 0.5 * chi2.ppf(confidence, 1)
     intervals = {
         name: interval(likelihood, P, V50 + max(s, likelihood.least) * LINKS[link].ppf(P), floor)
@@ -212,18 +223,21 @@ def band(
 
 
 def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
-    """(low, high) [m/s], at least 0, between which the profile likelihood of V_P, largest at `at`, is above a floor."""
+    """(low, high) [m/s], at least 0, between which the profile likelihood of V_P, largest at `at`,
+    is above a floor."""
     z = likelihood.law.ppf(P)
     below = lambda V: likelihood.over_slope(V, z)[0] - floor  # noqa: E731
     return max(_edge(below, at, -likelihood.range), 0.0), _edge(below, at, likelihood.range)
 
 
 def _edge(above, inside, step):
-    """Where a function that is above 0 at `inside` and has one top crosses 0; infinite if it does nowhere near."""
+    """Where a function that is above 0 at `inside` and has one top crosses 0; infinite if it does
+    nowhere near."""
     near = inside
     far = inside + 0.05 * step
     while above(far) > 0:
         near = far
+        # doubled: an open interval is found in a few steps
         far = inside + 2 * (far - inside)
         if abs(far - inside) > 100 * abs(step):
             if step > 0:
@@ -245,7 +259,8 @@ def _top(likelihood):
 
 
 def _step(likelihood):
-    """(V50, s = 0, likelihood) of a step, at which a share of the shots of one velocity may have perforated."""
+    """(V50, s = 0, likelihood) of a step, at which a share of the shots of one velocity may have
+    perforated."""
     V = likelihood.V
     hit = likelihood.hit
     low = float(V[~hit].max())
@@ -258,7 +273,8 @@ def _step(likelihood):
 
 
 def _spread(likelihood, s, floor):
-    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity where there is no bound."""
+    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity if there
+    is no bound."""
     above = lambda t: likelihood.over_place(exp(t))[0] - floor  # noqa: E731
     flattest, steepest = likelihood.betas
     middle = steepest

@@ -1,15 +1,18 @@
-"""V50 as a laboratory finds it: of six shots, and of short series of shots, up and down, on a curve that is known.
+"""V50 as a laboratory finds it: of six shots, and of short series of shots, up and down, on a curve
+that is known.
 
-MIL-STD-662F takes the mean of as many of the fastest stops as of the slowest perforations, here PAIRS of each, whose
-velocities lie within a spread that the test states; SPREADS are those of the standard.
+MIL-STD-662F takes the mean of as many of the fastest stops as of the slowest perforations, here
+PAIRS of each, whose velocities lie within a spread that the test states; SPREADS are those of the
+standard.
 
-In a series the next shot after a perforation is slower, after a stop faster, by `STEPS[0]` until the outcome has
-changed once and by `STEPS[1]` from then on. The series ends as soon as its PAIRS fastest stops and PAIRS slowest
-perforations lie within SPAN; V50 is the mean of these 2 PAIRS velocities. A series that has not ended after MOST shots
-has no result. The first shot misses V50 by up to `STEPS[0]`, evenly distributed.
+In a series the next shot after a perforation is slower, after a stop faster, by `STEPS[0]` until
+the outcome has changed once and by `STEPS[1]` from then on. The series ends as soon as its PAIRS
+fastest stops and PAIRS slowest perforations lie within SPAN; V50 is the mean of these 2 PAIRS
+velocities. A series that has not ended after MOST shots has no result. The first shot misses V50 by
+up to `STEPS[0]`, evenly distributed.
 
-This is the scheme of STANAG 2920 and MIL-STD-662F as it is commonly quoted (three and three within 40 m/s); the texts
-of the standards were not at hand, and the steps are assumed.
+This is the scheme of STANAG 2920 and MIL-STD-662F as it is commonly quoted (three and three within
+40 m/s); the texts of the standards were not at hand, and the steps are assumed.
 """
 
 from __future__ import annotations
@@ -90,7 +93,8 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
 
 
 def _chosen(stops: Sequence[float], perforations: Sequence[float]) -> list[float]:
-    """Velocities of the fastest stops and the slowest perforations, PAIRS of each where there are so many."""
+    """Velocities of the fastest stops and the slowest perforations, PAIRS of each where there are
+    so many."""
     return [*sorted(stops)[-PAIRS:], *sorted(perforations)[:PAIRS]]
 
 
@@ -100,7 +104,8 @@ class Series:
 
     Parameters
     ----------
-    mean, deviation : [m/s] of their V50; the deviation is what one laboratory differs from the next by
+    mean, deviation : [m/s] of their V50; the deviation is what one laboratory differs from the next
+        by
     low, high : [m/s] between which 95 % of them lie
     shots : [-] mean number of shots
     share : [-] of the series that have a result

@@ -16,7 +16,8 @@ def run(table: CellTable, inputs: Any, bending: float = 0.0) -> PullOutCurve:
     ----------
     table : CellTable, variational
     inputs : object with the entries of `scenes.coupon.PullOutTable`
-    bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold is computed
+    bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold
+        is computed
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""Whether a rigid projectile would have done in a shot, or the bar that it is moves tip against tail."""
+"""Whether a rigid projectile would have done in a shot, or the bar that it is moves tip against
+tail."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from fabrics.base.errors import InputError
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactResult
 
-# Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/reports/numerics.md)
+# Periods of contact (`contact_time`) from which on a rigid projectile is enough
+# (docs/reports/numerics.md)
 ENOUGH = 3.0
 
 
@@ -25,7 +27,8 @@ class Rigidity:
     Parameters
     ----------
     contact_time, period : [s]
-    force, yield_force : [N] that pressed on it for half a period, and at which its thinnest section yields
+    force, yield_force : [N] that pressed on it for half a period, and at which its thinnest section
+        yields
     enough : bool
     elastic : whether the shot had the elastic projectile
     """
@@ -62,8 +65,9 @@ def rigid_is_enough(
     *,
     elastic: bool = False,
 ) -> Rigidity:
-    """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force, `held_force`, with
-    that at which it yields, both [N]: a wall that is squeezed takes energy that a rigid body would have to keep.
+    """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force,
+    `held_force`, with that at which it yields, both [N]: a wall that is squeezed takes energy that
+    a rigid body would have to keep.
 
     Raises
     ------
@@ -79,7 +83,8 @@ def rigid_is_enough(
 def held_force(t: FloatArray, force: FloatArray, span: float) -> float:
     """[N] largest mean over a span [s] of the force in a history (n,) [s], (n,) [N] of even steps.
 
-    A blow that is shorter than half a period does not reach the thin sections behind the tip as a force.
+    A blow that is shorter than half a period does not reach the thin sections behind the tip as a
+    force.
     """
     width = 1
     if len(t) > 1:
@@ -89,16 +94,18 @@ def held_force(t: FloatArray, force: FloatArray, span: float) -> float:
 
 
 def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
-    """[s] for which the largest mean force over a period of the bar would have to act to give the impulse.
+    """[s] for which the largest mean force over a period of the bar would have to act to give the
+    impulse.
 
     Parameters
     ----------
     t, force : (n,) [s], (n,) [N] history of even steps
     period : [s] of the bar; what is shorter the bar does not follow
 
-    The momentary largest force instead of that mean would depend on the mesh: a finer one begins with a higher and
-    shorter peak of the same impulse. A half sine of a duration T above the period P gives (2 T / pi) x / sin x with
-    x = pi P / (2 T); what is shorter than the period gives the period.
+    The momentary largest force instead of that mean would depend on the mesh: a finer one begins
+    with a higher and shorter peak of the same impulse. A half sine of a duration T above the period
+    P gives (2 T / pi) x / sin x with x = pi P / (2 T); what is shorter than the period gives the
+    period.
 
     Raises
     ------
@@ -114,8 +121,8 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
 def of_shot(result: ImpactResult) -> Rigidity | None:
     """What says whether a rigid projectile is enough.
 
-    Its contact is compared with the period of the bar that it is, or would be if it were of steel. None for other
-    shapes than a flat cylinder, and if the fabric was never touched.
+    Its contact is compared with the period of the bar that it is, or would be if it were of steel.
+    None for other shapes than a flat cylinder, and if the fabric was never touched.
     """
     shot = result.setup.projectile
     try:

@@ -1,7 +1,8 @@
 """Panels and packs of a V50, drawn from a seed and a number alone.
 
-The yarns differ in strength (`shellfabric.impact.strengths`). Modulus, and the crimp of either family, are one
-log-normal value for all plies, which are cut from one roll. Resolved yarns are struck anywhere in a cell of the weave.
+The yarns differ in strength (`shellfabric.impact.strengths`). Modulus, and the crimp of either
+family, are one log-normal value for all plies, which are cut from one roll. Resolved yarns are
+struck anywhere in a cell of the weave.
 """
 
 from __future__ import annotations
@@ -83,7 +84,8 @@ def check(setup: ImpactSetup, scatter: Scatter) -> None:
 
 
 def draw_factors(scatter: Scatter, seed: int, number: int) -> dict[str, float]:
-    """{"modulus", "crimp_warp", "crimp_weft": factor} of a number, of log-normal distributions of mean 1."""
+    """{"modulus", "crimp_warp", "crimp_weft": factor} of a number, of log-normal distributions of
+    mean 1."""
     normal = np.random.default_rng([seed, number]).standard_normal(3)
     spreads = {
         "modulus": scatter.modulus,

@@ -1,4 +1,5 @@
-"""What one set-up of a sweep comes to: a shot, the ballistic limit, or V50, as a row of plain values."""
+"""What one set-up of a sweep comes to: a shot, the ballistic limit, or V50, as a row of plain
+values."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ MIXED = "mixed outcomes"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is drawn of a sweep: a column, those of the ends of its interval or bracket, and the label of the axis."""
+    """What is drawn of a sweep: a column, those of the ends of its interval or bracket, and the
+    label of the axis."""
 
     column: str
     label: str
@@ -69,7 +71,8 @@ def shot(setup: ImpactSetup) -> dict[str, Any]:
 
 
 def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
-    """Outcome, velocity, energy, deflection, tensions and checks of a result, and why it became unstable or ""."""
+    """Outcome, velocity, energy, deflection, tensions and checks of a result, and why it became
+    unstable or ""."""
     warp, weft = result.peak_tension
     return {
         "outcome": "unstable" if problem else result.outcome,
@@ -99,7 +102,8 @@ def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
 
 
 def _with_reasons(indicators):
-    """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and its limit."""
+    """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and
+    its limit."""
     status = quality.status(indicators)
     reasons = "; ".join(str(indicator) for indicator in indicators if indicator.status == status)
     if status == quality.OK:

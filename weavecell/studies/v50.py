@@ -1,15 +1,18 @@
-"""A ballistic limit that is a probability: repeated shots at panels of yarns that differ in strength.
+"""A ballistic limit that is a probability: repeated shots at panels of yarns that differ in
+strength.
 
 Each panel or pack is drawn anew (`strengths`).
 
-A shot ends once its outcome is known. A projectile that has less than 1 % of its strike energy left counts as stopped
-if no yarn has failed while a stress wave went to the edge and back. Were it to perforate all the same, its residual
-velocity would be below a tenth of its strike velocity: by v_r^2 = V^2 - V50^2 it was struck within 0.5 % of the limit.
+A shot ends once its outcome is known. A projectile that has less than 1 % of its strike energy left
+counts as stopped if no yarn has failed while a stress wave went to the edge and back. Were it to
+perforate all the same, its residual velocity would be below a tenth of its strike velocity: by
+v_r^2 = V^2 - V50^2 it was struck within 0.5 % of the limit.
 
-Velocities are chosen in rounds of a given size from the outcomes of all rounds before: nothing depends on the number
-of workers. The first round covers the deterministic limit by `FIRST` either way; then velocities are spread evenly over
-the probabilities of the curve fitted so far, or, where no stop is faster than a perforation, over the gap between them,
-or, where the shots determine no curve, over the range fired so far.
+Velocities are chosen in rounds of a given size from the outcomes of all rounds before: nothing
+depends on the number of workers. The first round covers the deterministic limit by `FIRST` either
+way; then velocities are spread evenly over the probabilities of the curve fitted so far, or, where
+no stop is faster than a perforation, over the gap between them, or, where the shots determine no
+curve, over the range fired so far.
 Without scatter that is a search of the gap, and V50 goes to the deterministic limit.
 """
 
@@ -95,7 +98,8 @@ class Study:
     curves : {link: probit.Curve}
     scatter : Scatter
     failures : why other shots have none: they became unstable, or neither stopped nor perforated
-    assumed_range : of V50, or of the limit without scatter, over what is assumed; None where it was not asked for
+    assumed_range : of V50, or of the limit without scatter, over what is assumed; None if it was
+        not asked for
     """
 
     deterministic: tuple[float, float]
@@ -113,6 +117,7 @@ class Study:
     @cached_property
     def lambert_jonas(self) -> LambertJonas:
         """Lambert-Jonas fit to the residual velocities."""
+        # a projectile that is stopped has no residual velocity to fit
         through = [shot for shot in self.shots if shot.perforated]
         strikes = [shot.velocity for shot in through]
         return lambert_jonas.fit(strikes, [shot.residual for shot in through])
@@ -146,10 +151,10 @@ class Study:
             "doubtful": self.doubtful,
             "without_outcome": len(self.failures),
             "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
-            **{
-                f"series_{name}_m_s": getattr(self.series, name)
-                for name in ("mean", "deviation", "low", "high")
-            },
+            "series_mean_m_s": self.series.mean,
+            "series_deviation_m_s": self.series.deviation,
+            "series_low_m_s": self.series.low,
+            "series_high_m_s": self.series.high,
             "series_with_result": self.series.share,
         }
 
@@ -160,6 +165,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
+    # the study goes on without this shot, and counts it
     except (UndecidedError, UnstableError) as problem:
         failure = f"shot {number} of seed {seed}, {velocity:.1f} m/s: {problem}"
         return Shot(number, velocity, nan, False, **panel, balance=nan, failure=failure)
@@ -170,7 +176,9 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
-    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
+    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that
+    the set-up models."""
+    # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
     limit = ballistic_limit.critical_velocity(
         replace(setup, numerics=numerics).target(), tolerance=tolerance
@@ -179,8 +187,9 @@ def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
 
 
 def graded(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with the mesh of a study where it names none: elements of a failure length, twice as long as those of
-    a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
+    """The set-up with the mesh of a study where it names none: elements of a failure length, twice
+    as long as those of a shot, as far as anything can come under the nose of nearly all drawn
+    panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot.
     """
@@ -189,6 +198,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     if setup.plies > 1 or named:
         return setup
     crimped = replace(setup, symmetry="whole")
+    # drawn panels may have more crimp, and draw in more fabric: four deviations cover nearly all
     if setup.surface is None:
         crimp = 1 + 4 * published().crimp
         crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
@@ -197,17 +207,20 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
-    """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
+    """(count,) [m/s] velocities of the next round, from those of the shots so far and their
+    outcomes."""
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
     least = BEYOND[0] * V.min()
     most = BEYOND[1] * V.max()
+    # nothing brackets V50 yet: go on below, or above, all shots so far
     if hit.all():
         return np.linspace(least, V.min(), count, endpoint=False)
     if not hit.any():
         return np.linspace(most, V.max(), count, endpoint=False)[::-1]
     low = V[~hit].max()
     high = V[hit].min()
+    # stops and perforations are apart, and a fit would have no width: fill the gap first
     if low < high:
         wider = 0.0
         if scatters:
@@ -216,6 +229,7 @@ def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool)
     else:
         curve = probit.fit(V, hit)
         placed = curve.velocity(np.linspace(*SPREAD, count))
+        # the fit failed: spread the shots over what is known
         if curve.reason:
             placed = np.linspace(V.min(), V.max(), count)
     return np.clip(placed, least, most)
@@ -236,8 +250,8 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh that is
-        the one of `graded`
+    setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh
+        that is the one of `graded`
     scatter : Scatter
     shots : how many
     batch : shots of a round
@@ -247,12 +261,13 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before the first shot, or
-        too few shots
+    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before
+        the first shot, or too few shots
     """
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
+    # refused before the first shot
     strengths.check(setup, scatter)
     setup = replace(
         graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
@@ -260,10 +275,12 @@ def study(
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
     with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
+        # one pool serves all rounds: starting workers takes longer than many a shot
         runs["executor"] = pool
         (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
+            # the first round has no outcomes to go by, only the limit without scatter
             if known := [shot for shot in fired if not shot.failure]:
                 outcomes = [shot.perforated for shot in known]
                 velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)
@@ -301,8 +318,9 @@ def over_assumed(
 ) -> AssumedRange | None:
     """Range over what is assumed: of the limit without scatter, or of V50 itself.
 
-    The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST contributors to its
-    range: the drawn panels of the study are shot at again, at velocities that are to the limit as those of the study.
+    The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST
+    contributors to its range: the drawn panels of the study are shot at again, at velocities that
+    are to the limit as those of the study.
 
     Parameters
     ----------

@@ -1,15 +1,18 @@
 """Mean of a shot that perforates over a window of strike velocities, with its standard error.
 
-Yarns fail one after the other, as waves come back from the edges: residual velocity, absorbed energy and number of
-failures are staircases in the strike velocity, and their value at one velocity is a point of a step. So the shot is
-repeated at `FACTORS` times its strike velocity V0. The mean is the value at V0 of the straight line through the n shots
-(V_i, y_i) by least squares, since a trend with the velocity is no scatter. With the mean velocity V_m, the slope b and
-the residuals r_i of the line, this value and its standard error are
+Yarns fail one after the other, as waves come back from the edges: residual velocity, absorbed
+energy and number of failures are staircases in the strike velocity, and their value at one velocity
+is a point of a step. So the shot is repeated at `FACTORS` times its strike velocity V0. The mean is
+the value at V0 of the straight line through the n shots (V_i, y_i) by least squares, since a trend
+with the velocity is no scatter. With the mean velocity V_m, the slope b and the residuals r_i of
+the line, this value and its standard error are
 
-    y_m + b (V0 - V_m),    s sqrt(1/n + (V0 - V_m)^2 / sum (V_i - V_m)^2),    s^2 = sum r_i^2 / (n - 2)
+    y_m + b (V0 - V_m),    s sqrt(1/n + (V0 - V_m)^2 / sum (V_i - V_m)^2),    s^2 = sum r_i^2 / (n -
+                           2)
 
-(D. C. Montgomery, E. A. Peck, G. G. Vining, Introduction to Linear Regression Analysis, estimation of the mean
-response). Residuals of a staircase are not normal: the standard error measures scatter, and is no confidence interval.
+(D. C. Montgomery, E. A. Peck, G. G. Vining, Introduction to Linear Regression Analysis, estimation
+of the mean response). Residuals of a staircase are not normal: the standard error measures scatter,
+and is no confidence interval.
 """
 
 from __future__ import annotations
@@ -52,7 +55,8 @@ class Window:
         return Counter(shot["outcome"] for shot in self.shots)
 
     def mean(self, quantity: str) -> tuple[float, float]:
-        """(mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than three shots."""
+        """(mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than three
+        shots."""
         counted = [shot for shot in self.shots if shot["outcome"] != "unstable"]
         points = np.array(
             [(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted]
@@ -74,7 +78,8 @@ class Window:
 
 
 def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
-    """(value, its standard error) at a place of the line through points (n,) by least squares; NaN below n = 3."""
+    """(value, its standard error) at a place of the line through points (n,) by least squares; NaN
+    below n = 3."""
     if x.size < 3:
         return nan, nan
     off = x - x.mean()
@@ -105,9 +110,10 @@ def about(result: ImpactResult, **runs: Any) -> Window | None:
         return None
     plain = replace(result.setup, snapshot_interval=None, history=None)
     velocity = result.setup.strike_velocity
-    others = [
-        (replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1
-    ]
+    others = []
+    for factor in FACTORS:
+        if factor != 1:
+            others.append((replace(plain, strike_velocity=factor * velocity),))
     if runs:
         # only the means are wanted: no shapes, no histories along yarns
         rows = run_cache.results(fire, others, **runs)

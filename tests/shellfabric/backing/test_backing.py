@@ -14,6 +14,7 @@ from shellfabric.backing import contact_kernels as backing_contact_kernels
 from shellfabric.backing.block import Backing, graded
 from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.state import BlockRow
 
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
@@ -50,18 +51,9 @@ def law_of(material):
 
 def nodal(block, dt=0.0):
     """Internal forces (n, 3) [N] of the bricks at the places as they are, `dt` [s] after the last call."""
-    block_kernels.forces(
-        block.shape,
-        block.x,
-        (block._gradient, block._volume, block._twist, block._control, block._edges),
-        block._law,
-        dt,
-        (block.metric, block.alpha, block.last, block.past, block.gone),
-        block._own,
-        block.energy,
-    )
+    block_kernels.forces(block.row, dt)
     total = np.zeros_like(block.x)
-    np.add.at(total, block.bricks, block._own)
+    np.add.at(total, block.bricks, block.row.own)
     return total
 
 
@@ -140,23 +132,23 @@ def test_patch_test():
     block.x[:] = block.rest @ F.T
     total = nodal(block)
     inner = block.nodes[1:-1, 1:-1, 1:-1].ravel()
-    assert abs(total[inner]).max() < 1e-10 * abs(block._own).max()
+    assert abs(total[inner]).max() < 1e-10 * abs(block.row.own).max()
     assert block.energy[:, block_kernels.HOURGLASS].max() < 1e-20
     P = plain_hencky(F, np.eye(3), 0.0, ELASTIC)[0]
-    assert total.T @ block.rest == pytest.approx(P * block._volume.sum(), rel=1e-9)
+    assert total.T @ block.rest == pytest.approx(P * block.row.volume.sum(), rel=1e-9)
 
 
 def column(material, n=200, outer_boundary="fixed", h=1e-3, **changes):
     """A column of one brick's width, held sideways: uniaxial strain."""
     backing = Backing(material, (2 * h, 2 * h, n * h), h, n * h, 1.0, outer_boundary, **changes)
     block = backing.block(0.4 * h / material.wave_speed)
-    block.free[:, :2] = 0.0
+    block.row.free[:, :2] = 0.0
     bottom = block.nodes[:, :, -1].ravel()
-    block.free[:, 2] = 1.0
-    block.free[bottom, 2] = 0.0 if outer_boundary == "fixed" else 1.0
-    kept = block._dashpot[bottom, 2].copy()
-    block._dashpot[:] = 0.0
-    block._dashpot[bottom, 2] = kept
+    block.row.free[:, 2] = 1.0
+    block.row.free[bottom, 2] = 0.0 if outer_boundary == "fixed" else 1.0
+    kept = block.row.dashpot[bottom, 2].copy()
+    block.row.dashpot[:] = 0.0
+    block.row.dashpot[bottom, 2] = kept
     return block
 
 
@@ -168,7 +160,7 @@ def test_a_wave_runs_at_c_L_with_its_stress(name):
     block = column(material, 100, hourglass=0.0)
     v = 1e-2
     face = block.nodes[:, :, 0].ravel()
-    block.free[face, 2] = 0.0
+    block.row.free[face, 2] = 0.0
     block.v[face, 2] = v
     while block.time < 60e-3 / material.wave_speed:
         block.advance()
@@ -256,7 +248,7 @@ def test_points_press_as_a_plate_and_give_what_they_take():
     forces = block.press(places, np.zeros_like(places), np.full(len(places), 1e4))
     assert forces == pytest.approx(np.tile([0, 0, -0.2], (len(places), 1)), abs=1e-12)
     # internal sign
-    assert block._outer.sum(axis=0) == pytest.approx([0, 0, -0.2 * len(places)], rel=1e-12)
+    assert block.row.outer.sum(axis=0) == pytest.approx([0, 0, -0.2 * len(places)], rel=1e-12)
     assert block.energies()["contact"] == pytest.approx(0.5 * 1e4 * 4e-10 * len(places), rel=1e-12)
     # nothing within the thickness kept, nothing off the block
     away = block.press(
@@ -287,11 +279,10 @@ def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
     place = np.zeros(2)
     nodes = np.zeros(4, np.int64)
     x = x.reshape(-1, 3)
+    block = BlockRow.empty()._replace(nx=2, ny=2, nz=1, x=x, gone=np.zeros(4, bool))
     for point in ((4.523, 4.206), (5.074, 4.189), (4.964, 4.108)):
         column[:] = 1
-        assert backing_contact_kernels.locate(
-            *point, x, column, 2, 2, 1, np.zeros(4, bool), place, nodes
-        )
+        assert backing_contact_kernels.locate(np.array(point), block, column, place, nodes)
         w = np.zeros(4)
         backing_contact_kernels.weights(*place, w)
         assert tuple(column) == (0, 0)
@@ -308,7 +299,7 @@ def test_a_point_high_above_a_steep_facet_is_not_at_it():
     def push(above):
         point = np.array([[0.5e-3, 0.5e-3, 5e-3 - above]])
         block.press(point, fast, np.ones(1), thickness=3e-3)
-        block._memory[:, 1] = 0.0  # what came by the slope is no step
+        block.points.memory[:, 1] = 0.0  # what came by the slope is no step
         return np.linalg.norm(block.press(point, fast, np.ones(1), thickness=3e-3))
 
     assert push(2e-3) == pytest.approx(3e-3 - 2e-3 * np.cos(np.arctan(10)), rel=1e-6)
@@ -321,7 +312,7 @@ def test_points_follow_a_face_that_moves_and_erodes():
     assert block.press(point, 0 * point, np.ones(1))[0, 2] < 0
     block.x[:, 0] -= 2.0e-3  # the block moves under the point: it lies over another column
     assert block.press(point, 0 * point, np.ones(1))[0, 2] == pytest.approx(-1e-5, rel=1e-9)
-    assert tuple(block._columns[0]) == (2, 0)
+    assert tuple(block.points.columns[0]) == (2, 0)
     block.gone.reshape(block.shape)[2, 0, :2] = True  # two bricks deep
     assert not block.press(point, 0 * point, np.ones(1)).any()
     deeper = point + np.array([0, 0, 2e-3])

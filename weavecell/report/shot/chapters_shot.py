@@ -1,4 +1,5 @@
-"""The chapters of the report of an impact, on one ply or on a pack: outcome, pictures, tables, mesh, assumptions."""
+"""The chapters of the report of an impact, on one ply or on a pack: outcome, pictures, tables,
+mesh, assumptions."""
 
 from __future__ import annotations
 
@@ -251,7 +252,8 @@ def assumptions(
 
 
 def _crossovers_in_words(setup):
-    """Whether yarns are pinned at their crossovers or resolved, and what that means for the result."""
+    """Whether yarns are pinned at their crossovers or resolved, and what that means for the
+    result."""
     if setup.crossovers is not None:
         half_width = 1e3 * setup.crossovers.half_width
         return (

@@ -1,7 +1,8 @@
-"""The interactive view of a shot: its snapshots as compact arrays in a page, drawn there by templates/view3d.js.
+"""The interactive view of a shot: its snapshots as compact arrays in a page, drawn there by
+templates/view3d.js.
 
-Places are 16-bit integers over the box of all snapshots, as differences from the snapshot before; tensions are 8-bit
-shares of the strength. All arrays are compressed (zlib) in one text.
+Places are 16-bit integers over the box of all snapshots, as differences from the snapshot before;
+tensions are 8-bit shares of the strength. All arrays are compressed (zlib) in one text.
 """
 
 from __future__ import annotations

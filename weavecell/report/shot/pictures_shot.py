@@ -21,7 +21,8 @@ _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
-    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other."""
+    """Velocity of the projectile, deflection of the back face and contact force over time, one
+    below the other."""
     figure, (top, middle, low) = pyplot.subplots(
         3, 1, figsize=(5.6, 12.4), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
     )
@@ -62,7 +63,8 @@ class CutView:
 
 
 def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | None = None) -> Any:
-    """Cuts through the impact point, each whole and as a close-up, in which the lines are as thick as the plies.
+    """Cuts through the impact point, each whole and as a close-up, in which the lines are as thick
+    as the plies.
 
     Parameters
     ----------
@@ -123,7 +125,8 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
 
 
 def outline(projectile: np.ndarray) -> np.ndarray:
-    """(n, 2) [m] convex outline of a surface (a, b, 3) as it is seen from the side, the foremost point at height 0."""
+    """(n, 2) [m] convex outline of a surface (a, b, 3) as it is seen from the side, the foremost
+    point at height 0."""
     from scipy.spatial import ConvexHull
 
     points = projectile[..., [0, 2]].reshape(-1, 2)
@@ -141,7 +144,8 @@ def pieces(line: np.ndarray) -> list[np.ndarray]:
 
 
 def _images(line, mirrored):
-    """The pieces of a line, and of its mirror image where there is one; a piece that begins at the mirror is joined."""
+    """The pieces of a line, and of its mirror image where there is one; a piece that begins at the
+    mirror is joined."""
     drawn: list[np.ndarray] = []
     for part in pieces(line):
         if mirrored and part[0, 0] == 0:
@@ -168,8 +172,8 @@ def _band(line, thickness):
 
 
 def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
-    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction; `recoil`
-    [J] of cut yarns, by its own name, for the last of the viscous energy."""
+    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all
+    friction; `recoil` [J] of cut yarns, by its own name, for the last of the viscous energy."""
     drawn = dict(energies)
     viscous = energies["viscous"]
     drawn["viscous"] = np.minimum(viscous, viscous[-1] - recoil)
@@ -183,8 +187,8 @@ def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
 
 
 def energies(pyplot: Any, record: ImpactRecord) -> Any:
-    """Where the strike energy is at every instant, stacked, and below it the energy error; parts that are absent or
-    zero throughout are left out."""
+    """Where the strike energy is at every instant, stacked, and below it the energy error; parts
+    that are absent or zero throughout are left out."""
     figure, (top, low) = pyplot.subplots(
         2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none"
     )

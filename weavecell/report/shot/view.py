@@ -1,8 +1,9 @@
-"""Look at a mesh, a panel or a pack: in a window, as a picture, or a panel or pack as a movie or an interactive page.
+"""Look at a mesh, a panel or a pack: in a window, as a picture, or a panel or pack as a movie or an
+interactive page.
 
-A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the projectile, a scale
-of the tensions and the outcome. These need histories.h5 beside panel.pvd; without it the elements of the
-file are drawn.
+A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the
+projectile, a scale of the tensions and the outcome. These need histories.h5 beside panel.pvd;
+without it the elements of the file are drawn.
 """
 
 from __future__ import annotations
@@ -81,7 +82,8 @@ class Panel:
         return dict(self.series).get(file, self.record.rear[-1].time)
 
     def image(self, grid: Any, t: float) -> np.ndarray:
-        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the side where this is."""
+        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the
+        side where this is."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         return pictures3d.panel(
             grid,
@@ -105,17 +107,21 @@ class Panel:
 def show(
     path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False
 ) -> None:
-    """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to `html`.
+    """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to
+    `html`.
 
     Parameters
     ----------
-    cut : whether picture and movie show the section through the impact point in place of the whole panel
+    cut : whether picture and movie show the section through the impact point in place of the whole
+        panel
 
     Raises
     ------
-    InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
-        .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
+    InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a
+        file is not named .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or
+        there is no display for a window
     """
+    # a wrong name is refused before anything is drawn
     endings = {
         "screenshot": (screenshot, (".png",)),
         "movie": (movie, MOVIES),
@@ -153,6 +159,7 @@ def show(
 
 def _show_elements(file, panel, screenshot):
     """Show the elements of a file in a window, or write a picture of them."""
+    # the message says what to do in place of a window
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
         raise InputError(
@@ -183,7 +190,8 @@ def find(path: Path) -> Path:
 
 
 def panel_of(path: Path, file: Path) -> Panel | None:
-    """The shot at one ply or pack that a path belongs to; None where it is none, or has no histories.h5."""
+    """The shot at one ply or pack that a path belongs to; None if it is none, or has no
+    histories.h5."""
     path = Path(path)
     folder = file.parent.parent
     if path.is_dir():
@@ -212,7 +220,8 @@ def end(pyplot: Any, record: ImpactRecord) -> Any:
 
 
 def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
-    """The last instant of a record for a report; empty, with a warning, on a machine that cannot draw it."""
+    """The last instant of a record for a report; empty, with a warning, on a machine that cannot
+    draw it."""
     if not pictures_mesh.can_draw():
         logging.getLogger("weavecell").warning(
             "the report has no picture of the panel: no OpenGL library was found, install libegl1"
@@ -225,6 +234,7 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
     """The figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
+    # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
     axes.imshow(panel.image(grid, t), interpolation="antialiased")
     axes.axis("off")
@@ -243,11 +253,13 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 
 
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
-    """The figure of a cut of the record, by its number, with heights up to the highest of all cuts."""
+    """The figure of a cut of the record, by its number, with heights up to the highest of all
+    cuts."""
     record = panel.record
     row = chapters_shot.cut_view(
         record, record.cuts[number], panel.caption(record.cuts[number].time)
     )
+    # one height for all cuts, so that a movie does not jump
     top = max(map(pictures_shot.foremost, record.cuts))
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
     figure.suptitle(
@@ -258,7 +270,8 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
 
 
 def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of every step-th cut."""
+    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of
+    every step-th cut."""
     with plots() as pyplot:
         for figure in _figures(pyplot, panel, cut, step):
             figure.set_dpi(dpi)
@@ -278,7 +291,8 @@ def _figures(pyplot, panel, cut, step):
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
-    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the projectile too.
+    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the
+    projectile too.
 
     Parameters
     ----------
@@ -292,6 +306,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     text = file.name
     if "tension_warp_N" in grid.cell_data:
         mirrors = (False, False)
+        # a panel at rest has no tension to scale by
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
         if panel is not None:
@@ -331,13 +346,15 @@ def _write_movie(panel, movie, cut):
             imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer,
         ):
             for image in frames(panel, 120, cut):
+                # H.264 takes even numbers of pixels alone
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
     files.write(movie, gif(frames(panel, 76, cut)))
 
 
 def cut_in_motion(record: ImpactRecord) -> bytes:
-    """The section through the impact point as a GIF, of so few instants that a report is written soon."""
+    """The section through the impact point as a GIF, of so few instants that a report is written
+    soon."""
     return gif(frames(Panel(record, []), 90, True, -(-len(record.cuts) // _INSTANTS)))
 
 
