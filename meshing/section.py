@@ -86,7 +86,7 @@ class Section:
 
     def half_thickness(self, y: ArrayLike) -> FloatArray:
         """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
-        eta = np.clip(2 * np.abs(np.asarray(y, float)) / self.width, 0, 1)
+        eta = np.clip(2 * abs(np.asarray(y, float)) / self.width, 0, 1)
         shape = np.cos(np.pi / 2 * eta) if self.kind == "sine" else np.sqrt(1 - eta**2)
         return self.thickness / 2 * shape
 

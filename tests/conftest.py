@@ -93,6 +93,18 @@ def command(capsys, tmp_path, monkeypatch):
 
 
 @pytest.fixture
+def succeed(command):
+    """Run a line as `command` does, which has to end well; returns what it prints."""
+
+    def run(*words):
+        code, out, err = command(*words)
+        assert code == 0, err
+        return out
+
+    return run
+
+
+@pytest.fixture
 def tool(monkeypatch):
     """Import a module of tools/ by its name."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "tools"))

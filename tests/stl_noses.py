@@ -31,7 +31,7 @@ VELOCITIES = (80.0, 150.0)  # [m/s]
 def triangles(shot, rise=241, around=145):
     """Corners (n, 3) [m] and triangles (m, 3) of the surface of a projectile; parameters as of its `surface`."""
     rings = shot.surface(rise=rise, around=around)[:, :-1]
-    rings = rings[np.r_[True, np.abs(np.diff(rings, axis=0)).max(axis=(1, 2)) > 1e-9]]
+    rings = rings[np.r_[True, abs(np.diff(rings, axis=0)).max(axis=(1, 2)) > 1e-9]]
     n = len(rings) - 2
     m = rings.shape[1]
     here = np.arange(n * m).reshape(n, m)

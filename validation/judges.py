@@ -144,7 +144,7 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
         for found in records:
             # a case that ended with an error has no numbers, but None
             values = np.array([*_chosen(found, names).values()], float)
-            errors.append(np.abs(values / limits - 1).max())
+            errors.append(abs(values / limits - 1).max())
             found[column] = 100 * errors[-1]
             found.setdefault("Pareto-optimal in", "")
         for number in non_dominated(costs, np.maximum(errors, max(ALIKE, largest_known)), GAIN):
@@ -170,7 +170,7 @@ def _reference(study, entry, quantities, solver):
         values = np.array([one[name] for one in found])
         of_meshes = values[: len(meshes)]
         limit = extrapolate(sizes, of_meshes)
-        moved = np.abs(values[len(meshes) :] - values[0]).sum()
+        moved = abs(values[len(meshes) :] - values[0]).sum()
         off = limit.scatter + 0.25 * abs(limit.limit - of_meshes[-1]) + moved
         limits[name] = limit.limit
         known[name] = off / abs(limit.limit)

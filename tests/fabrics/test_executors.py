@@ -91,21 +91,21 @@ def table(folder):
     return files
 
 
-def test_a_v50_is_the_same_to_the_bit_with_every_executor(command, tmp_path, monkeypatch):
+def test_a_v50_is_the_same_to_the_bit_with_every_executor(succeed, tmp_path, monkeypatch):
     """In the test program without dolfinx: beside its processes mpiexec has ended with code 1 and no message."""
     distributed = pytest.importorskip("distributed")
     mpiexec = shutil.which("mpiexec")
     if mpiexec is None:
         pytest.skip("no mpiexec")
-    assert command(f"{LINE} here --jobs 1")[0] == 0
-    assert command(f"{LINE} local --jobs 2")[0] == 0
+    succeed(f"{LINE} here --jobs 1")
+    succeed(f"{LINE} local --jobs 2")
     with one_thread_each():
         cluster = distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=None
         )
     with cluster:
         monkeypatch.setenv("DASK_SCHEDULER_ADDRESS", cluster.scheduler_address)
-        assert command(f"{LINE} dask --executor dask")[0] == 0
+        succeed(f"{LINE} dask --executor dask")
     start = f"{mpiexec} -n 3 --allow-run-as-root --oversubscribe {sys.executable} -m mpi4py.futures"
     words = f"{start} -m weavecell {LINE} mpi --executor mpi".split()
     done = subprocess.run(

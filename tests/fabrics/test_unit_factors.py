@@ -1,8 +1,6 @@
 """Quantities are one number and one unit: converted as pint does, to the last bit, or refused."""
 
 import re
-import subprocess
-import sys
 import tomllib
 from fractions import Fraction
 
@@ -12,6 +10,7 @@ from hypothesis import strategies as st
 
 from fabrics.base import units
 from fabrics.base.errors import InputError
+from tests.programs import printed
 
 # the same examples in every run
 SAME = settings(deadline=None, derandomize=True, database=None, print_blob=True)
@@ -136,7 +135,4 @@ def test_the_usual_units_need_no_pint():
         "import sys; from fabrics.base.units import si; si('3 g', 'kg'); si('9 / cm', '1/m'); "
         "print('pint' in sys.modules)"
     )
-    assert (
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
-        == "False"
-    )
+    assert printed(code) == "False"

@@ -164,7 +164,7 @@ def plain_trellis(panel, sides, stretches, sums):
         for s in (lengths[0], lengths[1].T)
     ]
     angle = np.arcsin(
-        np.abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / np.prod(lengths, axis=0)
+        abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / np.prod(lengths, axis=0)
     )
     beyond1, beyond2 = (np.maximum(angle - kink, 0) for kink in (shear.gamma1, shear.gamma2))
     rise = (shear.G2 - shear.G1) / (shear.gamma2 - shear.gamma1)

@@ -423,7 +423,7 @@ def test_forces_are_minus_the_gradient_of_the_energy(name, seed):
     for way in (velocities(case, number) for number in range(3)):
         ends = ([x + step * w for x, w in zip(case.x, way)] for step in (STEP, -STEP))
         slope = np.subtract(*map(case.energy, ends)) / (2 * STEP)
-        size = sum(np.abs(f * w).sum() for f, w in zip(force, way))
+        size = sum(abs(f * w).sum() for f, w in zip(force, way))
         assert size > 0
         assert slope == pytest.approx(-dot(force, way), abs=1e-6 * size)
 
@@ -434,12 +434,12 @@ def test_forces_add_up_to_nothing_and_have_no_moment(name, seed):
     case = case_of(name, seed)
     force = case.forces(case.x, velocities(case))
     arms = [x - centre(case.x) for x in case.x]
-    size = max(np.abs(f).sum() for f in force)
+    size = max(abs(f).sum() for f in force)
     total = sum(f.reshape(-1, 3).sum(axis=0) for f in force)
     moment = sum(np.cross(arm, f).reshape(-1, 3).sum(axis=0) for arm, f in zip(arms, force))
-    assert np.abs(total).max() < 1e-12 * size
-    assert np.abs(case.axes @ moment).max(initial=0.0) < 1e-9 * size * max(
-        np.abs(arm).max() for arm in arms
+    assert abs(total).max() < 1e-12 * size
+    assert abs(case.axes @ moment).max(initial=0.0) < 1e-9 * size * max(
+        abs(arm).max() for arm in arms
     )
 
 
@@ -454,7 +454,7 @@ def test_turned_bodies_have_turned_forces(name, seed):
         [(x - origin) @ turn + origin for x in case.x], [part @ turn for part in v]
     )
     for after, before in zip(turned, case.forces(case.x, v)):
-        assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
+        assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * abs(before).max())
 
 
 @pytest.mark.parametrize("symmetry", ["half", "quarter"])
@@ -476,7 +476,7 @@ def test_a_part_has_the_forces_and_the_energy_of_the_whole(name, seed, symmetry)
             on_plane = place[..., axis] == 0.0
             theirs[on_plane] *= 0.5
             theirs[on_plane, axis] = mine[on_plane, axis] = 0.0
-        assert_allclose(mine, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
+        assert_allclose(mine, theirs, rtol=0, atol=1e-9 * abs(theirs).max())
     if part.energy:
         assert images * part.energy(part.x) == pytest.approx(whole.energy(x), rel=1e-9)
 

@@ -114,4 +114,4 @@ class Blocks:
         face = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
         areas = tributary_areas(self.points, face).ravel()
         nodes = face.ravel()
-        return self.points[nodes, :2], np.abs(self.contact[nodes, 2]) / areas
+        return self.points[nodes, :2], abs(self.contact[nodes, 2]) / areas

@@ -125,7 +125,7 @@ class BarrierModel:
                     residual + (self.residual(q, driven.towards(goal, 1e-4))[0] - residual) / 1e-4
                 )
             step = splu(K.tocsc()).solve(-pull)
-            share = min(1.0, 5e-6 / np.abs(step).max())
+            share = min(1.0, 5e-6 / abs(step).max())
             before, after = (
                 self._scaled(self.model.positions(*state))
                 for state in ((q, driven), (q + share * step, driven.towards(goal, share)))

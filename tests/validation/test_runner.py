@@ -1,15 +1,13 @@
 """The runner of studies: how a file is read, what it makes of cases, references, maps and charts; and all files."""
 
 import inspect
-import subprocess
-import sys
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError, UnstableError
+from tests.programs import printed
 from validation import cases, judges, runner, study
 from validation.cases import impact
 from validation.judges import STABLE
@@ -179,4 +177,4 @@ def test_every_study_can_be_run(name):
 
 def test_what_is_taken_from_kept_results_needs_no_run_before_it():
     text = "import numpy as np; from validation.study import evaluated; evaluated('x.any()', {'x': np.zeros(2)})"
-    subprocess.run([sys.executable, "-c", text], check=True, cwd=Path(__file__).parents[2])
+    printed(text)

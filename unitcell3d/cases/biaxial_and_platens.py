@@ -101,7 +101,7 @@ def _proportions(ratio):
     if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
         allowed = "two numbers, one of them at least above 0"
         raise InputError(key="ratio", value=tuple(shares), allowed=allowed)
-    return shares / np.abs(shares).max()
+    return shares / abs(shares).max()
 
 
 def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float, ...]:

@@ -54,7 +54,7 @@ def along(
     InputError : no corner, or one that is not two finite lengths
     """
     places = _corners(corners)
-    lengths = np.abs(np.diff(places, axis=0)).max(axis=1)
+    lengths = abs(np.diff(places, axis=0)).max(axis=1)
     counts = [max(1, int(np.ceil(length / LONGEST_STEP))) for length in lengths]
     if not counts or sum(counts) > MOST_ROWS:
         raise InputError(

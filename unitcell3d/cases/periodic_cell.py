@@ -120,7 +120,7 @@ def _row(model):
             "T2": T2,
             "moment": moment,
             "tau": moment / smeared,
-            "F_c": float(np.mean(np.abs(pairs.forces[: model.crossings]))),
+            "F_c": float(np.mean(abs(pairs.forces[: model.crossings]))),
             "F_side": pairs.forces[model.crossings :].reshape(2, -1).mean(axis=1),
             "side_gap": gaps.reshape(2, -1).min(axis=1),
             "thickness": model.thickness(x),

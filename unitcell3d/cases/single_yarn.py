@@ -215,4 +215,4 @@ def _astray(model, x):
     amplitude."""
     (grid,) = model.crossover.grids
     u = (x - model.points)[grid]
-    return float(np.abs(u[2:] - 2 * u[1:-1] + u[:-2]).max()) / 4
+    return float(abs(u[2:] - 2 * u[1:-1] + u[:-2]).max()) / 4

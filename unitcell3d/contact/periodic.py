@@ -168,7 +168,7 @@ def _crossing(mesh, yarn, other, cells):
     grid = mesh.grids[yarn]
     place = mesh.points[mesh.grids[other], axis].mean()
     middle = mesh.points[grid[:, grid.shape[1] // 2, 0], axis]
-    at = int(np.argmin(np.abs(middle - place)))
+    at = int(np.argmin(abs(middle - place)))
     part = grid[at - cells // 2 : at + cells // 2 + 1]
     nx, ny, nz = part.shape
     return part, mesh.points[part[nx // 2, ny // 2, nz // 2], VERTICAL]

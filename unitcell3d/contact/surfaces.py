@@ -104,7 +104,7 @@ class SurfacePairs:
         """
         for number, pair in enumerate(self.pairs):
             self.forces[number] = sum(side.assemble(x, numerics, forces, values) for side in pair)
-        return float(np.abs(self.forces).sum())
+        return float(abs(self.forces).sum())
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
         """The state at `x`, that of the last call of `assemble`, is where friction goes on from."""

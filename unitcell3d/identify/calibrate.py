@@ -230,7 +230,9 @@ class _Run:
             first = (_take_queue, queue)
         waiting = sorted(self._open, key=lambda job: job.ratio is not None)
         with open_executor(executor, min(jobs, len(waiting)), fresh=True, first=first) as pool:
-            futures = {pool.submit(run_job, job): job for job in waiting}
+            futures = {}
+            for job in waiting:
+                futures[pool.submit(run_job, job)] = job
             pending = set(futures)
             try:
                 while pending:

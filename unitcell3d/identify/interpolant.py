@@ -97,8 +97,8 @@ def _left_out(d1, d2, values):
             rest = np.delete(np.arange(axis.size), i)
             spline = RectBivariateSpline(axis[rest], other, transposed[rest])
             miss = spline(axis[i], other)[0] - transposed[i]
-            worst[i] = np.abs(miss).max()
+            worst[i] = abs(miss).max()
             misses.append(miss)
         lines.append(worst)
     misses = np.concatenate(misses)
-    return Error(tuple(lines), float(np.sqrt(np.mean(misses**2))), float(np.abs(misses).max()))
+    return Error(tuple(lines), float(np.sqrt(np.mean(misses**2))), float(abs(misses).max()))

@@ -91,7 +91,7 @@ class PlatenStates:
         return 2 * self.pressure_x[i] / self.pressure_h[i, None]
 
     def _nearest(self, pressure):
-        return np.argmin(np.abs(np.log(self.pressure)[None] - np.log(pressure)[:, None]), axis=1)
+        return np.argmin(abs(np.log(self.pressure)[None] - np.log(pressure)[:, None]), axis=1)
 
 
 class PlatenSolver:
@@ -306,7 +306,7 @@ class PlatenSolver:
 
     def _slope(self, q, dq, h, dh, P):
         """d ln P along (dq, dh), a central difference short beside the contact's toe."""
-        part = STEP / max(np.abs(dq).max(), dh, 1e-12)
+        part = STEP / max(abs(dq).max(), dh, 1e-12)
         ends = [self._plates(q + s * part * dq, self._load_at(h + s * part * dh)) for s in (-1, 1)]
         return (ends[1] - ends[0]) / (2 * part * P)
 
@@ -335,4 +335,4 @@ class PlatenSolver:
 
 
 def _distance(x, other):
-    return float(np.abs(x - other).max())
+    return float(abs(x - other).max())

@@ -186,7 +186,7 @@ def _missing(surface, tolerance):
     for number, axis in enumerate((surface.d1, surface.d2)):
         missed = []
         for name in FORCES:
-            largest = np.abs(getattr(surface, name)).max()
+            largest = abs(getattr(surface, name)).max()
             missed.append(found[name].lines[number] / largest)
         worst = np.max(missed, axis=0)
         wanted = np.zeros(axis.size - 1, bool)

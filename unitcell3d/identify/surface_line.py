@@ -76,7 +76,9 @@ class Case:
         """(d1, d2) [m] of a place on the line."""
         place = float(place)
         fixed = float(self.fixed)
-        return (place, fixed) if self.axis == 0 else (fixed, place)
+        if self.axis == 0:
+            return place, fixed
+        return fixed, place
 
 
 def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:

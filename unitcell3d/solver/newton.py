@@ -141,7 +141,7 @@ class Newton:
             found, share = self._move(state, step, load)
             if found is None:
                 self._refuse("forces that are not finite", state.q + step, load)
-            cut = LARGEST_STEP / np.abs(step).max()
+            cut = LARGEST_STEP / abs(step).max()
             if cut < 1:
                 shift = min(shift / cut, MOST_SHIFT)
             elif share < 1:
@@ -256,7 +256,7 @@ class Newton:
             step = self._solver.solve(-state.residual)
             if step is not None:
                 step = _corrected(step, self._taken)
-            if step is None or np.abs(step).max() > LARGEST_STEP:
+            if step is None or abs(step).max() > LARGEST_STEP:
                 break
             found = self._evaluate(state.q + step, load)
             if not found.norm < GROWTH * state.norm:
@@ -279,7 +279,7 @@ class Newton:
         state : None where none is finite
         share : of the step that an overshoot has left
         """
-        share = min(1.0, LARGEST_STEP / np.abs(step).max())
+        share = min(1.0, LARGEST_STEP / abs(step).max())
         for _ in range(5):
             found = self._evaluate(state.q + share * step, load)
             if np.isfinite(found.norm):

@@ -210,7 +210,7 @@ def largest_shear(run: Any) -> float:
         warp = 0.5 * (a[:, :-1] + a[:, 1:])
         weft = 0.5 * (b[:-1] + b[1:])
         lengths = np.linalg.norm(warp, axis=2) * np.linalg.norm(weft, axis=2)
-        gamma = np.abs(np.arcsin(np.einsum("ijk,ijk->ij", warp, weft) / lengths))
+        gamma = abs(np.arcsin(np.einsum("ijk,ijk->ij", warp, weft) / lengths))
         most = max(most, float(gamma[~shot.failed.any(axis=2)].max()))
     return most
 
@@ -316,7 +316,7 @@ def straight_side(run: Any, velocity: float) -> float:
 def _profile(run, t):
     """Places along the warp through the impact point and their deflections at the instant nearest t."""
     warp = yarn(run, "warp")
-    k = int(np.argmin(np.abs(run.histories[0].t - t)))
+    k = int(np.argmin(abs(run.histories[0].t - t)))
     return warp.place[k], warp.deflection[k]
 
 
@@ -343,7 +343,7 @@ def front_width(run: Any, place: float) -> float:
     """[m] over which the tension of the weft at a place rises from a tenth to half of the plateau behind the front."""
     weft = yarn(run, "weft")
     clock = run.histories[0].t
-    T = weft.tension[:, int(np.argmin(np.abs(weft.X - place)))]
+    T = weft.tension[:, int(np.argmin(abs(weft.X - place)))]
     start = np.argmax(T > 0.01 * weft.strength)
     # the plateau is reached within 20 us
     plateau = T[start : start + 40].max()
@@ -373,7 +373,7 @@ def spread_before_peak(less: Any, same: Any, more: Any) -> float:
 def slip_delay(run: Any, held: Any, start: float) -> float:
     """[s] from the start of a slip until the velocity has left that of the held panel by half a metre a second."""
     t = np.linspace(0, end(run, held), 2000)
-    gone = np.abs(v(run, t) - v(held, t)) > 0.5
+    gone = abs(v(run, t) - v(held, t)) > 0.5
     if gone.any():
         return float(t[np.argmax(gone)]) - start
     return np.nan

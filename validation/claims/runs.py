@@ -418,7 +418,7 @@ def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
         for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
             middle = _middle(mesh.points, grid)
             errors.append(
-                np.ptp(np.abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h
+                np.ptp(abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h
             )
             heights = mesh.points[grid[:, :, -1], 2] - mesh.points[grid[:, :, 0], 2]
             spread.append(np.ptp(heights, axis=0).max() / heights.max())

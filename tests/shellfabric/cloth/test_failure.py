@@ -21,8 +21,8 @@ def hat_mean(x, values, whole, place, length, mirrored):
     y = np.linspace(place - length, place + length, STEPS + 1)
     y = 0.5 * (y[1:] + y[:-1])
     y = y[(y <= x[-1]) & (mirrored | (y >= x[0]))]
-    line = np.searchsorted(0.5 * (x[1:] + x[:-1]), np.abs(y))  # the plane of symmetry is at 0
-    weight = whole[line] * (1 - np.abs(y - place) / length)
+    line = np.searchsorted(0.5 * (x[1:] + x[:-1]), abs(y))  # the plane of symmetry is at 0
+    weight = whole[line] * (1 - abs(y - place) / length)
     return (weight * values[line]).sum() / weight.sum()
 
 

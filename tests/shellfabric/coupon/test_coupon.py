@@ -30,13 +30,9 @@ def coupon(request, table):
     w = table.model.fabric.weave.w1
 
     def cross(x, y):
-        return ((np.abs(x) < 4.1 * w) | (np.abs(y) < 4.1 * w)) & (
-            np.maximum(np.abs(x), np.abs(y)) < 8.1 * w
-        )
+        return ((abs(x) < 4.1 * w) | (abs(y) < 4.1 * w)) & (np.maximum(abs(x), abs(y)) < 8.1 * w)
 
-    return mesh_coupon(
-        table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w)
-    )
+    return mesh_coupon(table, cross, 8.1 * w, woven=lambda x, y: (abs(y) < 4 * w, abs(x) < 4 * w))
 
 
 def crumpled(coupon, seed=1):
@@ -120,7 +116,7 @@ def test_forces_are_the_gradient(coupon):
                 moved[node, c] += sign * 1e-9
                 energies.append(sum(coupon.forces(moved)[2]))
             assert f[node, c] == pytest.approx(
-                (energies[1] - energies[0]) / 2e-9, abs=2e-5 * np.abs(f).max()
+                (energies[1] - energies[0]) / 2e-9, abs=2e-5 * abs(f).max()
             )
 
 
@@ -157,7 +153,7 @@ def test_uniform_stretch_is_one_cell(table):
 
 def test_angles_beyond_a_right_angle(table):
     """Yarns that have passed one another are seen as such."""
-    coupon = mesh_coupon(table, lambda x, y: np.maximum(np.abs(x), np.abs(y)) < 0.003, 0.003)
+    coupon = mesh_coupon(table, lambda x, y: np.maximum(abs(x), abs(y)) < 0.003, 0.003)
     for gamma in (-0.3, 0.0, 1.2, 2.0):
         x, y = coupon.points.T
         sheared = np.stack([x + y * np.sin(gamma), y * np.cos(gamma)], axis=1)
@@ -194,9 +190,9 @@ def test_mean_tensions_against_the_plain_twin(coupon):
         y = ((np.arange(4000) + 0.5) / 4000 - 0.5) * side  # of the fabric that a line stands for
         for k in range(0, T.size, 7):
             away = middles - middles[k]
-            beside = np.abs(away @ along) < 1e-3 * side
+            beside = abs(away @ along) < 1e-3 * side
             hat = np.maximum(
-                0, 1 - np.abs(away[beside] @ (-along[1], along[0]) + y[:, None]) / 2.7e-3
+                0, 1 - abs(away[beside] @ (-along[1], along[0]) + y[:, None]) / 2.7e-3
             ).mean(axis=0)
             part = hat * wide.cells[family][beside]
             assert means[k] == pytest.approx(part @ T[beside] / part.sum(), rel=1e-3)

@@ -2,13 +2,12 @@
 
 import json
 import re
-import subprocess
-import sys
 
 import pytest
 
 import weavecell as wc
 from shellfabric.driver import memory
+from tests.programs import printed
 
 MEASURE = """
 import json, sys
@@ -42,18 +41,13 @@ print((peak() - before) / memory.needed(done.target.plies, len(done.snapshots)))
     ],
 )
 def test_the_estimate_is_what_a_run_takes(given, low, high):
-    done = subprocess.run(
-        [sys.executable, "-c", MEASURE, json.dumps(given)], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    assert low < float(done.stdout) < high
+    assert low < float(printed(MEASURE, json.dumps(given))) < high
 
 
 def test_an_own_limit_of_addresses_counts():
     code = "import resource; resource.setrlimit(resource.RLIMIT_AS, (10**9, 10**9)); "
     code += "from shellfabric.driver import memory; print(memory.free())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert 0 < float(done.stdout) < 1e9
+    assert 0 < float(printed(code)) < 1e9
     assert memory.free() > 1e6
 
 

@@ -29,7 +29,7 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
     for (shot,) in result.snapshots:
-        k = int(np.argmin(np.abs(recorded.t - shot.t)))
+        k = int(np.argmin(abs(recorded.t - shot.t)))
         assert recorded.t[k] == shot.t
         for yarn in recorded.yarns:
             warp = yarn.family == "warp"

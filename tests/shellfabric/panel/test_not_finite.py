@@ -1,8 +1,6 @@
 """A run that has become unstable ends with an error: no kernel indexes an array by what is not a number."""
 
-import subprocess
-import sys
-from pathlib import Path
+from tests.programs import printed
 
 CODE = """
 import numpy as np
@@ -22,7 +20,4 @@ for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (flo
 
 def test_no_kernel_leaves_its_arrays():
     """In a process of its own, which a wrong index would end. A foot on cloth that has flown off is not a number."""
-    done = subprocess.run(
-        [sys.executable, "-c", CODE], capture_output=True, text=True, cwd=Path(__file__).parents[3]
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    printed(CODE)

@@ -52,7 +52,7 @@ def spline(x, a, b):
     """The biquadratic B-spline of control points x that begin at -1, by the textbook's bumps; its weights."""
 
     def bump(t):
-        t = np.abs(t)
+        t = abs(t)
         return np.where(t < 0.5, 0.75 - t**2, np.where(t < 1.5, 0.5 * (1.5 - t) ** 2, 0.0))
 
     wa, wb = (bump(at - np.arange(-1, n - 1)) for at, n in zip((a, b), x.shape))
@@ -127,7 +127,7 @@ def plain(pressed):
 def assert_as_plain(pressed):
     """Forces and energies as of `plain`, with what is at least to be there; the forces."""
     found, (on_front, on_rear, energy) = pressed.press(3), plain(pressed)
-    size = np.abs(on_front).max()
+    size = abs(on_front).max()
     assert size > 0
     assert pressed.contact.energy[0, pressure_kernels.DEEPEST] > 0.1 * pressed.thickness
     for mine, expected in zip(found, (on_front, on_rear)):
@@ -193,7 +193,7 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width,
         ):
             getattr(alone.contact, name)[:] = getattr(pressed.contact, name)
         both = pressed.press(), alone.press()
-        size = np.abs(both[0][0]).max()
+        size = abs(both[0][0]).max()
         for eight, one in zip(*both):
             assert_allclose(eight, one, atol=1e-9 * max(size, 1e-9))
         assert_allclose(pressed.contact.energy, alone.contact.energy, rtol=1e-8)
@@ -247,7 +247,7 @@ def test_the_contact_remembers_nothing(ply, angle):
         pressed.contact.closest_a[:] += aside
         pressed.contact.closest_b[:] -= aside
         for mine, expected in zip(pressed.press(2), forces):
-            assert_allclose(mine, expected, atol=1e-3 * np.abs(expected).max())
+            assert_allclose(mine, expected, atol=1e-3 * abs(expected).max())
 
 
 def test_forces_and_their_moments_vanish(ply):
@@ -265,7 +265,7 @@ def test_forces_and_their_moments_vanish(ply):
         x = np.moveaxis(pressed.contact.x[:, g], 0, -1)
         sums = sums + f.sum(axis=(0, 1))
         moments = moments + np.cross(x, f).sum(axis=(0, 1))
-    size = np.abs(forces[0]).sum()
+    size = abs(forces[0]).sum()
     assert_allclose(sums, 0.0, atol=1e-13 * size)
     assert_allclose(moments, 0.0, atol=1e-6 * size * 0.01)
 

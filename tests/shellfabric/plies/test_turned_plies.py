@@ -53,10 +53,10 @@ def alike(one, other):
     E = one.strike_energy
     v = one.setup.strike_velocity
     far = max(
-        float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies
+        float(abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies
     )
-    far = max(far, float(np.abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
-    far = max(far, float(np.abs(one.v - other.v).max()) / v)
+    far = max(far, float(abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
+    far = max(far, float(abs(one.v - other.v).max()) / v)
     return far < ROUND_OFF and np.allclose(
         one.plies["deflection"], other.plies["deflection"], rtol=1e-6
     )
@@ -129,8 +129,8 @@ def test_forces_between_turned_plies_balance():
         arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
         total = total + f.sum(axis=0)
         moment = moment + arms.sum()
-        size = size + np.abs(arms).sum()
-    push = np.abs(f[:, 2]).sum()
+        size = size + abs(arms).sum()
+    push = abs(f[:, 2]).sum()
     assert np.hypot(f[:, 0].sum(), f[:, 1].sum()) > 0.01 * push > 0.01
     assert_allclose(total, 0.0, atol=1e-12 * push)
     assert abs(moment) < 1e-3 * size

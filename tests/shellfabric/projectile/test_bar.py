@@ -109,7 +109,7 @@ def test_a_step_of_force_sends_a_wave():
     tail = np.array(tail)
     arrival = LENGTH / C
     assert tip[t > 0.2 * arrival].mean() == pytest.approx(jump, rel=5e-3)
-    assert np.abs(tail[t < 0.9 * arrival]).max() < 0.02 * jump
+    assert abs(tail[t < 0.9 * arrival]).max() < 0.02 * jump
     assert tail[t > 1.2 * arrival].mean() == pytest.approx(2 * jump, rel=1e-2)
 
 
@@ -209,9 +209,9 @@ def test_kernel_equals_its_plain_twin():
         v += 0.5 * dt * pull()
         u += dt * v
         trial = E * (np.log(1 - np.diff(u) / h) - plastic)
-        plastic += np.sign(trial) * np.maximum(np.abs(trial) - yields, 0) / E
+        plastic += np.sign(trial) * np.maximum(abs(trial) - yields, 0) / E
         v += 0.5 * dt * pull()
-    assert np.abs(plastic).max() > 0
+    assert abs(plastic).max() > 0
     assert motion.u == pytest.approx(u, rel=1e-10)
     assert motion.v == pytest.approx(v, rel=1e-9)
 

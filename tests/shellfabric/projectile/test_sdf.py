@@ -66,7 +66,7 @@ def chisel_faces(end):
     half = 0.5 * FORMS["chisel"]["flat_width"] - RHO * (1 - cos(slope)) / sin(slope)
 
     def top(x):
-        return -RHO - np.maximum(np.abs(x) - half, 0) * np.tan(slope)
+        return -RHO - np.maximum(abs(x) - half, 0) * np.tan(slope)
 
     def across(x, t):
         return x, (2 * t - 1) * np.sqrt(np.maximum(radius**2 - x**2, 0)), top(x)

@@ -29,7 +29,7 @@ def pairs():
 def test_the_distance_between_samples_is_that_of_the_nose(pairs, name):
     """Within 1.5 % of the edge radius, down to half of it, and the normals within 6 degrees, 1 root mean square."""
     distance, normal = stl_noses.errors(*pairs[name], count=1500)
-    assert np.abs(distance).max() < 0.015
+    assert abs(distance).max() < 0.015
     assert np.sqrt(np.mean(distance**2)) < 0.002
     assert normal.max() < 6
     assert np.sqrt(np.mean(normal**2)) < 1

@@ -22,7 +22,7 @@ HARD = Numerics(penalty=1e15, toe=1e-9)
 def under_load(blocks, yarn, quantity):
     """Mean of a function of (x, y) [m], weighted with the nodal contact forces of one face, and the pressure at 0."""
     grid = blocks.grids[0][:, :, 0] if yarn == 0 else blocks.grids[1][:, :, -1]
-    force = np.abs(blocks.contact[grid.ravel(), 2])
+    force = abs(blocks.contact[grid.ravel(), 2])
     return np.average(quantity(blocks.points[grid.ravel(), :2]), weights=force), blocks.pressures(
         yarn
     )[1][0]
@@ -89,7 +89,7 @@ def misfit(pair, descent=1e-6):
     ideal = np.where(
         upper, -descent / 2 * (z - low) / -low, -descent + descent / 2 * (top - z) / top
     )
-    return np.abs(u[:, 2] - ideal).max() / descent
+    return abs(u[:, 2] - ideal).max() / descent
 
 
 @pytest.mark.parametrize("cells", [(4, 4), (3, 4), (5, 8), (6, 8)])

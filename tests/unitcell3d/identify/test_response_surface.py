@@ -40,9 +40,7 @@ def test_error_is_of_fourth_order_and_the_estimate_bounds_it():
     estimates = []
     for n in (11, 21, 41):
         surface = analytic(function, n)
-        true.append(
-            np.abs(Interpolant(surface)("F_c", 30e-6 * x, 30e-6 * y) - function(x, y)).max()
-        )
+        true.append(abs(Interpolant(surface)("F_c", 30e-6 * x, 30e-6 * y) - function(x, y)).max())
         estimates.append(errors(surface)["F_c"].largest)
     assert np.all(np.log2(np.array(true[:-1]) / true[1:]) > 3.3)
     # left out, a line makes the spacing twice as wide there

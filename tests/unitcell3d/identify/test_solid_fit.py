@@ -28,13 +28,13 @@ def test_identify_is_the_linear_least_squares_theory():
     assert half == pytest.approx(spread * 0.1 / np.sqrt([21, np.sum(x**2)]), rel=1e-12)
     assert correlation == pytest.approx(np.eye(2), abs=1e-12)
     assert singular[0] >= singular[1]
-    assert np.abs(directions) == pytest.approx(np.eye(2), abs=1e-12)
+    assert abs(directions) == pytest.approx(np.eye(2), abs=1e-12)
     half, correlation, singular, directions = identify(
         np.stack([x, x + 1e-6 * x**2], axis=1), 0.1, len(x) - 3
     )
     assert half.min() > 1e3
     assert correlation[0, 1] == pytest.approx(-1, abs=1e-6)
-    assert np.abs(directions[1]) == pytest.approx(np.sqrt([0.5, 0.5]), rel=1e-3)
+    assert abs(directions[1]) == pytest.approx(np.sqrt([0.5, 0.5]), rel=1e-3)
 
 
 PRESSURE16 = np.geomspace(3e4, 5e7, 16)
@@ -88,7 +88,7 @@ def test_a_closed_form_is_found_again_and_written(closed_form, tmp_path):
     assert found.misfit.pressure < 0.01 < found.misfit_before.pressure
     for low, high in found.limits:
         one, other = (np.log([c["E_c"], c["K_r"]]) for c in map(constants, (low, high)))
-        assert np.abs(one - other).max() <= 2 * solid_fit.FARTHEST + 1e-9
+        assert abs(one - other).max() <= 2 * solid_fit.FARTHEST + 1e-9
     found.write(tmp_path / "fit.json")
     written = json.loads((tmp_path / "fit.json").read_text())
     assert written["determined"] == {name: bool(found.determined[name]) for name in (*NAMES, LOOSE)}

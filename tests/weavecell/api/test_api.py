@@ -4,8 +4,6 @@ import doctest
 import inspect
 import math
 import re
-import subprocess
-import sys
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -22,6 +20,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.schema import tables_in
 from fabrics.compression import CompressionLaw
 from shellfabric.panel.quality import Indicator
+from tests.programs import printed
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
 from weavecell.scenes.impact import Scene
@@ -42,8 +41,7 @@ def shot():
 
 def test_the_import_loads_nothing():
     code = "import sys, weavecell; print({'numpy', 'numba', 'pint'} & {m.split('.')[0] for m in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
+    assert printed(code) == "set()"
 
 
 def test_every_public_name_is_documented():

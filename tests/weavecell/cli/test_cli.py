@@ -113,20 +113,18 @@ def test_the_log_is_plain_whatever_a_library_sets_up():
         ("backings", backings, ["Roma Plastilina No. 1"]),
     ],
 )
-def test_a_catalogue_is_listed(command, tmp_path, monkeypatch, kind, module, some):
+def test_a_catalogue_is_listed(succeed, tmp_path, monkeypatch, kind, module, some):
     monkeypatch.setenv("COLUMNS", "200")
-    code, out, _ = command(f"{kind} list --out list.csv")
-    assert code == 0
+    out = succeed(f"{kind} list --out list.csv")
     _, *rows = csv.reader((tmp_path / "list.csv").open(encoding="utf-8", newline=""))
     assert [row[0] for row in rows] == list(module.list_names())
     assert all(row[0] in out for row in rows)
     assert any(set(some) <= set(row) for row in rows)
 
 
-def test_show_gives_every_number_its_source(command, monkeypatch):
+def test_show_gives_every_number_its_source(command, succeed, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
-    code, out, _ = command("show S-720")
-    assert code == 0
+    out = succeed("show S-720")
     lines = out[out.index("where each number comes from") :].splitlines()
     for key, entry in catalogue.load("S-720").sources.items():
         line = next(line for line in lines if line.split()[:1] == [key])
@@ -138,8 +136,8 @@ def test_show_gives_every_number_its_source(command, monkeypatch):
     assert "assumed" in command("show 'Roma Plastilina No. 1'")[1]
 
 
-def test_show_copies_the_data_file_and_never_over_another(command, tmp_path):
-    assert command("show S-728 --out .")[0] == 0
+def test_show_copies_the_data_file_and_never_over_another(command, succeed, tmp_path):
+    succeed("show S-728 --out .")
     assert catalogue.read(tmp_path / "S-728.toml").weave == catalogue.load("S-728").weave
     code, _, err = command("show S-728 --out .")
     assert code == 2

@@ -89,9 +89,8 @@ def told(out):
     return {line[:13].strip(): line[14:] for line in out.splitlines()}
 
 
-def test_one_fabric_from_its_platen_curve(command, tmp_path, small, fitted):
-    code, out, err = command("calibrate S-720 --fit-solid --mesh coarse --jobs 1 --out c")
-    assert code == 0, err
+def test_one_fabric_from_its_platen_curve(succeed, tmp_path, small, fitted):
+    out = succeed("calibrate S-720 --fit-solid --mesh coarse --jobs 1 --out c")
     assert told(out)["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
     assert told(out)["misfit"].startswith("0.7 um and ")
     assert told(out)["of the solid"].count("..") == 2

@@ -35,24 +35,23 @@ def interrupted_after(states):
     return mock.patch.object(results_coupon, "write_states", interrupted)
 
 
-def test_an_interrupted_run_goes_on_bit_for_bit(command, results, tmp_path):
+def test_an_interrupted_run_goes_on_bit_for_bit(command, succeed, results, tmp_path):
     (tmp_path / "scene.toml").write_text(toml(SCENES["frame"]))
     with interrupted_after(2):
         code, _, err = command("coupon scene.toml --out r")
     assert code == 130
     assert err.splitlines()[-1] == "error: interrupted; --resume goes on from its last step"
     assert names(tmp_path / "r") == "checkpoint.h5"
-    assert command("coupon scene.toml --out r --resume")[0] == 0
+    succeed("coupon scene.toml --out r --resume")
     assert datasets(tmp_path / "r" / "histories.h5") == datasets(
         results("coupon").folder / "histories.h5"
     )
     assert not (tmp_path / "r" / "checkpoint.h5").exists()
 
 
-def test_resume_leaves_a_finished_run(command, results, tmp_path):
+def test_resume_leaves_a_finished_run(succeed, results, tmp_path):
     folder = shutil.copytree(results("pull-out").folder, tmp_path / "r")
-    code, out, _ = command(f"coupon {folder}/scene.toml --out r --resume")
-    assert code == 0
+    out = succeed(f"coupon {folder}/scene.toml --out r --resume")
     assert out.endswith(": complete; done before with the same input and code, in r\n")
 
 

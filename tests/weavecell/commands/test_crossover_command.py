@@ -79,7 +79,7 @@ def test_a_failed_case_keeps_what_it_computed(run):
 
 
 def test_the_example_of_a_path_is_good():
-    assert np.abs(load_path.read(EXAMPLE)).max() == pytest.approx(20e-6)
+    assert abs(load_path.read(EXAMPLE)).max() == pytest.approx(20e-6)
     assert f"weavecell crossover path S-720 --path examples/{EXAMPLE.name}" in EXAMPLE.read_text()
 
 

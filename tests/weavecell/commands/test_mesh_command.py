@@ -7,16 +7,15 @@ from tests.weavecell.written import names, table_of
 pytest.importorskip("gmsh")
 
 
-def test_mesh_is_written_and_reported(command, tmp_path):
-    code, out, _ = command("mesh S-720 --mesh coarse --out mesh")
-    assert code == 0
+def test_mesh_is_written_and_reported(succeed, tmp_path):
+    out = succeed("mesh S-720 --mesh coarse --out mesh")
     folder = tmp_path / "mesh"
     assert names(folder) == "crossover.msh crossover.png crossover.vtu mesh.json quality.png"
     facts = table_of(folder, "mesh.json")
     assert facts["hexahedra"] == str(2 * 8 * 6 * 2)
     assert float(facts["worst scaled Jacobian"]) > 0.5
     assert f"worst scaled Jacobian   {facts['worst scaled Jacobian']}" in out
-    assert command("view mesh --screenshot mesh.png")[0] == 0
+    succeed("view mesh --screenshot mesh.png")
     assert (tmp_path / "mesh.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -31,18 +30,17 @@ def test_mesh_is_written_and_reported(command, tmp_path):
         ("S-726 --mesh 0.2mm --domain periodic", "2 warp x 2 weft yarns", {}),
     ],
 )
-def test_choices_reach_the_mesh(command, tmp_path, words, domain, facts):
-    assert command(f"mesh {words} --out mesh")[0] == 0
+def test_choices_reach_the_mesh(succeed, tmp_path, words, domain, facts):
+    succeed(f"mesh {words} --out mesh")
     found = table_of(tmp_path / "mesh", "mesh.json")
     assert found.items() >= (facts | {"domain": domain}).items()
     assert domain == "whole" or found["sections"].startswith("conforming: ")
 
 
-def test_a_patch_in_every_format(command, tmp_path):
+def test_a_patch_in_every_format(succeed, tmp_path):
     size = "--crimp '2 %, 1 %' --width '1.2 mm' --end-shells '20 um'"
     line = f"mesh S-720 --patch 2x3 --mesh 4,3,1 {size} --format msh,vtu,k,inp,rad --out mesh"
-    code, out, err = command(line)
-    assert code == 0, err
+    out = succeed(line)
     folder = tmp_path / "mesh"
     decks = "patch.inp patch.k patch.msh patch.png patch.vtu patch_0000.rad"
     assert names(folder) == f"mesh.json {decks} quality.png"

@@ -50,7 +50,7 @@ def test_intervals_hold_what_they_promise():
         for k, (name, truth) in enumerate((("a", 0.9), ("p", 2.6))):
             low, high = found.intervals[name]
             covered[k] += low < truth < high
-    assert np.all(np.abs(covered / 150 - 0.9) < 0.074)
+    assert np.all(abs(covered / 150 - 0.9) < 0.074)
 
 
 def test_no_projectile_leaves_faster_than_it_came():

@@ -59,7 +59,7 @@ def test_values_are_numbers_truth_values_or_texts():
     assert sweeps.parse("panel.yarn_failure=true") == ("panel.yarn_failure", [True])
 
 
-def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp_path):
+def test_resume_adds_values_without_computing_a_shot_again(succeed, results, tmp_path):
     made = results("sweep")
     found = rows_of(made.folder, "sweep.csv")
     assert [(row["projectile.strike_velocity"], row["projectile.mass"]) for row in found] == [
@@ -73,22 +73,22 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     velocities = "projectile.strike_velocity='90 m/s,120 m/s,150 m/s'"
     line = f"sweep {folder}/scene.toml --over {velocities} --over projectile.mass='3 g,2 g'"
-    assert command(f"{line} --out r --jobs 2 --resume")[0] == 0
+    succeed(f"{line} --out r --jobs 2 --resume")
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     assert rows_of(folder, "sweep.csv")[:2] == found[:2]
     assert len(rows_of(folder, "sweep.csv")) == 6
 
 
-def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
+def test_the_limit_and_v50_against_the_number_of_plies(succeed, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
     (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
     line = "sweep scene.toml --jobs 1 --over panel.plies="
     limit = "--quantity critical-velocity --tolerance '10 m/s' --out limit"
-    assert command(f"{line}1,2 {limit}")[0] == 0
+    succeed(f"{line}1,2 {limit}")
     one, two = rows_of(tmp_path / "limit", "sweep.csv")
     assert float(two["areal_density_kg_m2"]) == pytest.approx(2 * float(one["areal_density_kg_m2"]))
     assert float(one["upper_m_s"]) < float(two["lower_m_s"])
-    assert command(f"{line}1 --quantity v50 --shots 8 --out v50")[0] == 0
+    succeed(f"{line}1 --quantity v50 --shots 8 --out v50")
     (row,) = rows_of(tmp_path / "v50", "sweep.csv")
     limit = (float(one["lower_m_s"]) + float(one["upper_m_s"])) / 2
     assert float(row["v50_m_s"]) == pytest.approx(limit, rel=0.25)
@@ -118,15 +118,14 @@ def test_a_v50_study_says_what_it_found(results):
     )
 
 
-def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
+def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):
     fired = (
         "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
     )
     (tmp_path / "tests.csv").write_text(fired)
     (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
     line = "compare tests.csv scene.toml --tolerance '10 m/s' --jobs 1 --out r"
-    code, out, err = command(line)
-    assert code == 0, err
+    out = succeed(line)
     folder = tmp_path / "r"
     told = table_of(folder, "comparison.json")
     assert told["tests"] == 3

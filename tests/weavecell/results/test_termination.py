@@ -72,14 +72,14 @@ with signalled(signal.SIGKILL):
 
 
 @pytest.mark.parametrize("plies", [1, 3])
-def test_a_killed_run_goes_on_from_its_checkpoint(command, scene, plies, tmp_path):
+def test_a_killed_run_goes_on_from_its_checkpoint(succeed, scene, plies, tmp_path):
     """To the bit, of one ply and of a pack."""
     scene.write_text(SCENE.replace("[panel]", f"[panel]\nplies = {plies}"))
     paths = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     killed = subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, env=paths, check=False)
     assert killed.returncode == -signal.SIGKILL
-    assert command("impact", scene, "--out", "r", "--resume")[0] == 0
+    succeed("impact", scene, "--out", "r", "--resume")
     assert not (tmp_path / "r" / "checkpoint.h5").exists()
-    assert command("impact", scene, "--out", "whole")[0] == 0
+    succeed("impact", scene, "--out", "whole")
     whole = datasets(tmp_path / "whole" / "histories.h5")
     assert datasets(tmp_path / "r" / "histories.h5") == whole

@@ -34,7 +34,7 @@ CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "w
 
 
 @pytest.fixture
-def own(command, tmp_path):
+def own(succeed, tmp_path):
     """Run examples/own-fabric.toml on a small panel for a short time, with changes of its fabric file, (old, new)."""
 
     def run(*changes, options=()):
@@ -50,8 +50,7 @@ def own(command, tmp_path):
         (tmp_path / "own.toml").write_text(
             text.replace("elements_per_crossover = 2", 'outputs = ["report"]')
         )
-        code, out, err = command("impact", "own.toml", "--out", "r", *options)
-        assert code == 0, err
+        out = succeed("impact", "own.toml", "--out", "r", *options)
         return out.splitlines(), json.loads((tmp_path / "r" / "summary.json").read_text())
 
     return run
@@ -233,7 +232,7 @@ def test_a_tight_weave_locks_just_after_its_yarns_touch():
     assert law.gamma2 == pytest.approx(law.gamma1 + trellis.LEAST_RISE)
 
 
-def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(command, tmp_path):
+def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(succeed, tmp_path):
     (tmp_path / "other.toml").write_text(MINE.read_text().replace("1.44 g/cm^3", "1.56 g/cm^3"))
     table = {
         "fabric": {"file": "other.toml", "law": LAW},
@@ -241,8 +240,7 @@ def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(comm
         "run": {"steps": 1, "outputs": []},
     }
     (tmp_path / "scene.toml").write_text(toml(table))
-    code, out, err = command("coupon", "scene.toml", "--out", "r")
-    assert code == 0, err
+    out = succeed("coupon", "scene.toml", "--out", "r")
     assert out.splitlines()[0] == "no [shear] of mine: its fabric has no shear stiffness"
 
 

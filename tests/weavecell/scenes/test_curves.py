@@ -98,7 +98,7 @@ def test_a_bias_strip_of_the_coupon(write):
     )
     length, width = quasistatic.bias_size(run)
     width -= np.linalg.norm(run.coupon.spacing) / 2
-    path = write("displacement [m], force [N]", run.prescribed, np.abs(run.force(1, 1)))
+    path = write("displacement [m], force [N]", run.prescribed, abs(run.force(1, 1)))
     fabric = run.coupon.table.model.fabric
     found = curves.bias_extension(path, fabric.weave.thickness, (width, length))
     assert comes_back(found, fabric)

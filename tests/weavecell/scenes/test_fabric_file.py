@@ -26,9 +26,8 @@ def values(tmp_path):
     return path
 
 
-def test_from_a_csv_file(command, tmp_path, values):
-    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
-    assert code == 0, err
+def test_from_a_csv_file(succeed, tmp_path, values):
+    out = succeed("fabrics", "new", "mine.toml", "--from", values)
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.name == "mine"
     assert [yarn.crimp for yarn in fabric.weave.yarns] == pytest.approx([0.012, 0.008])
@@ -43,10 +42,9 @@ def test_from_a_csv_file(command, tmp_path, values):
 
 
 @pytest.mark.parametrize("family", [[], ["--family", "para-aramid"]])
-def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(command, values, family):
+def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(succeed, values, family):
     values.write_text(VALUES.replace("1.44", "1.54").replace("90 GPa", "180 GPa"))
-    code, out, err = command("fabrics", "new", "pbo.toml", "--from", values, *family)
-    assert code == 0, err
+    out = succeed("fabrics", "new", "pbo.toml", "--from", values, *family)
     lines = out.partition("written to pbo.toml\n")[2].splitlines()
     assert (
         lines.pop() == "missing: the compression law, which `weavecell calibrate pbo.toml` computes"
@@ -122,10 +120,9 @@ areal_density,205 g/m^2,,data sheet
 """
 
 
-def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
+def test_numbers_of_a_data_sheet_are_enough(succeed, tmp_path, values):
     values.write_text(SHEET)
-    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
-    assert code == 0, err
+    out = succeed("fabrics", "new", "mine.toml", "--from", values)
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.weave.thickness == pytest.approx(0.30e-3)
     assert fabric.sources["thickness"]["source"] == "data sheet"
@@ -135,22 +132,18 @@ def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
     assert told[0].startswith("note: warp and weft: the strength 2350 mN/tex is 218.6 N a yarn; ")
     assert told[1].startswith("note: counts, linear densities and crimp give 208.2 g/m^2")
     assert told[2].startswith("assumed: crimp 2.62 / 0.91 % of warp / weft (")
-    code, out, _ = command("show", "mine.toml")
-    assert code == 0
+    out = succeed("show", "mine.toml")
     for word in ("warp share", "shear.K_s", "solid.E_c", "interlayer_gap", "section"):
         assert word in out[out.index("what is assumed") : out.index("where each number comes from")]
 
 
-def test_a_tensile_curve_replaces_modulus_and_failure_strain(command, tmp_path, values):
+def test_a_tensile_curve_replaces_modulus_and_failure_strain(succeed, tmp_path, values):
     """A straight yarn of known stiffness, with a slack of 0.2 % and noise of 1 %."""
     strain = np.linspace(0, 0.032, 40)
     force = np.maximum(EA * (strain - 0.002), 0) * (1 + 0.01 * np.sin(50 * np.arange(40)))
     rows = "\n".join(f"{100 * e},{f}" for e, f in zip(strain, force))
     (tmp_path / "yarn.csv").write_text(f"strain [%], force [N]\n{rows}\n")
-    code, out, err = command(
-        "fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv"
-    )
-    assert code == 0, err
+    out = succeed("fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv")
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.weave.warp.EA == pytest.approx(EA, rel=0.02)
     assert fabric.weave.warp.failure_strain == pytest.approx(0.030, rel=0.03)
@@ -160,7 +153,7 @@ def test_a_tensile_curve_replaces_modulus_and_failure_strain(command, tmp_path, 
 
 
 @pytest.mark.parametrize("door", ["frame", "strip"])
-def test_a_curve_of_shear_replaces_the_trellis_law(command, tmp_path, values, door):
+def test_a_curve_of_shear_replaces_the_trellis_law(command, succeed, tmp_path, values, door):
     """Doors of the readers that test_curves.py proves: the law reaches the file, with its source."""
     known = TrellisShear(5e4, 5e5, 0.35, 0.8)
     if door == "frame":
@@ -180,8 +173,7 @@ def test_a_curve_of_shear_replaces_the_trellis_law(command, tmp_path, values, do
         heading = "displacement [mm], force [N]"
     lines = [heading, *(f"{first},{second}" for first, second in rows)]
     (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
-    code, out, err = command("fabrics", "new", "mine.toml", "--from", values, *words)
-    assert code == 0, err
+    out = succeed("fabrics", "new", "mine.toml", "--from", values, *words)
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert vars(fabric.shear) == pytest.approx(vars(known), rel=0.02)
     assert fabric.sources["shear.G1"]["status"] == "fitted"

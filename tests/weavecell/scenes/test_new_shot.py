@@ -7,11 +7,10 @@ from fabrics.base.schema import entries
 from weavecell.scenes import impact
 
 
-def test_the_first_input_file_is_read_back(command, tmp_path, monkeypatch):
+def test_the_first_input_file_is_read_back(command, succeed, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert command("new", "shot.toml")[:2] == (0, "written to shot.toml\n")
-    code, printed, _ = command("impact", "shot.toml", "--check")
-    assert code == 0
+    printed = succeed("impact", "shot.toml", "--check")
     assert "my first shot: nothing is run" in printed
     assert command("new", "shot.toml")[0] == 2
     assert command("new", "shot.txt")[0] == 2

@@ -219,7 +219,7 @@ def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):
     solid = stl_file.solid(path, "mm", 0.3e-3)
     body = Projectile(1e-3, solid.radius, 0.3e-3, "stl", length=solid.length, solid=solid)
     distance, _ = errors(replace(NOSES["flat"], length=5e-3), body, count=1500)
-    assert np.abs(distance).max() < 0.25
+    assert abs(distance).max() < 0.25
     assert np.sqrt(np.mean(distance**2)) < 0.05
     round_ = stl_file.surface(
         write(tmp_path / "round.stl", *triangles(NOSES["flat"], 121, 97)), "mm"
@@ -228,13 +228,12 @@ def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
-    command, interrupted, tmp_path
+    command, succeed, interrupted, tmp_path
 ):
     """The folder holds what is needed to repeat the run."""
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     (tmp_path / "scene.toml").write_text(toml(merged(SHOT, {"projectile": {"yaw": "20 deg"}})))
-    code, out, _ = command("impact", "scene.toml", "--out", "whole")
-    assert code == 0
+    out = succeed("impact", "scene.toml", "--out", "whole")
     assert "projectile: a body from an STL file of 1.1 g and 7.354 mm" in out
     told = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert told["energy_error_max"] < 0.0025
@@ -250,6 +249,6 @@ def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     stl_file._solid.cache_clear()
     stl_file._surface.cache_clear()
-    assert command("impact", "scene.toml", "--out", "part", "--resume")[0] == 0
+    succeed("impact", "scene.toml", "--out", "part", "--resume")
     one, other = (datasets(tmp_path / name / "histories.h5") for name in ("whole", "part"))
     assert one == other

@@ -54,7 +54,7 @@ def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
     points = [pack.plies[0].impact_point for pack in drawn]
     assert len(set(points)) == 4
     spacing = drawn[0].plies[0].spacing
-    assert np.all(np.abs(np.array(points) - aim) <= spacing)
+    assert np.all(abs(np.array(points) - aim) <= spacing)
     again = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 2).pack
     assert again.plies[0].impact_point == points[2]
 

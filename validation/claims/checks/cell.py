@@ -54,7 +54,7 @@ def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
     table = CellModel(catalogue.load(name), cell_formulation="variational").table(size)
     a, b = np.broadcast_to(half, 2)
-    return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
+    return mesh_coupon(table, lambda x, y: (abs(x) < a) & (abs(y) < b), max(a, b), **options)
 
 
 def stretch_at_failure(yarn: Yarn) -> float:
@@ -127,10 +127,10 @@ def equilibrium() -> Values:
         for T, h, w, s in zip(("T1", "T2"), ("h1", "h2"), weave.w, (s1, s2)):
             k = np.pi * found[h] / (2 * w * s)
             F = 2 * found[T] * k / np.sqrt(1 + k * k)
-            force = max(force, np.abs(F / found["F"] - 1)[contact].max())
+            force = max(force, abs(F / found["F"] - 1)[contact].max())
         sum_h = found["h1"] + found["h2"]
         d = model.fabric.laws[0].d(found["F"])
-        closing = max(closing, np.abs((sum_h + 2 * d - sum(weave.h0)) / sum_h)[contact].max())
+        closing = max(closing, abs((sum_h + 2 * d - sum(weave.h0)) / sum_h)[contact].max())
     return {"equilibrium": force, "compatibility": closing}
 
 
@@ -280,7 +280,7 @@ def look_up(fabric: str, n: int, samples: int) -> Values:
     pairs = zip(
         (T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns
     )
-    error = max(np.abs(T - given)[safe].max() / yarn.strength for T, given, yarn in pairs)
+    error = max(abs(T - given)[safe].max() / yarn.strength for T, given, yarn in pairs)
     return {"largest error over strength": error, "speed-up": (solved - begun) / reading}
 
 

@@ -129,7 +129,7 @@ def law_shape() -> Values:
             sides = law.stress(np.array([corner * (1 - 1e-14), corner * (1 + 1e-14)]))
             step = max(step, float(np.ptp(sides) / tau.max()))
         G = np.gradient(tau, g)
-        low = np.abs(g) < law.gamma1 - 1e-3
+        low = abs(g) < law.gamma1 - 1e-3
         high = (g > law.gamma2 + 1e-3) & (g < 1.19)
         shape = (
             shape
