@@ -303,26 +303,17 @@ class ImpactSetup:
         As far as anything can come under the projectile an element is at most RESOLVED failure
         lengths long, and no longer than `resolved_elements_per_crossover` allows, with
         MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
-        to two crossovers. Beyond resolved yarns they are two crossovers long. A yarn whose end is
-        not clamped may be drawn under the projectile from anywhere: then all elements are alike.
+        to two crossovers. A yarn whose end is not clamped may be drawn under the projectile from
+        anywhere: then all elements are alike.
 
         Raises
         ------
         InputError : as `panel`
         """
         given = self.grading is not None or self.elements_per_crossover is not None
-        if given:
+        if given or self.crossovers is not None:
             return self
-        if self.crossovers is not None:
-            room = (0.5 * np.broadcast_to(self.opening, 2) - np.abs(self.impact_point)).min()
-            grading = self.crossovers.grading(self.fabric.weave, float(room))
-            return replace(self, grading=grading) if self._clamped and grading else self
         return self.graded()
-
-    @property
-    def _clamped(self):
-        """Whether all four edges are clamped."""
-        return all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
 
     def _resolving(self, resolved):
         """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS at most."""
@@ -345,7 +336,8 @@ class ImpactSetup:
         InputError : as `panel`
         """
         count = self._resolving(resolved)
-        if not self._clamped:
+        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+        if not clamped:
             return replace(self, elements_per_crossover=count)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):

@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import ceil, inf
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +35,6 @@ DRAWN = (
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 REACH = 2.0  # spacings between the nose and the rim at least
-BESIDE = 3  # elements of one crossover beyond the rim, before longer ones
-LONGEST = 2.0  # [crossovers] elements far from the nose, by default
 # energies of a zone that a ply without one does not have
 ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
 
@@ -75,14 +73,6 @@ class YarnZone:
             return self.half_width
         return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
-    def grading(self, weave: Weave, room: float) -> tuple[tuple[float, float], ...] | None:
-        """The default elements: of one crossover as far as the zone goes, then longer; None if it nearly fills `room`,
-        the way [m] from the impact point to the nearest edge."""
-        reach = self.width / (2 * min(weave.w)) + 1 + BESIDE
-        if reach + LONGEST > room / (2 * max(weave.w)):
-            return None
-        return (float(ceil(reach)), 1.0), (inf, LONGEST)
-
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
     """[m] impact point from a crossover, along warp and weft.
@@ -118,6 +108,7 @@ class YarnPanel(Panel):
         wanted = [
             ("symmetry", self.symmetry, "whole"),
             ("elements_per_crossover", self.elements_per_crossover, 1),
+            ("grading", self.grading, None),
             ("bending", self.bending, (0.0, 0.0)),
             ("backing", self.backing, None),
             ("cell_formulation", model.cell_formulation, "variational"),
@@ -130,18 +121,6 @@ class YarnPanel(Panel):
                 raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
         super().__post_init__()
         self._check_zone()
-
-    def _check_grading(self):
-        if not self._clamped:
-            allowed = "clamped on a graded panel with resolved yarns"
-            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
-        for sides, w, (first, last) in zip(self.element_sides, self.weave.w, self.rim_rows):
-            beside = sides[max(first - BESIDE, 0) : last + BESIDE]
-            if np.abs(beside - 2 * w).max() > 1e-6 * w:
-                allowed = (
-                    f"sides of 1 up to {BESIDE + 1} crossovers beyond the zone of resolved yarns"
-                )
-                raise InputError(key="grading", value=self.grading, allowed=allowed)
 
     def _check_zone(self):
         (i0, i1), (j0, j1) = self.rim_rows
@@ -160,27 +139,13 @@ class YarnPanel(Panel):
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] as of Panel: a crossover is in the middle of the opening, so that a shot need not hit one.
-
-        Graded elements are about the crossover nearest to the impact point.
-        """
-        if self.grading is None:
-            return 0.0, 0.0
-        x, y = (2 * w * round(at / (2 * w)) for at, w in zip(self.impact_point, self.weave.w))
-        return x, y
+        """[m] as of Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
+        return 0.0, 0.0
 
     @property
     def _fills(self):
         """As of Panel: a line of the grid is one yarn, at the spacing of the weave."""
         return False
-
-    def lines(self) -> tuple[FloatArray, ...]:
-        """As of Panel; graded lines are about the crossover nearest to the impact point."""
-        found = super().lines()
-        if self.sides is None:
-            return found
-        places = zip(found, self.grid_middle, self.impact_point)
-        return tuple(x + middle - struck for x, middle, struck in places)
 
     @property
     def rim_rows(self) -> tuple[tuple[int, int], tuple[int, int]]:

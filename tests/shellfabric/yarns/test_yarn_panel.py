@@ -13,7 +13,7 @@ from shellfabric.output.checkpoint import Checkpoints
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.yarns.model import BESIDE, YarnZone, aim, slip_at_rim
+from shellfabric.yarns.model import YarnZone, aim, slip_at_rim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
 SETUP = ImpactSetup(
@@ -62,15 +62,9 @@ def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
 
 def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
     """Time, deflection and tension of the straighter family; the warp gives up its crimp later than in the cell."""
-    base = replace(
-        SETUP,
-        strike_velocity=45.0,
-        impact_point=(0.0, 0.0),
-        elements_per_crossover=1,
-        end_time=250e-6,
-    )
+    base = replace(SETUP, strike_velocity=45.0, impact_point=(0.0, 0.0), end_time=250e-6)
     zone = run(replace(base, crossovers=YarnZone(8e-3, inf)), table=table)
-    plain = run(replace(base, crossovers=None), table=table)
+    plain = run(replace(base, crossovers=None, elements_per_crossover=1), table=table)
     assert energies_hold(zone, 1e-3)
     assert (zone.outcome, plain.outcome) == ("stopped", "stopped")
     assert zone.t[-1] == pytest.approx(plain.t[-1], rel=0.02)
@@ -166,7 +160,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
     [
         ({"symmetry": "quarter", "impact_point": (0.0, 0.0)}, "symmetry"),
         ({"elements_per_crossover": 2}, "elements_per_crossover"),
-        ({"grading": ((4, 1), (inf, 2))}, "grading"),
+        ({"grading": ((20, 1), (inf, 2))}, "grading"),
         ({"bending": 1e-9}, "bending"),
         ({"cell_formulation": "equilibrium"}, "cell_formulation"),
         ({"crossovers": YarnZone(3e-3)}, "zone"),
@@ -179,19 +173,6 @@ def test_what_a_zone_does_not_have_is_refused(table, values, key):
     with pytest.raises(InputError) as caught:
         setup.target(table if "cell_formulation" not in values else None)
     assert caught.value.key == key
-
-
-def test_longer_elements_beyond_the_zone_leave_a_crossover_under_each_yarn(table):
-    """Lines are as far from the impact point as those of a uniform panel; a shot has the same deflection."""
-    wide = replace(SETUP, opening=0.06, impact_point=(5.3e-3, -2.1e-3))
-    uniform = replace(wide, elements_per_crossover=1)
-    found, reference = wide.panel(table), uniform.panel(table)
-    assert found.counts[0] < 0.85 * reference.counts[0]
-    for graded, plain, rows in zip(found.lines(), reference.lines(), found.rim_rows):
-        for x in graded[rows[0] - BESIDE : rows[1] + BESIDE]:
-            assert np.abs(plain - x).min() < 1e-9
-    deflections = [run(setup, table=table).max_deflection for setup in (wide, uniform)]
-    assert deflections[0] == pytest.approx(deflections[1], rel=0.01)
 
 
 def test_less_friction_makes_the_default_zone_wider():
