@@ -917,7 +917,7 @@ class Zone(Row):
     tied_node = array("ends int64", "-", "ends of the chains")
     tied_slot = array("ends int64", "-", "slots of the membrane's nodes that they are")
     tied_rest = array("ends, 3", "m", "their places at rest")
-    books = array("11", "J, -", "energies, works and counts (yarns.chain_kernels)", kept=True)
+    books = array("12", "J, -", "energies, works and counts (yarns.chain_kernels)", kept=True)
 
 
 # tables that parameters of kernels are named after

@@ -10,7 +10,8 @@ M, the mean of the tensions of the same segment of neighbouring yarns over the f
 follows M over the time of a wave across that length. It breaks in the step after F has passed the strength.
 
 Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt / 2: works of
-dissipative forces are those of the mean of the old and the new force.
+dissipative forces are those of the mean of the old and the new force. That mean is not the change of the energy of a
+segment that snaps taut or goes slack within the step: SNAP has the rest, as "yarn_snap" of the membrane has it.
 """
 
 import math
@@ -22,9 +23,9 @@ from shellfabric.yarns.curve_kernels import row
 
 # of zone.books [J]: energies at present, then works so far, then counts
 STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
-VISCOUS, FRICTION, FAILED, SLACK, NOSE_FRICTION = 4, 5, 6, 7, 8
-TORN, TANGLED = 9, 10
-BOOKS = 11
+VISCOUS, FRICTION, FAILED, SLACK, NOSE_FRICTION, SNAP = 4, 5, 6, 7, 8, 9
+TORN, TANGLED = 10, 11
+BOOKS = 12
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 
@@ -42,6 +43,7 @@ def move(zone):
 def chain_forces(zone):
     """Forces of all segments, into zone.f."""
     stored = 0.0
+    damped = 0.0
     for family in range(2):
         for yarn in range(zone.yarns[family]):
             start = zone.first[family] + yarn * zone.nodes[family]
@@ -50,20 +52,24 @@ def chain_forces(zone):
                     continue
                 if zone.breaking[n]:
                     zone.torn[family, yarn] = True
-                stored += segment_force(zone, family, n)
+                energy, work = segment_force(zone, family, n)
+                stored += energy
+                damped += work
     zone.books[STORED] = stored
+    zone.books[VISCOUS] += damped
 
 
 @kernel(_nrt=False)
 def segment_force(zone, family, n):
-    """Force of a segment; the energy [J] that it stores."""
+    """Force of a segment; the energy [J] that it stores, and what its viscosity takes in the step."""
     side = add_scaled(row(zone.x, n + 1), -1.0, row(zone.x, n))
     length = math.sqrt(dot(side, side))
     along = scaled(1.0 / length, side)
     rate = dot(add_scaled(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
-    zone.books[VISCOUS] += 0.5 * zone.dt * zone.viscous_force[n] * rate
+    damping = zone.viscous_force[n]
     zone.viscous_force[n] = 0.0
     strain = length / zone.rest_length[n] - 1.0
+    before = zone.tension[n]
     zone.tension[n] = zone.stiffness[family] * strain if strain > ROUNDING else 0.0
     stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
     if zone.breaking[n]:
@@ -71,16 +77,19 @@ def segment_force(zone, family, n):
         zone.tension[n] = 0.0
         zone.books[FAILED] += stored
         zone.books[TORN] += 1.0
-        return 0.0
+        return 0.0, 0.5 * zone.dt * damping * rate
+    if (before == 0.0) != (zone.tension[n] == 0.0):
+        released = 0.5 * before * before / zone.stiffness[family] * zone.rest_length[n]
+        work = 0.5 * zone.dt * rate * (before + zone.tension[n])
+        zone.books[SNAP] += work - stored + released
     if zone.tension[n] == 0.0:
-        return 0.0
+        return 0.0, 0.5 * zone.dt * damping * rate
     zone.viscous_force[n] = max(zone.drag[family] * rate, -zone.tension[n])
-    zone.books[VISCOUS] += 0.5 * zone.dt * zone.viscous_force[n] * rate
     pull = zone.tension[n] + zone.viscous_force[n]
     for c in range(3):
         zone.f[n, c] += pull * along[c]
         zone.f[n + 1, c] -= pull * along[c]
-    return stored
+    return stored, 0.5 * zone.dt * (damping + zone.viscous_force[n]) * rate
 
 
 @kernel(_nrt=False)

@@ -1,7 +1,7 @@
 """Where warp and weft cross: contact along the common normal, friction across it.
 
 A crossing is a pair of indices (s_a, s_b) on the B-splines of its two chains (`curve_kernels`), moved in each step by
-at most two steps of Gauss and Newton to the common perpendicular d = x_a - x_b of the two curves:
+at most three steps of Gauss and Newton to the common perpendicular d = x_a - x_b of the two curves:
 
     n = +- t_a x t_b / |t_a x t_b|,   F_n = F(h - d.n),   friction: k xi with |k xi| <= mu F_n,   dxi/dt = w - n (w.n)
 
@@ -25,7 +25,7 @@ from shellfabric.yarns.curve_kernels import gather, row, scatter, spline
 FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
 LAW_FORCE, LAW_ENERGY, LAW_STIFFNESS = 0, 1, 2  # of a row of zone.law
 MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment
-CLOSE = 1e-4  # of an index: no further step
+CLOSE = 5e-3  # of an index: a step that short is taken, and counts from the next time step on
 SLACK_LENGTH = 0.5  # of a tangent squared over that at rest: below, the yarn is slack
 SLACK_SINE = 0.04  # square of the sine between the tangents: below, they are nearly parallel
 
@@ -61,7 +61,7 @@ def common_perpendicular(zone, i, j):
     first_a = zone.first[0] + i * zone.nodes[0]
     first_b = zone.first[1] + j * zone.nodes[1]
     s_a, s_b = zone.place[i, j, 0], zone.place[i, j, 1]
-    for turn in range(3):
+    for _ in range(3):
         k_a, weights_a, slopes_a = spline(s_a, zone.nodes[0])
         k_b, weights_b, slopes_b = spline(s_b, zone.nodes[1])
         n_a = first_a + k_a
@@ -76,7 +76,7 @@ def common_perpendicular(zone, i, j):
         rest_b = zone.rest_length[n_b] ** 2
         slack = aa < SLACK_LENGTH * rest_a or bb < SLACK_LENGTH * rest_b
         slack = slack or aa * bb - ab * ab < SLACK_SINE * aa * bb
-        if turn == 2 or zone.pinned[i, j]:
+        if zone.pinned[i, j]:
             break
         if slack:  # the system may be singular: shorter steps
             aa += 0.2 * rest_a
@@ -86,10 +86,10 @@ def common_perpendicular(zone, i, j):
         determinant = aa * bb - ab * ab
         step_a = (bb * a - ab * b) / determinant
         step_b = (aa * b - ab * a) / determinant
-        if abs(step_a) < CLOSE and abs(step_b) < CLOSE:
-            break
         s_a = moved(s_a, step_a, zone.nodes[0])
         s_b = moved(s_b, step_b, zone.nodes[1])
+        if abs(step_a) < CLOSE and abs(step_b) < CLOSE:
+            break
     zone.place[i, j, 0] = s_a
     zone.place[i, j, 1] = s_b
     return n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack

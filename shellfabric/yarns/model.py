@@ -28,7 +28,10 @@ from shellfabric.yarns import chain_kernels, coupling_kernels
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
 
 DATA = tomllib.loads((Path(__file__).parent / "assumed.toml").read_text("utf-8"))
-HALF_WIDTH = 20e-3  # [m] of the zone, by default
+HALF_WIDTH = 20e-3  # [m] of the zone at least, by default
+DRAWN = (
+    3e-3  # [m] times 1 / friction: yarn is drawn in from further away where less friction holds it
+)
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 REACH = 2.0  # spacings between the nose and the rim at least
@@ -42,26 +45,33 @@ class YarnZone:
 
     Parameters
     ----------
-    half_width : [m] of the square zone about the impact point; inf resolves the whole panel
+    half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None takes the default
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
-    lateral : factor on the lateral stiffness of a yarn (`YarnPatch.lateral_range`)
+    lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
 
     Raises
     ------
     InputError : a value that is not positive, or a friction below 0
     """
 
-    half_width: float = HALF_WIDTH
+    half_width: float | None = None
     friction: float = DATA["crossover_friction"]["value"]
     lateral: float = 1.0
 
     def __post_init__(self):
-        if not self.half_width > 0:
+        if not self.width > 0:
             raise InputError(key="zone", value=self.half_width, allowed="above 0")
         if not self.friction >= 0:
             raise InputError(key="crossover_friction", value=self.friction, allowed="at least 0")
         if not 0 < self.lateral < inf:
             raise InputError(key="lateral", value=self.lateral, allowed="above 0")
+
+    @property
+    def width(self) -> float:
+        """[m] the half width that is used."""
+        if self.half_width is not None:
+            return self.half_width
+        return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
@@ -119,11 +129,11 @@ class YarnPanel(Panel):
             least = max(LEAST_ROWS + 2, 2 * (reach / spacing + REACH + RIM_ROWS))
             if high - low < least:
                 allowed = f"at least {1e3 * 0.5 * (least + 1) * spacing:.3g} mm for this nose, in a larger opening"
-                raise InputError(key="zone", value=self.resolved.half_width, allowed=allowed)
+                raise InputError(key="zone", value=self.resolved.width, allowed=allowed)
         if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
             raise InputError(
                 key="zone",
-                value=self.resolved.half_width,
+                value=self.resolved.width,
                 allowed="smaller: an edge of the opening crosses it",
             )
 
@@ -142,7 +152,7 @@ class YarnPanel(Panel):
         """((first, last) row, (first, last) column) of nodes of the rim."""
         found = []
         for middle, spacing, count in zip(self.nearest_lines, self.spacing, self.counts):
-            half = min(self.resolved.half_width / spacing, count) + 1
+            half = min(self.resolved.width / spacing, count) + 1
             found.append((max(middle - int(half), 0), min(middle + int(half), count)))
         return found[0], found[1]
 
@@ -155,7 +165,7 @@ class YarnPanel(Panel):
         if self.strength_factors is not None:
             warp, weft = self.strength_factors
             factors = (np.asarray(warp)[j0 + 1 : j1], np.asarray(weft)[i0 + 1 : i1])
-        whole = self.resolved.half_width == inf
+        whole = self.resolved.width == inf
         return YarnPatch(
             self.table.model,
             (i1 - i0 - 1, j1 - j0 - 1),
@@ -217,7 +227,10 @@ class YarnPanel(Panel):
         for slots in (state.intact_fraction, state.yarn_length):
             grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
             grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
-        grid(state.element_flag)[i0:i1, j0:j1] = WARP_FAILED | WEFT_FAILED
+        # elements deeper inside have no node that moves: what is computed of them goes nowhere
+        flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED)
+        flag[1:-1, 1:-1] = 0
+        grid(state.element_flag)[i0:i1, j0:j1] = flag
         per = self.constants().rows_per_block
         state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, ni - 1) // per + 1] = DAMAGED
         state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, ni)
@@ -276,7 +289,7 @@ def crossings_of(panel: Panel) -> int:
 def width_in_words(panel: Panel) -> str:
     """The half width of the zone of a panel."""
     assert isinstance(panel, YarnPanel)
-    return f"panel.zone is {1e3 * panel.resolved.half_width:g} mm"
+    return f"panel.zone is {1e3 * panel.resolved.width:g} mm"
 
 
 def holds_nose(panel: Panel, position: FloatArray) -> bool:
@@ -312,6 +325,7 @@ def audit(zone: Zone) -> dict[str, float]:
     return {
         "kinetic_fabric": kinetic_energy(zone),
         "yarn_strain": books[chain_kernels.STORED],
+        "yarn_snap": books[chain_kernels.SNAP],
         "viscous": books[chain_kernels.VISCOUS],
         "failure_dissipation": books[chain_kernels.FAILED],
         "neighbour_contact": books[chain_kernels.NEIGHBOURS],

@@ -62,10 +62,10 @@ def closest_point(zone, family, start, n):
         tangent = gather(zone.x, m, slopes)
         square = dot(d, d)
         step = -dot(d, tangent) / max(dot(tangent, tangent), 0.25 * zone.rest_length[m] ** 2)
-        far = turn == 1 and square > FAR * zone.beside[family, TOUCH] ** 2
-        if turn == 3 or far or abs(step) < CLOSE:
-            break
         s = moved(s, step, count)
+        far = turn == 1 and square > FAR * zone.beside[family, TOUCH] ** 2
+        if far or abs(step) < CLOSE:
+            break
     zone.foot[n, PLACE] = s
     if s == 0.5 or s == count - 1.5:  # at the end of the yarn it is as close as it gets
         step = 0.0

@@ -13,7 +13,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.contact_kernels import to_panel_frame
 from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
-from shellfabric.yarns.curve_kernels import gather, scatter
+from shellfabric.yarns.curve_kernels import gather, row, scatter
 
 AT_NODE, BETWEEN = 0, 1
 AHEAD = 0  # of zone.counter
@@ -32,11 +32,22 @@ def nose_forces(zone, state, const):
         for yarn in range(zone.yarns[family]):
             start = zone.first[family] + yarn * zone.nodes[family]
             for n in range(start + 1, start + zone.nodes[family] - 1):
+                if is_far(zone, state, const, n):
+                    continue
                 before = zone.whole[n - 1]
                 after = zone.whole[n]
                 held = not zone.torn[family, yarn]
                 nose_point(zone, state, const, n, AT_NODE, NODE_WEIGHTS, before and after, held)
                 nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+
+
+@kernel(_nrt=False)
+def is_far(zone, state, const, n):
+    """Whether a node is farther from the line of flight than the nose, and a segment, reach."""
+    place = add_scaled(row(zone.x, n), -1.0, state.projectile_position)
+    x, y, _ = to_projectile_frame(const, place)
+    reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
+    return x * x + y * y > reach * reach
 
 
 @kernel(_nrt=False)

@@ -63,7 +63,7 @@ class YarnPatch:
     failure : whether yarns fail
     strength_factors : (warp, weft) factors on the strength of each yarn; None where all are alike
     rate_law : as `Panel.rate_law`
-    lateral : factor on the lateral stiffness of yarns, within `lateral_range`
+    lateral : factor on the lateral stiffness of yarns
     """
 
     model: CellModel
@@ -109,12 +109,6 @@ class YarnPatch:
     def unit_stiffness(self) -> float:
         """[N/m] EA / l0 of the softer family's segment."""
         return min(2 * yarn.EA / S0 for yarn, S0 in zip(self.weave.yarns, self.weave.S0))
-
-    @property
-    def lateral_range(self) -> tuple[float, float]:
-        """(loose, packed) transverse modulus of the yarns over the one that is used."""
-        law = self._solid_laws[0]
-        return sqrt(law.K_r), 1 / sqrt(law.K_r)
 
     @property
     def _solid_laws(self):
@@ -170,21 +164,29 @@ class YarnPatch:
 
     @cached_property
     def critical_step(self) -> float:
-        """[s] bound on the time step with its viscosity: 2 / w of the stiffest node, all that acts on it added up."""
+        """[s] bound on the time step with its viscosity: 2 / w of the stiffest node.
+
+        Its two segments act along the yarn, contacts across it, friction springs both ways.
+        """
         chains = self._chains()
         unit = self.unit_stiffness
-        shortest = chains["rest_length"][chains["whole"]].min()
-        segment = max(yarn.EA for yarn in self.weave.yarns) / shortest
-        beside = (
-            self.beside[:, neighbour_kernels.SOFT] + self.beside[:, neighbour_kernels.HARD]
-        ).max()
         hardest = max(CROSSING * unit, self.law[0][:, crossing_kernels.LAW_STIFFNESS].max())
-        stiffness = (
-            4 * segment + 1.2 * hardest + 1.2 * FRICTION * unit + 2 * NOSE * unit + 2 * beside
-        )
-        lightest = chains["mass"][chains["inverse_mass"] > 0].min()
+        beside = self.beside[:, [neighbour_kernels.SOFT, neighbour_kernels.HARD]].sum(axis=1).max()
+        across = 1.2 * hardest + 2 * NOSE * unit + 2 * beside
+        highest = 0.0
+        for family, yarn in enumerate(self.weave.yarns):
+            own = self._span(family)
+            along = 4 * yarn.EA / chains["rest_length"][own][chains["whole"][own]].min()
+            stiffness = max(along, across) + 1.2 * FRICTION * unit
+            lightest = chains["mass"][own][chains["inverse_mass"][own] > 0].min()
+            highest = max(highest, stiffness / lightest)
         damped = sqrt(1 + self.viscosity**2) - self.viscosity
-        return float(2 * sqrt(lightest / stiffness) * damped)
+        return float(2 / sqrt(highest) * damped)
+
+    def _span(self, family):
+        """Nodes of the yarns of a family."""
+        first, yarns, nodes = self.layout
+        return slice(first[family], first[family] + yarns[family] * nodes[family])
 
     @cached_property
     def layout(self) -> tuple[IntArray, IntArray, IntArray]:
@@ -195,7 +197,7 @@ class YarnPatch:
 
     def _chains(self):
         """Arrays of the chains at rest, by name."""
-        first, yarns, nodes = self.layout
+        _, yarns, nodes = self.layout
         size = int(yarns @ nodes)
         x = np.zeros((size, 3))
         mass = np.zeros(size)
@@ -205,7 +207,7 @@ class YarnPatch:
         tied = []
         for family, yarn in enumerate(self.weave.yarns):
             across = 1 - family
-            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            span = self._span(family)
             shape = (yarns[family], nodes[family])
             k = np.arange(nodes[family])
             number = np.arange(yarns[family])
@@ -245,7 +247,7 @@ class YarnPatch:
 
     def _failing(self, dt):
         """Arrays of the failure criterion, by name."""
-        first, yarns, nodes = self.layout
+        _, yarns, nodes = self.layout
         fabric = self.model.fabric
         weave = self.weave
         size = int(yarns @ nodes)
@@ -259,7 +261,7 @@ class YarnPatch:
             own_first, own_weights = failure.mean_weights(place, fabric.failure_length, False)
             firsts.append(own_first)
             weights.append(own_weights)
-            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            span = self._span(family)
             own = np.ones(yarns[family])
             if self.strength_factors is not None:
                 own = np.asarray(self.strength_factors[family], float)
@@ -291,7 +293,7 @@ class YarnPatch:
 
     def _crossings(self):
         """Arrays of crossings and neighbours, by name."""
-        first, yarns, nodes = self.layout
+        _, yarns, nodes = self.layout
         shape = (int(yarns[0]), int(yarns[1]))
         place = np.empty((*shape, 2))
         place[..., 0] = 2.0 * (np.arange(shape[1])[None, :] + 1)
@@ -304,7 +306,7 @@ class YarnPatch:
         contact[..., crossing_kernels.ONSET] = self.gap
         foot = np.zeros((int(yarns @ nodes), 4))
         for family in range(2):
-            span = slice(first[family], first[family] + yarns[family] * nodes[family])
+            span = self._span(family)
             foot[span, neighbour_kernels.PLACE] = np.tile(np.arange(nodes[family]), yarns[family])
             foot[span, neighbour_kernels.ONSET] = self.beside[family, neighbour_kernels.TOUCH]
         return {

@@ -115,8 +115,8 @@ class Keywords(TypedDict, total=False):
     crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
         one of "pinned", "yarns"
-    zone : resolved yarns: half width of the square zone about the nose; 20 mm if not given [m]; a
-        length above 0, such as "20 mm"
+    zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
+        over `crossover_friction` if that is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; a whole number from 0 to 2147483647
     crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not

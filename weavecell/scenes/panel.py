@@ -350,7 +350,8 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; 20 mm if not given",
+        "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm over "
+        "`crossover_friction` if that is more",
         "m",
         "20 mm",
     ) = None

@@ -175,6 +175,13 @@ def test_what_a_zone_does_not_have_is_refused(table, values, key):
     assert caught.value.key == key
 
 
+def test_less_friction_makes_the_default_zone_wider():
+    assert YarnZone().width == YarnZone(friction=0.15).width == 20e-3
+    assert YarnZone(friction=0.1).width == pytest.approx(30e-3)
+    assert YarnZone(friction=0.0).width == inf
+    assert YarnZone(8e-3, 0.1).width == 8e-3
+
+
 def test_a_random_aim_is_that_of_its_seed_within_a_cell_of_the_weave():
     weave = SETUP.fabric.weave
     aims = {aim(weave, seed) for seed in range(20)}

@@ -7,7 +7,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.yarns import chain_kernels, zone_kernels
 from shellfabric.yarns.patch import YarnPatch, kinetic_energy
 
-ENERGIES = slice(chain_kernels.STORED, chain_kernels.NOSE_FRICTION + 1)
+ENERGIES = slice(chain_kernels.STORED, chain_kernels.TORN)
 
 
 def patch(crossings=(6, 5), **values):

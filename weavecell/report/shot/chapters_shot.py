@@ -255,7 +255,7 @@ def _crossovers_in_words(setup):
     """Whether yarns are pinned at their crossovers or resolved, and what that means for the
     result."""
     if setup.crossovers is not None:
-        half_width = 1e3 * setup.crossovers.half_width
+        half_width = 1e3 * setup.crossovers.width
         return (
             f"Yarns are resolved within {half_width:g} mm of the impact point, with a coefficient of friction of "
             f"{setup.crossovers.friction:g} between them, and pinned to each other beyond."
