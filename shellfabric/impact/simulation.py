@@ -315,6 +315,11 @@ class ImpactSetup:
             return self
         return self.graded()
 
+    @property
+    def clamped(self) -> bool:
+        """Whether all four edges are clamped."""
+        return all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+
     def _resolving(self, resolved):
         """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS at most."""
         lengths = [
@@ -336,8 +341,7 @@ class ImpactSetup:
         InputError : as `panel`
         """
         count = self._resolving(resolved)
-        clamped = all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
-        if not clamped:
+        if not self.clamped:
             return replace(self, elements_per_crossover=count)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
