@@ -23,7 +23,7 @@ from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import BETWEEN_PLIES, PackSolver
-from shellfabric.state import ModuleTable
+from shellfabric.state import Body, ModuleTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))
 RATES = RateLaw((100.0, 1000.0, 10000.0), (1.0, 1.2, 1.6))
@@ -196,7 +196,7 @@ def leaves(value, name=""):
     """(name, array) of all that is nested in records, lists and dictionaries."""
     if is_dataclass(value):
         value = {each.name: getattr(value, each.name) for each in fields(value)}
-    if isinstance(value, ModuleTable):
+    if isinstance(value, ModuleTable | Body):
         return  # addresses
     if hasattr(value, "_asdict"):
         value = value._asdict()
