@@ -18,7 +18,7 @@ NUMBERS = {
     "clay_backing": (r"its crater is", 10.0),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 226),
-    "oblique_fragment": (r"45 degrees: perforated,", 100),
+    "oblique_fragment": (r"45 degrees: perforated,", 83),
     "punch_test": (r"failure length 0.75 mm: limit", 39.6),
     "sobol_indices": (r"80 shots: mean", 126.2),
     "uncertainty": (r"3 x 3 elements per crossover:", 128.4),
