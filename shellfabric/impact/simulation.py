@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, product
 from math import ceil, degrees, inf, pi
 from typing import Any
 
@@ -318,10 +318,11 @@ class ImpactSetup:
     @property
     def clamped(self) -> bool:
         """Whether all four edges are clamped."""
-        return all(side == "clamped" for pair in boundary.sides(self.boundary) for side in pair)
+        return boundary.is_clamped(self.boundary)
 
-    def _resolving(self, resolved):
-        """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS at most."""
+    def _count_elements(self, resolved):
+        """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS
+        at most."""
         lengths = [
             2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
         ]
@@ -329,7 +330,8 @@ class ImpactSetup:
         return min(max(ceil(max(lengths) - 1e-9), *under_the_nose), MOST_ELEMENTS)
 
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
-        """The set-up with the mesh that follows from the failure length: graded, or uniform if an edge is not clamped.
+        """The set-up with the mesh that follows from the failure length: graded, or uniform if an
+        edge is not clamped.
 
         Parameters
         ----------
@@ -340,7 +342,7 @@ class ImpactSetup:
         ------
         InputError : as `panel`
         """
-        count = self._resolving(resolved)
+        count = self._count_elements(resolved)
         if not self.clamped:
             return replace(self, elements_per_crossover=count)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
@@ -349,18 +351,18 @@ class ImpactSetup:
                 replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1])
                 for one in fine
             ]
-        plain = [
-            one.panel(one.plain_table()) for one in fine
-        ]  # the reach does not depend on the values of the table
+        # the reach does not depend on the values of the table
+        plain = [one.panel(one.plain_table()) for one in fine]
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
-        plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
-        reaches = [
-            ceil((far + path - 2 * side) * count / (2 * w))
-            + 3  # of elements that are a part of a crossover long
-            for panel in plain
-            for far, path, side, w in zip(panel.reach(), panel.path(), panel.spacing, panel.weave.w)
-        ]
-        near = ceil(max(reaches) / count)
+        needed = 0
+        for panel, angle in product(plain, angles | {0.0}):
+            turned = at_angle(panel, angle)
+            for far, path, step, w in zip(
+                turned.reach(), turned.path(), turned.spacing, turned.weave.w
+            ):
+                # two elements for the two that `reach` has, one for the smooth surface beside them
+                needed = max(needed, ceil((far + path - 2 * step) * count / (2 * w)) + 3)
+        near = ceil(needed / count)
         side = Fraction(1, count)
         zones = []
         while side < longest:

@@ -104,6 +104,11 @@ def _both(given):
     return given, given
 
 
+def is_clamped(edge: Any) -> bool:
+    """Whether all four sides are clamped."""
+    return sides(edge) == (("clamped", "clamped"),) * 2
+
+
 def slips(edge: Any) -> bool:
     """Whether a side of it is not simply clamped or free."""
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)

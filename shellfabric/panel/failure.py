@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, IntArray
+from fabrics.fabric import Fabric
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.state import FailureLines
 
@@ -27,29 +28,41 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
     families = []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
     law = panel.rate_law
-    for own, (yarn, count) in enumerate(
-        zip(panel.weave.yarns, (panel.weave.warp_count, panel.weave.weft_count))
-    ):
+    for own, yarn in enumerate(panel.weave.yarns):
         across = 1 - own
         strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
         if not panel.yarn_failure:
             strength = np.full_like(strength, inf)
         first, weights = mean_weights(x[across], panel.fabric.failure_length, panel.mirrors[across])
-        wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
-        times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
-        half = WATCHED * strength
-        if law.size:
-            half *= law[own, 0, 0]
         families.append(
             FailureLines(
                 strength=strength,
-                half_strength=half,
+                half_strength=half_strength(strength, law, own),
                 first=first,
                 weights=weights,
-                filter_factor=-np.expm1(-panel.time_step / times),
+                filter_factor=filter_factor(panel.fabric, own, sides[own], panel.time_step),
             )
         )
     return families[0], families[1]
+
+
+def half_strength(strength: FloatArray, law: FloatArray, family: int) -> FloatArray:
+    """[N] tension below which an edge of a family is followed without a delay; `law` as
+    `Panel.rate_law`."""
+    half = WATCHED * strength
+    if law.size:
+        half *= law[family, 0, 0]
+    return half
+
+
+def filter_factor(fabric: Fabric, family: int, side: ArrayLike, dt: float) -> FloatArray:
+    """[-] share of the way to the present tension that the low-pass goes in a step dt [s], of edges
+    of the length `side` [m]: its time is that of a wave over twice the failure length, or edge."""
+    weave = fabric.weave
+    count = (weave.warp_count, weave.weft_count)[family]
+    wave_speed = (weave.yarns[family].EA * count / weave.areal_density) ** 0.5
+    times = 2 * np.maximum(fabric.failure_length, side) / wave_speed
+    return -np.expm1(-dt / times)
 
 
 def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray, FloatArray]:

@@ -168,7 +168,7 @@ class PanelGrid:
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
             raise InputError(key="opening", value=self.opening, allowed=allowed)
-        if self.stepped and not self._clamped:
+        if self.stepped and not boundary.is_clamped(self.boundary):
             what = "in a round opening"
             if self.weave_angle:
                 what = "oblique"
@@ -512,7 +512,7 @@ class PanelGrid:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both
         sides: that of the impact point, or where a side is not clamped 0, so that edges are lines
         of the grid wherever it is struck."""
-        if self._clamped or self.weave_angle or self.round:
+        if boundary.is_clamped(self.boundary) or self.weave_angle or self.round:
             return self.impact_point
         return 0.0, 0.0
 
@@ -542,11 +542,6 @@ class PanelGrid:
     def supports(self) -> tuple[tuple[Any, Any], ...]:
         """((lowest, highest) of the warp, (lowest, highest) of the weft) sides of its boundary."""
         return boundary.sides(self.boundary)
-
-    @property
-    def _clamped(self):
-        """Whether all four sides are clamped."""
-        return self.supports == (("clamped", "clamped"),) * 2
 
     @cached_property
     def stepped(self) -> bool:

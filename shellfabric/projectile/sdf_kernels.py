@@ -270,6 +270,14 @@ def sampled(x, y, z, form):
     return depth, n_x / length, n_y / length, n_z / length
 
 
+@kernel()
+def from_axis(x, y, r, component):
+    """(x, y) parts of a vector with this component away from the axis, at the distance r from it."""
+    if r > 0.0:
+        return component * x / r, component * y / r
+    return 0.0, 0.0
+
+
 @entry()
 def distance(shape, x, y, z, R, rho, length, form):
     """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
@@ -291,21 +299,11 @@ def distance(shape, x, y, z, R, rho, length, form):
             depth, n_r, n_z = cone(r, z, R, rho, form)
         else:
             depth, n_r, n_z = ball(r, z + R, R)
-        if r > 0.0:
-            n_x = n_r * x / r
-            n_y = n_r * y / r
-        else:
-            n_x = 0.0
-            n_y = 0.0
+        n_x, n_y = from_axis(x, y, r, n_r)
     if length < np.inf:
         end, e_r, e_z = flat(r, -length - z, R, rho)
         if end > depth:
-            if r > 0.0:
-                n_x = e_r * x / r
-                n_y = e_r * y / r
-            else:
-                n_x = 0.0
-                n_y = 0.0
+            n_x, n_y = from_axis(x, y, r, e_r)
             return end, n_x, n_y, -e_z
     return depth, n_x, n_y, n_z
 

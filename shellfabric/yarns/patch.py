@@ -253,10 +253,10 @@ class YarnPatch:
         size = int(yarns @ nodes)
         strength = np.ones(size)
         half = np.ones(size)
-        factors, firsts, weights = [], [], []
-        for family, (yarn, count) in enumerate(
-            zip(weave.yarns, (weave.warp_count, weave.weft_count))
-        ):
+        factors = []
+        firsts = []
+        weights = []
+        for family, yarn in enumerate(weave.yarns):
             place = self.spacing[1 - family] * np.arange(yarns[family])
             own_first, own_weights = failure.mean_weights(place, fabric.failure_length, False)
             firsts.append(own_first)
@@ -266,13 +266,9 @@ class YarnPatch:
             if self.strength_factors is not None:
                 own = np.asarray(self.strength_factors[family], float)
             strength[span] = np.repeat(yarn.strength * own, nodes[family])
-            watched = failure.WATCHED
-            if self.rate_law.size:
-                watched *= self.rate_law[family, 0, 0]
-            half[span] = watched * strength[span]
-            wave_speed = sqrt(yarn.EA * count / weave.areal_density)
-            time = 2 * max(fabric.failure_length, 0.5 * self.spacing[family]) / wave_speed
-            factors.append(-np.expm1(-dt / time))
+            half[span] = failure.half_strength(strength[span], self.rate_law, family)
+            # a segment is half a crossover long
+            factors.append(failure.filter_factor(fabric, family, 0.5 * self.spacing[family], dt))
         if not self.failure:
             strength[:] = half[:] = inf
         rate_damage = np.zeros(0)

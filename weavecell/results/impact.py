@@ -273,7 +273,9 @@ class ImpactRecord:
         """{name: value} of the dent in the block: depth [m], volume [m3], steepness [rad]; None
         while it moves."""
         names = ("depth", "volume", "steepness")
-        return {name: None if self.block_moves else getattr(self.backing, name) for name in names}
+        if self.block_moves:
+            return dict.fromkeys(names)
+        return {name: getattr(self.backing, name) for name in names}
 
     @property
     def back_face_signature_mm(self) -> float | None:
