@@ -675,7 +675,5 @@ class PanelGrid:
 
     def share_of_first_zone(self, nose: FloatArray) -> float:
         """[-] how far the fabric that can be under a nose (3,) [m] reaches, over the half width of the first zone."""
-        shares = []
-        for place, far, fine, step in zip(nose, self.reach(), self._fine(), self.spacing):
-            shares.append((abs(place) + far) / ((fine - 1) * step))
-        return max(shares)
+        half_width = np.multiply(self._fine(), self.spacing) - self.spacing
+        return float(np.max((np.abs(nose[:2]) + self.reach()) / half_width))
