@@ -209,9 +209,10 @@ def straight_table(fabric):
 
 def behind(table, zones, crossovers):
     """Share of the kinetic energy of a pulse that is found before the zones' border once it should be through."""
-    edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0, threads=1)
+    edge = ("clamped", "free")
+    numerics = Numerics(stretch_viscosity=0.0, threads=1)
     panel = Panel(
-        table, (0.8, 0.0203), boundary=edge, yarn_failure=False, grading=zones, numerics=knobs
+        table, (0.8, 0.0203), boundary=edge, yarn_failure=False, grading=zones, numerics=numerics
     )
     solver = PackSolver(panel, 1.0, 1.0)
     state, const, solver.exchange = solver.state, solver.const, np.inf  # no checks of the energy

@@ -43,7 +43,7 @@ def _constants(panel):
     mirror_x, mirror_y = panel.mirrors
     weave = panel.weave
     table = panel.table
-    knobs = panel.numerics
+    numerics = panel.numerics
     dt = panel.time_step
     w1, w2 = weave.w
     S01, S02 = weave.S0
@@ -72,7 +72,7 @@ def _constants(panel):
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
     # first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
-    cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
+    cv1, cv2 = (numerics.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots: dict[str, Any] = {
         "inv_dx": 1 / dx,
         "inv_dy": 1 / dy,
@@ -141,14 +141,14 @@ def _constants(panel):
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
         rate_law=panel.rate_law,
-        erosion_gap_ratio=knobs.widest,
+        erosion_gap_ratio=numerics.widest,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
         projectile_radius=shot.radius,
         edge_radius=shot.edge_radius,
         projectile_mass=shot.mass * panel.share,
         free_dofs=(float(not mirror_x), float(not mirror_y), 1.0),
-        perforation_delay_steps=max(1, round(knobs.clear_time / dt)),
+        perforation_delay_steps=max(1, round(numerics.clear_time / dt)),
         nose_shape=shot.number,
         nose_parameters=shot.form,
         projectile_length=shot.length or inf,
@@ -262,14 +262,14 @@ def _block(panel):
 
 def _contact(panel, mass):
     """Constants of the contact of elements of a mass [kg]."""
-    knobs = panel.numerics
-    usual = panel.numerics.contact_points or USUAL_POINTS
+    numerics = panel.numerics
+    usual = numerics.contact_points or USUAL_POINTS
     points = max(2, -(-usual * panel.finest // panel.lines_per_crossover))
-    if knobs.contact_points is None:
+    if numerics.contact_points is None:
         resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
         points = max(points, int(min(resolving, MOST_POINTS)))
     return contact.constants(
-        points, mass, panel.step_of_bound, knobs.penalty, knobs.contact_damping
+        points, mass, panel.step_of_bound, numerics.penalty, numerics.contact_damping
     )
 
 

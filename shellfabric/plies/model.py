@@ -250,8 +250,7 @@ class Pack:
 
     def _firmer(self, ply):
         """Stiffness of the nose's contact with a ply of the pack, over that of a single ply."""
-        knobs = ply.numerics
-        plain = knobs.penalty * ply.weave.areal_density / ply.step_of_bound**2
+        plain = ply.numerics.penalty * ply.weave.areal_density / ply.step_of_bound**2
         return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
 
     def _foreseen(self, slots):
@@ -314,7 +313,6 @@ class Pack:
         """The contact between the plies, at rest."""
         rest = []
         points = self.contact.points
-        knobs = self.contact
         for ply, z in zip(self.plies, self.places):
             x, y = ply.coordinates()
             nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
@@ -323,7 +321,7 @@ class Pack:
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
-        laws, law_step = law_tables(self.laws, smallest, densities, knobs)
+        laws, law_step = law_tables(self.laws, smallest, densities, self.contact)
         feet = [
             np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)])
             for axis in (0, 1)

@@ -8,8 +8,8 @@ the velocity of the fabric over the projectile, both along the surface,
     t = -(k g + c v),                                                (1)
     where |t| > mu f:   t := mu f t / |t|,  g := -t / k.             (2)
 
-Stiffness and damping being those of the contact, the time step bears it as it bears that; there is
-no knob.
+Stiffness and damping are the contact's own, so that the time step of the contact holds for friction
+too, and no further parameter has to be chosen.
 """
 
 import math
