@@ -310,7 +310,9 @@ class Pack:
         return tuple(made[id(ply)] for ply in self.plies)
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
-        """The contact between the plies, at rest."""
+        """The contact between the plies, at rest; of a single ply one without points."""
+        if len(self.plies) == 1:
+            return PackContact.empty()._replace(count=np.zeros(7, np.int64), guard=np.zeros(4))
         rest = []
         points = self.contact.points
         for ply, z in zip(self.plies, self.places):

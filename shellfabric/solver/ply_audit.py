@@ -9,7 +9,6 @@ both.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,26 +25,9 @@ if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
     from shellfabric.state import Constants, State
 
-ENERGIES = (
-    "kinetic_fabric",
-    "yarn_strain",
-    "formulation_residual",
-    "yarn_snap",
-    "shear",
-    "bending",
-    "packing",
-    "viscous",
-    "contact",
-    "friction",
-    "failure_dissipation",
-    "clamp_friction",
-    "boundary_work",
-)
 
-
-def energies(const: Constants, state: State, rest: float) -> FloatArray:
-    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of
-    `further_names`.
+def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
+    """{name: [J]} of the modelled part of a ply, with those of its force modules.
 
     Parameters
     ----------
@@ -54,49 +36,35 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
     """
     out = audited(const, state)
     sums = state.energy_sums.sum(axis=0)
-    # work of the forces that is neither stored nor lost, of either form
-    unstored = np.zeros(2)
-    unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
     contact = state.contact_energy
     slip = state.slip_energy
-    found = np.array(
-        [
-            out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
-            out[kernels.STORED],
-            *unstored,
-            out[kernels.SHEAR],
-            out[kernels.BENDING],
-            out[kernels.PACKING],
-            sums[VISCOUS],
-            contact[contact_kernels.CONTACT],
-            contact[contact_kernels.FRICTION],
-            sums[LOST_YARN] + sums[LOST_TRELLIS],
-            slip[boundary_kernels.CLAMP_FRICTION],
-            slip[boundary_kernels.BOUNDARY_WORK],
-            *out[kernels.PACKING + 1 :],
-        ]
-    )
-    for name, energy in _books(forces.modules_of(state.modules)):
-        if name in ENERGIES:
-            found[ENERGIES.index(name)] += energy
-        else:
-            found = np.append(found, energy)
-    return found
-
-
-def further_names(modules: Iterable[forces.Module]) -> list[str]:
-    """Names of the energies that a ply with these modules has besides ENERGIES."""
-    names = [module.energy for module in modules]
-    names += [name for name, _ in _books(modules)]
-    return [name for name in names if name not in ENERGIES]
-
-
-def _books(modules):
-    """(name, [J]) of what modules have in their rows besides the energy that their unit returns."""
-    found = []
+    found = {
+        "kinetic_fabric": out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
+        "yarn_strain": out[kernels.STORED],
+        "formulation_residual": 0.0,
+        "yarn_snap": 0.0,
+        "shear": out[kernels.SHEAR],
+        "bending": 0.0,
+        "packing": 0.0,
+        "viscous": sums[VISCOUS],
+        "contact": contact[contact_kernels.CONTACT],
+        "friction": contact[contact_kernels.FRICTION],
+        "failure_dissipation": sums[LOST_YARN] + sums[LOST_TRELLIS],
+        "clamp_friction": slip[boundary_kernels.CLAMP_FRICTION],
+        "boundary_work": slip[boundary_kernels.BOUNDARY_WORK],
+    }
+    # work of the forces that is neither stored nor lost, of either form
+    form = "formulation_residual"
+    if const.variational:
+        form = "yarn_snap"
+    found[form] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    modules = forces.modules_of(state.modules)
+    for module, stored in zip(modules, out[kernels.BENDING :]):
+        found[module.energy] = found.get(module.energy, 0.0) + stored
     for module in modules:
         if module.books is not None:
-            found += module.books(module.own).items()
+            for name, energy in module.books(module.own).items():
+                found[name] = found.get(name, 0.0) + energy
     return found
 
 

@@ -22,7 +22,7 @@ from shellfabric.output.hooks import Snapshots
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import BETWEEN_PLIES, PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.state import Body, ModuleTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))
@@ -68,7 +68,10 @@ APART = {
     "kinetic_projectile",
     "elastic_projectile",
     "plastic_projectile",
-    *BETWEEN_PLIES,
+    "ply_contact",
+    "ply_contact_lost",
+    "ply_friction",
+    "ply_collisions",
 }
 
 
