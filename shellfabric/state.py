@@ -436,6 +436,10 @@ class Work(Row):
     mean_stretch = array(
         "2 x size", "-", "mean stretch of the edges of a family that cross an edge of the other one"
     )
+    intact = array("2 x size", "-", "intact fraction of the edges of a block with failed yarns")
+    mean_intact = array(
+        "2 x size", "-", "mean of it over the edges of a family that cross an edge of the other one"
+    )
     T = array("2 x size", "N", "tension (memory of dW_own)")
     N = array("2 x size", "N", "force of the edges")
     dW_own = array(
