@@ -24,8 +24,8 @@ from typing import Any, NoReturn, Self, TypeAlias, TypeVar
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.checks import FloatArray, IntArray, positive
+from fabrics.base.errors import UnstableError
 from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
@@ -103,17 +103,11 @@ class ExplicitSolver:
         interval: float,
         energy_error_limit: float,
     ) -> None:
-        for key, value in (
-            ("strike_velocity", strike_velocity),
-            ("end_time", end_time),
-            ("interval", interval),
-        ):
-            if not 0 < value < np.inf:
-                raise InputError(key=key, value=value, allowed="above 0")
         self.projectile = projectile
         self.strike_velocity = float(strike_velocity)
         self.end_time = float(end_time)
         self.interval = float(interval)
+        positive(self, "strike_velocity", "end_time", "interval")
         self.energy_error_limit = energy_error_limit
         self.samples: list[FloatArray] = []
         self.step_history: list[FloatArray] = []

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath, FloatArray, positive
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
@@ -652,8 +652,8 @@ def run(
     """
     made = target or setup.target(table)
     memory.check(made.plies, setup.snapshots)
-    if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:
-        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+    if setup.snapshot_interval is not None:
+        positive(setup, "snapshot_interval")
     solver = _solver(setup, made)
     factor = 1.0
     kept = tuple(hooks)

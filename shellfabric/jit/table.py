@@ -267,8 +267,8 @@ class Row:
 
     @classmethod
     def empty(cls) -> Any:
-        """A row of zeros and of arrays without anything in them."""
-        return cls(**{name: _nothing(field.kinds[UNIFORM]) for name, field in cls.fields.items()})
+        """A row of zeros, in which whatever has a length by name has none."""
+        return cls(**{name: _nothing(field) for name, field in cls.fields.items()})
 
     @classmethod
     def kept(cls) -> list[str]:
@@ -311,12 +311,13 @@ def _made(table, values):
     return table(**values)
 
 
-def _nothing(kind):
-    """The least value of a numba type."""
+def _nothing(field):
+    """The least value of a field."""
+    kind = field.kinds[UNIFORM]
+    if kind == array_type(field.shape):
+        return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):
-        return (_nothing(kind.dtype),) * kind.count
-    if isinstance(kind, types.Array):
-        return np.zeros((0,) * kind.ndim, numpy_support.as_dtype(kind.dtype))
+        return (0,) * kind.count
     return numpy_support.as_dtype(kind).type(0)
 
 
@@ -349,9 +350,10 @@ def _grid_of(table, values):
 def _zeros(shape, sizes):
     """Zeros of a shape, or None where one of its sizes is not known."""
     counts, dimensions, kind = parts_of(shape)
-    if [name for name in dimensions if not name.isdigit() and name not in sizes]:
+    known = sizes | {name: int(name) for name in dimensions if name.isdigit()}
+    if not known.keys() >= set(dimensions):
         return None
-    lengths = [int(sizes.get(name, name)) for name in dimensions]
+    lengths = [known[name] for name in dimensions]
     dtype = np.dtype(kind.replace("boolean", "bool"))
     if not counts and dimensions != ["slots"]:
         return np.zeros(lengths, dtype)

@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray, positive
 from fabrics.base.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
+from shellfabric.panel.slots import by_node
 from shellfabric.projectile.frames import axes
 
 if TYPE_CHECKING:
@@ -62,8 +63,7 @@ class HistoryRequest:
     plies: tuple[int, ...] | None = None
 
     def __post_init__(self):
-        if not 0 < self.interval < inf:
-            raise InputError(key="interval", value=self.interval, allowed="above 0")
+        positive(self, "interval")
         for family in FAMILIES:
             if not all(abs(distance) < inf for distance in getattr(self, family)):
                 raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
@@ -200,10 +200,7 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
 def _record(panel, c, state, chosen, sides, neighbours):
     """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
     tension = yarn_tensions(c, state)
-    u = [
-        component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for component in state.u
-    ]
+    u = [by_node(component, c) for component in state.u]
     parts = []
     for family, element, node in chosen:
         if family == "warp":

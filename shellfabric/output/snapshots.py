@@ -12,6 +12,7 @@ import numpy as np
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import edges
+from shellfabric.panel.slots import by_element, by_node
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -113,12 +114,8 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
 def failures(c: Any, state: Any) -> BoolArray:
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
     constants."""
-
-    def nodes(slots):
-        return slots[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-
-    warp, weft = (nodes(segments) != 0 for segments in state.failed)
-    eroded = nodes(state.element_flag)[:-1, :-1] & ERODED != 0
+    warp, weft = (by_node(segments, c) != 0 for segments in state.failed)
+    eroded = by_element(state.element_flag, c) & ERODED != 0
     return np.stack(
         [warp[:-1, :-1] | warp[:-1, 1:], weft[:-1, :-1] | weft[1:, :-1], eroded], axis=2
     )
@@ -127,10 +124,7 @@ def failures(c: Any, state: Any) -> BoolArray:
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
     """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
     whole yarn."""
-    warp, weft = (
-        ((failed == 0) * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for failed, T in zip(state.failed, state.T)
-    )
+    warp, weft = (by_node((failed == 0) * T, c) for failed, T in zip(state.failed, state.T))
     return np.stack(
         [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2
     )

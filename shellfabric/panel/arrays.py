@@ -13,6 +13,7 @@ from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import edges, failure, forces, grading
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
+from shellfabric.panel.slots import by_node
 from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, State, Work
 
@@ -287,9 +288,8 @@ def _fill_half_strengths(const, slots):
     warp, weft = (
         np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines)
     )
-    grids = [each[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, -1) for each in slots]
-    grids[0][:] = warp
-    grids[1][:] = weft[:, None]
+    by_node(slots[0], const)[:] = warp
+    by_node(slots[1], const)[:] = weft[:, None]
 
 
 def _near(panel, roaming):

@@ -16,8 +16,9 @@ import numpy as np
 from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
 from shellfabric.cloth.membrane_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
-from shellfabric.panel import forces, grading, perforation
+from shellfabric.panel import forces, grading
 from shellfabric.panel.motion_kernels import STEP
+from shellfabric.panel.slots import by_element, by_node
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels
 
@@ -87,13 +88,10 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn
     makes no second one of it, a plane along it does.
     """
-    shape = (const.ni + 1, const.row_stride)
     total = 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
-        broken = state.failed[family] != 0
-        edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[
-            :-1
-        ]  # along the family, lines
+        broken = by_node(state.failed[family], const) != 0
+        edges = np.moveaxis(broken, family, 0)[:-1]  # along the family, lines
         yarns = (
             count
             * grading.tributary(np.diff(panel.lines()[1 - family]))
@@ -127,10 +125,10 @@ def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
 
     held : `perforation.held`, or None where no yarn has failed
     """
-    z = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+    z = by_node(state.u[2], const)
     if held is None:
         return float(z.max(initial=0.0))
-    whole = held & (perforation.by_element(state.element_flag, const) == 0)
+    whole = held & (by_element(state.element_flag, const) == 0)
     return float(z[:-1, :-1].max(initial=0.0, where=whole))
 
 
