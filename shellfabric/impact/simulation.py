@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FilePath, FloatArray, positive
+from fabrics.base.checks import FilePath, FloatArray, positive, refuse
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
@@ -165,10 +165,10 @@ class ImpactSetup:
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
-            raise InputError(
-                key="plies",
-                value=self.plies,
-                allowed=f"{len(self.lay_up)}, as many as the lay-up has",
+            refuse(
+                self,
+                "plies",
+                f"{len(self.lay_up)}, as many as the lay-up has",
             )
         if self.lay_up and self.surface is not None:
             raise InputError(
@@ -176,7 +176,7 @@ class ImpactSetup:
             )
         if self.strength is not None and self.symmetry != "whole":
             allowed = "whole: each yarn has a strength of its own"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=allowed)
+            refuse(self, "symmetry", allowed)
         if self.strength is not None and not self.yarn_failure:
             raise InputError(key="strength", allowed="left out: the yarns do not fail")
 

@@ -428,13 +428,13 @@ class Rows:
         if len(kinds) != 1:
             raise TypeError(f"{len(kinds)} types in one list: {', '.join(sorted(map(str, kinds)))}")
         self._numba_type_ = RowsType(kinds.pop())
-        self._addresses = np.array([value._address for value in self.values], np.int64)
-        self._address = self._addresses.ctypes.data
-        self._count = len(self.values)
+        addresses = [value._address for value in self.values]
+        self._memory = np.array([len(addresses), *addresses], np.int64)
+        self._address = self._memory.ctypes.data
 
 
 class RowsType(types.Type):
-    """numba type of `Rows`."""
+    """numba type of `Rows`: a pointer to words, their number and their addresses."""
 
     def __init__(self, kind: RowType) -> None:
         self.kind = kind
@@ -446,38 +446,20 @@ class RowsType(types.Type):
 
 
 @register_model(RowType)
-class _RowModel(models.PrimitiveModel):
+@register_model(RowsType)
+class _PointerModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, WORD.as_pointer())
 
 
-@register_model(RowsType)
-class _RowsModel(models.StructModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, [("address", types.intp), ("count", types.intp)])
-
-
-def _integer_attribute(c, value, name):
-    member = c.pyapi.object_getattr_string(value, name)
-    found = c.unbox(types.intp, member).value
-    c.pyapi.decref(member)
-    return found
-
-
 @unbox(RowType)
+@unbox(RowsType)
 def _unbox_row(kind, value, c):
-    address = _integer_attribute(c, value, "_address")
+    member = c.pyapi.object_getattr_string(value, "_address")
+    address = c.unbox(types.intp, member).value
+    c.pyapi.decref(member)
     failed = cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
     return NativeValue(c.builder.inttoptr(address, WORD.as_pointer()), is_error=failed)
-
-
-@unbox(RowsType)
-def _unbox_rows(kind, value, c):
-    found = cgutils.create_struct_proxy(kind)(c.context, c.builder)
-    found.address = _integer_attribute(c, value, "_address")
-    found.count = _integer_attribute(c, value, "_count")
-    failed = cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
-    return NativeValue(found._getvalue(), is_error=failed)
 
 
 @infer_global(len)
@@ -490,7 +472,7 @@ class _Len(AbstractTemplate):
 
 @lower_builtin(len, RowsType)
 def _len(context, builder, sig, arguments):
-    return cgutils.create_struct_proxy(sig.args[0])(context, builder, value=arguments[0]).count
+    return _load_word(builder, arguments[0], 0)
 
 
 @intrinsic
@@ -498,9 +480,8 @@ def row_of(typing, rows, number):
     """rows[number] of `Rows`; a number out of range is not caught."""
 
     def codegen(context, builder, sig, arguments):
-        given = cgutils.create_struct_proxy(sig.args[0])(context, builder, value=arguments[0])
-        addresses = builder.inttoptr(given.address, WORD.as_pointer())
-        address = builder.load(builder.gep(addresses, [arguments[1]]))
+        pointer, number = arguments
+        address = builder.load(builder.gep(pointer, [builder.add(number, ir.Constant(WORD, 1))]))
         return builder.inttoptr(address, WORD.as_pointer())
 
     return rows.kind(rows, number), codegen

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray, positive
+from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
@@ -70,15 +70,13 @@ class HistoryRequest:
         if self.plies is not None and (
             not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)
         ):
-            raise InputError(
-                key="plies", value=self.plies, allowed="numbers of plies, the first is 1"
-            )
+            refuse(self, "plies", "numbers of plies, the first is 1")
 
     def chosen(self, count: int) -> Sequence[int]:
         """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has
         not."""
         if self.plies is not None and max(self.plies) > count:
-            raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
+            refuse(self, "plies", f"1 to {count}")
         if self.plies is None:
             return range(count)
         return [ply - 1 for ply in self.plies]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, TypeAlias
 
-from fabrics.base.checks import not_negative, positive
+from fabrics.base.checks import not_negative, positive, refuse
 from fabrics.base.errors import InputError
 
 
@@ -46,7 +46,7 @@ class PullIn:
         positive(self, "length", "zone")
         not_negative(self, "start")
         if not self.start < self.end < inf:
-            raise InputError(key="end", value=self.end, allowed="after the start")
+            refuse(self, "end", "after the start")
 
 
 @dataclass(frozen=True)

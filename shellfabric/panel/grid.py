@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.checks import BoolArray, FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
@@ -119,24 +119,22 @@ class PanelGrid:
         even = [*map(self.shot.mirrored, (0, 1))]
         fits = [name for name, planes in SYMMETRIES.items() if all(map(ge, even, planes))]
         if self.symmetry not in fits:
-            raise InputError(
-                key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot"
-            )
+            refuse(self, "symmetry", " or ".join(fits) + " for this shot")
         self._check_edges()
         coupling.check(self)
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:
-            raise InputError(
-                key="elements_per_crossover",
-                value=self.elements_per_crossover,
-                allowed="1, 2, 3, ...",
+            refuse(
+                self,
+                "elements_per_crossover",
+                "1, 2, 3, ...",
             )
         if not all(0 <= EI < inf for EI in self.bending):
-            raise InputError(key="bending", value=self.bending, allowed="at least 0")
+            refuse(self, "bending", "at least 0")
         if not 0 < self.packed_area < 1:
-            raise InputError(key="packed_area", value=self.packed_area, allowed="above 0, below 1")
+            refuse(self, "packed_area", "above 0, below 1")
         for family, given, count in zip(
             ("warp", "weft"), self.strength_factors or (), self.yarn_counts
         ):
@@ -161,13 +159,13 @@ class PanelGrid:
         for (low, high), mirrored in zip(self.supports, self.mirrors):
             if mirrored and low != high:
                 allowed = "alike at both ends of mirrored yarns"
-                raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+                refuse(self, "boundary", allowed)
         if any(offset and mirrored for offset, mirrored in zip(self.impact_point, self.mirrors)):
             allowed = "0 across planes of symmetry, or symmetry = whole"
-            raise InputError(key="impact_point", value=self.impact_point, allowed=allowed)
+            refuse(self, "impact_point", allowed)
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
-            raise InputError(key="opening", value=self.opening, allowed=allowed)
+            refuse(self, "opening", allowed)
         if self.stepped and not boundary.is_clamped(self.boundary):
             what = "in a round opening"
             if self.weave_angle:
@@ -175,7 +173,7 @@ class PanelGrid:
             if self.ply_angle:
                 what = "turned in its pack"
             allowed = f"clamped if the weave is {what}"
-            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+            refuse(self, "boundary", allowed)
         room = [0.5 * side - 2 * self.projectile.radius for side in self.opening]
         if self.round:
             inside = np.hypot(*self.impact_point) < room[0]
@@ -183,15 +181,15 @@ class PanelGrid:
             inside = np.all(np.abs(self.impact_point) < room)
         if any(self.impact_point) and not inside:
             allowed = "within the opening, two radii of the projectile from its edge"
-            raise InputError(key="impact_point", value=self.impact_point, allowed=allowed)
+            refuse(self, "impact_point", allowed)
         if not abs(self.weave_angle) < 1.5708:
             allowed = "within a right angle"
-            raise InputError(key="weave_angle", value=self.weave_angle, allowed=allowed)
+            refuse(self, "weave_angle", allowed)
         if self.weave_angle and any(self.mirrors):
             what = "the weave is oblique"
             if self.ply_angle:
                 what = "a ply is turned by another angle than 90 deg"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole if {what}")
+            refuse(self, "symmetry", f"whole if {what}")
 
     def _check_strength(self):
         if self.rate_dependence and self.fabric.strain_rate is None:
@@ -210,16 +208,16 @@ class PanelGrid:
         gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
-            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+            refuse(self, "boundary", allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             # and what the smooth surface of the last element has beside it
             least = int(np.ceil(reach / step)) + 1
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
-                raise InputError(
-                    key="grading",
-                    value=self.grading,
-                    allowed=f"{allowed}, all that comes under the nose",
+                refuse(
+                    self,
+                    "grading",
+                    f"{allowed}, all that comes under the nose",
                 )
 
     @property

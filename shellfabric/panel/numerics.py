@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fabrics.base.checks import not_negative, positive
-from fabrics.base.errors import InputError
+from fabrics.base.checks import not_negative, positive, refuse
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ class Numerics:
         positive(self, "cfl", "penalty", "widest", "clear_time", "block")
         not_negative(self, "stretch_viscosity", "contact_damping")
         if self.contact_points is not None and self.contact_points < 1:
-            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
+            refuse(self, "contact_points", "at least 1")
         if self.threads is not None and self.threads < 1:
-            raise InputError(key="threads", value=self.threads, allowed="at least 1")
+            refuse(self, "threads", "at least 1")
         if self.cfl > 1:
-            raise InputError(key="cfl", value=self.cfl, allowed="at most 1")
+            refuse(self, "cfl", "at most 1")
