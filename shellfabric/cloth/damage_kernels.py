@@ -13,9 +13,8 @@ from shellfabric.cloth.membrane_kernels import (
     ONE,
     WARP,
     WEFT,
+    average,
     copy_slots,
-    mean_over_warp,
-    mean_over_weft,
     repeat_rim,
     scratch_slot,
     share_forces,
@@ -55,13 +54,6 @@ def damaged_means(state, const, work, first, last):
 def end_of_block(const, first, last):
     """Slot of the scratch behind the row of weft edges at the far end of a block."""
     return scratch_slot(const, first, last + 1)
-
-
-@kernel(_nrt=False)
-def average(const, first, last, x, mean):
-    """Means of x of each family over the edges that cross those of the other one."""
-    mean_over_weft(const, first, max(first - 1, 0), last, x[WEFT], mean[WEFT])
-    mean_over_warp(const, first, last, x[WARP], mean[WARP])
 
 
 @unit(later=True)

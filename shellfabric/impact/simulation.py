@@ -694,7 +694,7 @@ def _followed(setup, solver, factor, hooks):
     """The result of a solver's run, with what the set-up records."""
     own: list[Hook] = []
     if setup.history:
-        own.append(histories.Recorder([panel for panel, _, _ in solver.parts], setup.history))
+        own.append(histories.Recorder(solver.pack.plies, setup.history))
     if setup.snapshot_interval is not None:
         own.append(Snapshots(setup.snapshot_interval))
     return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
@@ -720,7 +720,7 @@ def collect_result(
     setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
 ) -> ImpactResult:
     """Gather what a run has recorded."""
-    panels = [panel for panel, _, _ in solver.parts]
+    panels = solver.pack.plies
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock = solver.const.dt * np.arange(1, len(fine) + 1)

@@ -201,16 +201,12 @@ def _record(panel, c, state, chosen, sides, neighbours):
     u = [by_node(component, c) for component in state.u]
     parts = []
     for family, element, node in chosen:
-        if family == "warp":
-            along = np.s_[:, node]
-        else:
-            along = np.s_[node, :]
-        if family == "warp":
-            pulled = tension[:, element, 0]
-        else:
-            pulled = tension[element, :, 1]
-        rest = panel.lines()[FAMILIES.index(family)]
-        parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
+        axis = FAMILIES.index(family)
+        across = 1 - axis
+        rest = panel.lines()[axis]
+        parts.append(tension[..., axis].take(element, across))
+        parts.append(rest + u[axis].take(node, across))
+        parts.append(u[2].take(node, across))
     return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
 
 

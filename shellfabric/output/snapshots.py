@@ -98,16 +98,12 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
     rest."""
     found: list[Snapshot] = []
-    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
+    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.pack.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
-        if found:
-            nose = found[0].projectile_position
-        else:
-            nose = one.projectile_position
-        found.append(
-            replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy())
-        )
+        # the place of the nose is counted from the first ply
+        nose = (found or [one])[0].projectile_position.copy()
+        found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))
     return tuple(found)
 
 

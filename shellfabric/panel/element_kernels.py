@@ -90,9 +90,8 @@ def tension_bound(const, p, q, N, unit, ceiling):
 
     p, q in cells of the table; unit, ceiling : see `crossover_kernels.tension_bound_table`.
     """
-    if not (
-        p <= const.table_last1 + 1 and q <= const.table_last2 + 1 and N < unit * ceiling.shape[0]
-    ):
+    _, _, last1, _, _, last2, _ = const.table_grid
+    if not (p <= last1 + 1.0 and q <= last2 + 1.0 and N < unit * ceiling.shape[0]):
         return np.inf
     step = int(N / unit)
     return max(ceiling[step, 0], N + ceiling[step, 1])

@@ -36,7 +36,6 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
-from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import boundary, forces, grading, time_step
 from shellfabric.panel.boundary import Boundary
@@ -435,7 +434,8 @@ class PanelGrid:
     @property
     def time_step(self) -> float:
         """[s] the step that is taken."""
-        return self.step_of_bound * self._pace
+        share = time_step.share(self.table, self.numerics.stretch_viscosity)
+        return self.step_of_bound * share
 
     @property
     def step_of_bound(self) -> float:
@@ -443,10 +443,6 @@ class PanelGrid:
         of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
-
-    @cached_property
-    def _pace(self):
-        return time_step.share(self.table, self.numerics.stretch_viscosity)
 
     def coordinates(self) -> list[FloatArray]:
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
@@ -587,16 +583,6 @@ class PanelGrid:
             else:
                 free &= (across < half[0]) & (along < half[1])
         return free
-
-    @cached_property
-    def potential(self) -> tuple[FloatArray, FloatArray]:
-        """See `packed_table.potential`."""
-        return packed_table.potential(self.table)
-
-    @cached_property
-    def ceilings(self) -> list[tuple[FloatArray, float]]:
-        """See `packed_table.ceilings`."""
-        return packed_table.ceilings(self.table)
 
     @cached_property
     def segments(self) -> list[FloatArray]:

@@ -92,7 +92,6 @@ class PackSolver(ExplicitSolver):
     monitor : quality.Monitor, what the quality indicators need besides the result
     perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
         run
-    after_stop : [s] for which the run goes on before a block after the projectile has turned back
 
     Raises
     ------
@@ -162,33 +161,19 @@ class PackSolver(ExplicitSolver):
         self.backing = None
         self.perforated_samples = 0
         # the forces at rest
-        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)
+        self._run_thread(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 0, 1, np.inf)
         if self.panel.backing is not None:
-            self.after_stop = self.panel.backing.after_stop
+            self.stack.after_stop[0] = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
             self._behind = PythonCell(partial(self.backing.step, state), state, const)
             state.modules.behind[0] = self._behind.place
         self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
-        self._ends = [edges.ends(panel) for panel, _, _ in self.parts]
+        self._ends = [edges.ends(panel) for panel in pack.plies]
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
-
-    @property
-    def after_stop(self) -> float:
-        """[s]"""
-        return float(self.stack.after_stop[0])
-
-    @after_stop.setter
-    def after_stop(self, duration: float) -> None:
-        self.stack.after_stop[0] = duration
-
-    @property
-    def places(self) -> FloatArray:
-        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
-        return self.pack.places
 
     @property
     def deepest(self) -> FloatArray:
@@ -221,12 +206,6 @@ class PackSolver(ExplicitSolver):
     def steps(self) -> int:
         """Steps made."""
         return int(self.stack.counter[STEP])
-
-    def run_steps(
-        self, history: FloatArray, shared: IntArray, count: int, allowed: float
-    ) -> tuple[int, int]:
-        """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
-        return self._run_thread(history, shared, 0, count, allowed)
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
@@ -290,7 +269,7 @@ class PackSolver(ExplicitSolver):
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver."""
-        return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
+        return self._run_thread(history, self._shared, 0, self.threads, self.allowed_exchange)
 
     def observe(self) -> tuple[dict[str, float], dict[str, float]]:
         """See ExplicitSolver."""
@@ -408,10 +387,11 @@ class PackSolver(ExplicitSolver):
         self.contact.count[near_kernels.REMAKE] = 1
         turned = self.stack.counter[TURNED]
         if turned and (
-            self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step
+            self.time - turned * self.const.dt >= self.stack.after_stop[0]
+            or self.steps >= self.last_step
         ):
             self.reason = STOPPED
-        failed = any(state.counter[FAILURES] for _, _, state in self.parts)
+        failed = any(state.counter[FAILURES] for state in self.states)
         ends = self.reason != RUNNING or self.zone is not None
         if ends or not failed or self.backing is not None:
             return
@@ -420,7 +400,7 @@ class PackSolver(ExplicitSolver):
             for (_, const, state), held_elements in zip(self.parts, self._held)
         )
         if through:
-            self.perforated_samples = self.perforated_samples + 1
+            self.perforated_samples += 1
         else:
             self.perforated_samples = 0
         if self.perforated_samples == 2:

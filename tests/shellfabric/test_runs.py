@@ -179,7 +179,7 @@ def begun(kind, struck=None):
     request = HistoryRequest(2e-6)
     solver = PackSolver(struck or target(kind), setup.strike_velocity, setup.end_time)
     solver.history_request = request
-    return solver, (Recorder([panel for panel, _, _ in solver.parts], request), Snapshots(6e-6))
+    return solver, (Recorder(solver.pack.plies, request), Snapshots(6e-6))
 
 
 @cache
