@@ -67,7 +67,7 @@ def work_share(form):
 @kernel()
 def contact_force(w, h, yarn, form):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    S, dS, curvature = arc(w, h)
+    S, dS, turn = arc(w, h)
     T, dT = tension(S, dS, yarn.S0, yarn.EA)
     if form == EQUILIBRIUM:
         k = 0.5 * math.pi * h / w
@@ -75,7 +75,7 @@ def contact_force(w, h, yarn, form):
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
     q = work_share(form)
-    return T * dS / q, (dT * dS + T * curvature) / q, T
+    return T * dS / q, (dT * dS + T * math.pi / w * turn) / q, T
 
 
 @kernel()
