@@ -424,10 +424,8 @@ class ImpactSetup:
         InputError : as CellModel, SurfaceCell and CellTable
         """
         cell = self.cell()
-        if self.surface is not None:
-            return cell.table(self.table_size)
-        if kept:
-            return table_cache.table(cell, self.table_size)  # type: ignore[arg-type]
+        if kept and isinstance(cell, CellModel):
+            return table_cache.table(cell, self.table_size)
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:

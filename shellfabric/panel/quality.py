@@ -95,20 +95,13 @@ class Indicator:
         return text
 
     def __str__(self):
-        if self.unit:
-            unit = f" {self.unit}"
-        else:
-            unit = ""
+        unit = f" {self.unit}".rstrip()
+        bounds = f"limit {self.limit:g}{unit}"
         if self.status == NOTED:
-            noted = f"noted above {self.note:g}{unit}, "
-        else:
-            noted = ""
-        if self.doubtful:
-            remedy = REMEDIES.get(self.name)
-        else:
-            remedy = None
-        limit = f"{noted}limit {self.limit:g}{unit}"
-        return f"{self.name} {self.number}{unit} ({'; '.join(filter(None, (limit, remedy)))})"
+            bounds = f"noted above {self.note:g}{unit}, {bounds}"
+        if self.doubtful and self.name in REMEDIES:
+            bounds = f"{bounds}; {REMEDIES[self.name]}"
+        return f"{self.name} {self.number}{unit} ({bounds})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
@@ -292,7 +285,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 
     panel = solver.panel
     const = solver.const
-    shot = solver.panel.projectile
+    shot = panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
     cut_yarns = solver.sample("cut_yarns")
@@ -301,20 +294,16 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for state in solver.states)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
-    given = max(
-        float(np.max(-energies[name]))
-        for name in ("contact", "ply_contact", "ply_collisions", "backing_damped")
-        if name in energies
-    )
+    largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}
+    contacts = {"contact", "ply_contact", "ply_collisions", "backing_damped"} & energies.keys()
+    given = max(-float(energies[name].min()) for name in contacts)
     found = [
         indicator("time step", const.dt / bound),
-        indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
-        indicator("yarn snap", float(np.max(np.abs(energies["yarn_snap"]))) / strike),
+        indicator("energy error", largest["error"] / strike),
+        indicator("yarn snap", largest["yarn_snap"] / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
         indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
-        indicator(
-            "formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed
-        ),
+        indicator("formulation energy", largest["formulation_residual"] / absorbed),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
         indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
@@ -379,10 +368,8 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
     if known:
         found.append(indicator("contact force over fitted range", force / min(known)))
-    light = values["F"][values["F"] > 0]
-    if light.size:
-        least = float(light.min())
-    else:
+    least = float(values["F"].min(where=values["F"] > 0, initial=np.inf))
+    if least == np.inf:
         least = 0.0
     swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))
     found.append(indicator("swelling under contact", swelling))
@@ -391,10 +378,9 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
 
 def _swelling(law, force, height):
     """[-] by which a yarn grows thicker under a light contact force, over its height."""
+    shift = 0.0
     if law.form == "regularised":
         shift = law.F0
-    else:
-        shift = 0.0
     if force + shift > 0:
         return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height
     return 0.0

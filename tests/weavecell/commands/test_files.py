@@ -77,20 +77,14 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
 
 
 def test_energies_of_the_solvers_are_documented_and_drawn():
-    from fabrics import catalogue
-    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.solver.pack_solver import PackSolver
     from weavecell.report import pictures
 
-    setup = ImpactSetup(catalogue.load("S-726"), 100.0, opening=0.03, table_size=11, plies=2)
-    found = PackSolver(setup.target(), 100.0, 1e-6).energy_names
-    for name in found:
-        assert find(name, keys.TABLES["energies"]) is not None, name
-    not_drawn = {name for name in found if name.startswith("ply_")}
-    not_drawn |= {"formulation_residual", "error"}
-    assert set(found) - not_drawn | {"recoil_of_cut_yarns"} == {
-        name for name, _, _ in pictures.ENERGIES
-    }
+    names = PackSolver(wc.setup("S-726", 100, plies=2).target(), 100.0, 1e-6).energy_names
+    assert all(find(name, keys.TABLES["energies"]) for name in names)
+    drawn = {name for name, _, _ in pictures.ENERGIES} - {"recoil_of_cut_yarns"}
+    others = {"formulation_residual", "error"}
+    assert drawn | others == {name for name in names if not name.startswith("ply_")}
 
 
 def test_a_quantity_has_its_unit_at_the_end_of_its_key():
