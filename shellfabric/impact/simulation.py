@@ -230,6 +230,11 @@ class ImpactSetup:
         return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
 
     @property
+    def _oblique_angles(self):
+        """[rad] all angles of plies but right ones."""
+        return {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+
+    @property
     def angled(self) -> bool:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
@@ -251,16 +256,13 @@ class ImpactSetup:
 
     def _held_openings(self):
         """(name of a fabric, `Panel.held_opening`) of plies whose edges follow yarns."""
-        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+        angles = self._oblique_angles
         if not (self.weave_angle or self.round or any(self.impact_point) or angles - {0.0}):
             return
-        used = self.meshed
-        for one in used.kinds:
+        for one in self.meshed.kinds:
             flat = one.panel(one.plain_table())
             for angle in sorted(angles):
-                panel = flat
-                if angle:
-                    panel = at_angle(flat, angle)
+                panel = at_angle(flat, angle)
                 yield panel.fabric.name, np.array(panel.held_opening)
 
     @property
@@ -353,9 +355,8 @@ class ImpactSetup:
             ]
         # the reach does not depend on the values of the table
         plain = [one.panel(one.plain_table()) for one in fine]
-        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         needed = 0
-        for panel, angle in product(plain, angles | {0.0}):
+        for panel, angle in product(plain, self._oblique_angles | {0.0}):
             turned = at_angle(panel, angle)
             for far, path, step, w in zip(
                 turned.reach(), turned.path(), turned.spacing, turned.weave.w

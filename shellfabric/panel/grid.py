@@ -273,8 +273,7 @@ class PanelGrid:
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self._fills:
-            lengths = self.extent
-            return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
+            return tuple(length / 2 / n for length, n in zip(self.extent, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
 
     @property
@@ -286,8 +285,7 @@ class PanelGrid:
     @cached_property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
-        lengths = self.extent
-        return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
+        return tuple(length / 2 / (2 * w) for length, w in zip(self.extent, self.weave.w))
 
     @cached_property
     def _half_counts(self):
@@ -375,9 +373,8 @@ class PanelGrid:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
-        halves = zip(self._half_counts, self.mirrors)
         found = []
-        for n, mirrored in halves:
+        for n, mirrored in zip(self._half_counts, self.mirrors):
             if not mirrored:
                 n *= 2
             found.append(n)
