@@ -298,10 +298,9 @@ def _assumptions(plain, whole):
                 entries["warp_share"].source,
             )
         )
-    if "failure_length" in whole.assumed:
-        rows.append(
-            ("failure_length", entries["failure_length"].written, entries["failure_length"].source)
-        )
+    for name in ("failure_length", *data_sheet.OF_SHOTS):
+        if name in whole.assumed:
+            rows.append((name, entries[name].written, entries[name].source))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)

@@ -70,9 +70,11 @@ class Result:
         return tuple(assumed.lines(fabric))
 
     def _assumed_laws(self) -> list[str]:
-        """The lines of `assumed` that a quasi-static result follows from: all but that of the
-        failure length."""
-        return [line for line in self.assumed if "failure length" not in line]
+        """The lines of `assumed` that a quasi-static result follows from."""
+        fabric = getattr(self, "fabric", None)
+        if fabric is None:
+            return []
+        return assumed.laws(fabric)
 
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""

@@ -331,7 +331,7 @@ class ShotResult(ImpactRecord, Result):
         return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
-        laws = [line for line in self.assumed if "failure length" not in line]
+        laws = self._assumed_laws()
         more = ""
         if laws:
             more = f", assumed: {len(laws)} laws"
