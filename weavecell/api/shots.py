@@ -118,7 +118,7 @@ def impact(
     """
     from weavecell.studies import inputs
 
-    panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
+    panel = targets.of(target, options, honoured.IMPACT, velocity, function="impact", one_shot=True)
     accuracy = panel.case and panel.case.scene.accuracy
     if accuracy and uncertainty:
         raise InputError(
