@@ -75,7 +75,7 @@ def export(
     from weavecell.decks import folder, model
 
     folder.check(to, units, match)
-    panel = targets.of(target, {}, folder.NOT_HONOURED, function="export")
+    panel = targets.of(target, {}, folder.NOT_HONOURED)
     with out_folder.held(out), panel.named():
         code = folder.CODES[to]
         names = {"title": panel.shot_title, "source": panel.law_name}

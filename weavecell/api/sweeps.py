@@ -396,7 +396,7 @@ def _fire(setup):
     from shellfabric.impact import simulation
 
     result, problem = simulation.fired(setup)
-    return shot_of(targets.of(setup, {}, honoured.IMPACT, function="sweep"), result, problem)
+    return shot_of(targets.of(setup, {}, honoured.IMPACT), result, problem)
 
 
 @dataclass(frozen=True, repr=False)

@@ -42,7 +42,7 @@ def of(
     refused: Keys,
     velocity: float | str | None = None,
     *,
-    function: str,
+    function: str = "setup",
     one_shot: bool = False,
 ) -> Target:
     """The target of a study.

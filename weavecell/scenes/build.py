@@ -153,7 +153,9 @@ def material(
     # of no use without failure
     if not fails:
         fabric = assumed.given(fabric, "failure_length", data_sheet.STRENGTH_AFTER_WEAVING)
-    if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed:
+    # the fabric of another set-up has been weakened already
+    woven = "weaving_damage.strength" in fabric.sources
+    if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed and not woven:
         entry = data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING]
         damage = WeavingDamage(1.0, entry.value, entry.source, entry.status)
         fabric = fabric.with_weaving_damage(damage)

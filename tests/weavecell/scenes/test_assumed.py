@@ -107,6 +107,8 @@ def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates():
     strength = mine.weave.warp.strength
     assert pack.fabric.weave.warp.strength == pytest.approx(0.94 * strength)
     assert (pack.projectile.friction, pack.ply_friction) == (0.1, 0.2)
+    again = wc.setup(pack.fabric, "90 m/s", plies=2, **more)  # not weakened twice
+    assert again.fabric.weave.warp.strength == pack.fabric.weave.warp.strength
     ends = assumed_range.changes(pack)
     woven = [
         end(pack).fabric.weave.warp.strength for end in ends["strength after weaving"].values()
