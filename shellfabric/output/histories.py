@@ -38,7 +38,8 @@ EDGES = (
     "weft_high",
     "weft_low",
 )  # at highest and lowest x, at highest and lowest y
-PULL, LIFT = 0, 1
+PULL = 0
+LIFT = 1
 
 
 @dataclass(frozen=True)

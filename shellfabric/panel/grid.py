@@ -650,7 +650,8 @@ class PanelGrid:
             longer = yarn.crimp + yarn.failure_strain
             depths.append(0.5 * length * sqrt(longer * (2 + longer)))
         depth = min(depths) + 2 * self.projectile.radius
-        flight, axis = self.shot.flight, self.shot.frame[2]
+        flight = self.shot.flight
+        axis = self.shot.frame[2]
         sideways = np.maximum(np.abs(flight[:2] / flight[2]), np.abs(axis[:2] / axis[2]))
         return tuple(depth * sideways)
 
