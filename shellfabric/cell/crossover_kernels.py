@@ -28,6 +28,7 @@ import math
 
 from shellfabric.cell.yarn_kernels import (
     arc,
+    arc_curvature,
     free_height,
     tension,
     yarn_alone,
@@ -65,17 +66,17 @@ def work_share(form):
 
 
 @kernel()
-def contact_force(w, h, yarn, form):
+def contact_force(w, h, S0, EA, form):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    S, dS, turn = arc(w, h)
-    T, dT = tension(S, dS, yarn.S0, yarn.EA)
+    S, dS = arc(w, h)
+    T, dT = tension(S, dS, S0, EA)
     if form == EQUILIBRIUM:
         k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
     q = work_share(form)
-    return T * dS / q, (dT * dS + T * math.pi / w * turn) / q, T
+    return T * dS / q, (dT * dS + T * arc_curvature(w, h)) / q, T
 
 
 @kernel()
@@ -87,12 +88,12 @@ def height(w, F, yarn, lowest, form):
     """
     low = lowest
     high = lowest + 0.05 * w
-    while contact_force(w, high, yarn, form)[0] < F:
+    while contact_force(w, high, yarn.S0, yarn.EA, form)[0] < F:
         low = high
         high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
-        force, slope, _ = contact_force(w, h, yarn, form)
+        force, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
         if force > F:
             high = h
         else:
@@ -103,26 +104,25 @@ def height(w, F, yarn, lowest, form):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, yarn, form)[1]
+    return h, 1.0 / contact_force(w, h, yarn.S0, yarn.EA, form)[1]
 
 
 @kernel()
-def compression(F, yarn):
+def compression(F, a, b, shift):
     """d_c and its slope dd_c/dF at the contact force F > 0 (eqs. 4-12, 4-28)."""
-    if yarn.a == 0.0:
+    if a == 0.0:
         return 0.0, 0.0
-    root = (F + yarn.shift) ** (-1.0 / 3.0)
-    return yarn.a - yarn.b * root, yarn.b / 3.0 * root / (F + yarn.shift)
+    root = (F + shift) ** (-1.0 / 3.0)
+    return a - b * root, b / 3.0 * root / (F + shift)
 
 
 @kernel()
-def compression_energy(F, yarn):
+def compression_energy(F, a, b, shift):
     """Work of the contact force up to F: the integral of F dd_c."""
-    if yarn.a == 0.0:
+    if a == 0.0:
         return 0.0
-    d = yarn.a - yarn.b * (F + yarn.shift) ** (-1.0 / 3.0)
-    rise = (F + yarn.shift) ** (2.0 / 3.0) - yarn.shift ** (2.0 / 3.0)
-    return F * d - (yarn.a * F - 1.5 * yarn.b * rise)
+    d = a - b * (F + shift) ** (-1.0 / 3.0)
+    return F * d - (a * F - 1.5 * b * ((F + shift) ** (2.0 / 3.0) - shift ** (2.0 / 3.0)))
 
 
 @kernel()
@@ -132,8 +132,8 @@ def residual(F, w, free, crossover):
     weft = crossover.weft
     h1, c1 = height(w[0], F, warp, free[0], crossover.form)
     h2, c2 = height(w[1], F, weft, free[1], crossover.form)
-    d1, e1 = compression(F, warp)
-    d2, e2 = compression(F, weft)
+    d1, e1 = compression(F, warp.a, warp.b, warp.shift)
+    d2, e2 = compression(F, weft.a, weft.b, weft.shift)
     return h1 + h2 + d1 + d2 + crossover.gap - warp.h0 - weft.h0, c1 + c2 + e1 + e2
 
 
@@ -181,13 +181,13 @@ def forces_of_cell(w, crossover, solution):
     warp = crossover.warp
     weft = crossover.weft
     F, h1, h2 = solution
-    S1, dS1, _ = arc(w[0], h1)
-    S2, dS2, _ = arc(w[1], h2)
+    S1, dS1 = arc(w[0], h1)
+    S2, dS2 = arc(w[1], h2)
     T1, _ = tension(S1, dS1, warp.S0, warp.EA)
     T2, _ = tension(S2, dS2, weft.S0, weft.EA)
     W = 0.5 * T1 * (S1 - warp.S0) + 0.5 * T2 * (S2 - weft.S0)
-    stored = compression_energy(F, warp)
-    stored += compression_energy(F, weft)
+    stored = compression_energy(F, warp.a, warp.b, warp.shift)
+    stored += compression_energy(F, weft.a, weft.b, weft.shift)
     W += work_share(crossover.form) * stored
     N1 = T1
     N2 = T2

@@ -13,21 +13,41 @@ nested iterations solve the cell. What depends on one stretch alone is computed 
 column. Results agree with the nested iterations' but for rounding.
 """
 
+import math
+
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import (
+    VARIATIONAL,
     cell,
     compression,
     contact_force,
     filled_height,
     forces_of_cell,
     may_part,
+    work_share,
 )
-from shellfabric.cell.yarn_kernels import free_height, yarn_alone
+from shellfabric.cell.yarn_kernels import elliptic, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
 _SMALL = 1e-9  # relative step after which the error, which is of its square, is that of rounding
+
+
+@kernel()
+def force_at_height(w, h, yarn, form):
+    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one
+    elliptic integral."""
+    if form != VARIATIONAL or h <= 0.0:
+        F, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
+        return F, slope
+    k = 0.5 * math.pi * h / w
+    E, K_minus_E = elliptic(k * k)
+    dS = -2.0 * K_minus_E / k
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn.S0, yarn.EA)
+    slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    q = work_share(form)
+    return T * dS / q, slope / q
 
 
 @kernel()
@@ -39,10 +59,10 @@ def close_cell(w, free, crossover, start):
     weft = crossover.weft
     full = filled_height(crossover) - crossover.gap
     for _ in range(_MAX_STEPS):
-        F1, s1, _ = contact_force(w[0], h1, warp, crossover.form)
-        F2, s2, _ = contact_force(w[1], h2, weft, crossover.form)
-        d1, e1 = compression(F, warp)
-        d2, e2 = compression(F, weft)
+        F1, s1 = force_at_height(w[0], h1, warp, crossover.form)
+        F2, s2 = force_at_height(w[1], h2, weft, crossover.form)
+        d1, e1 = compression(F, warp.a, warp.b, warp.shift)
+        d2, e2 = compression(F, weft.a, weft.b, weft.shift)
         if not (s1 > 0.0 and s2 > 0.0):
             break
         miss1 = (F - F1) / s1

@@ -35,17 +35,26 @@ def elliptic(k2):
 
 @kernel()
 def arc(w, h):
-    """S, dS/dh and w / pi d2S/dh2 of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24,
-    erratum E-09)."""
+    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum
+    E-09)."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
-    slope = 0.0
-    turn = 0.25 * math.pi
     if k > 0.0:
         slope = -2.0 * K_minus_E / k
-        # d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
-        turn = K_minus_E / (k * k) + E / (1.0 + k * k)
-    return 4.0 * w / math.pi * E, slope, turn
+    else:
+        slope = 0.0
+    return 4.0 * w / math.pi * E, slope
+
+
+@kernel()
+def arc_curvature(w, h):
+    """d2S/dh2 of a yarn."""
+    k = 0.5 * math.pi * h / w
+    E, K_minus_E = elliptic(k * k)
+    # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
+    if k > 0.0:
+        return math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    return 0.25 * math.pi**2 / w
 
 
 @kernel()
