@@ -229,7 +229,7 @@ def test_each_fabric_has_a_card_and_the_header_its_error():
     for word in (
         "NOT RUN",
         "WARNING",
-        "Not held",
+        "Not represented",
         *(f"rms {100 * card.mismatch.rms:.1f} %" for card in made.cards),
     ):
         assert word in head

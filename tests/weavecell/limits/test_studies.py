@@ -104,7 +104,7 @@ def test_a_v50_study_says_what_it_found(results):
     for text in (run.out, (run.folder / "report.html").read_text()):
         assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
     page = (run.folder / "report.html").read_text()
-    assert "A series of tests up and down" in page
+    assert "An up-and-down series of at most" in page
     assert re.findall(r'<section id="([^"]*)"', page) == [
         "result",
         "assumptions",
