@@ -87,8 +87,8 @@ class Keywords(TypedDict, total=False):
     impact_point : point that the projectile hits, from the middle of the opening along its two
         sides. If not given: the middle, or with resolved yarns a quarter of a spacing beside the
         crossover there, in both directions. A point on the second axis may have the symmetry
-        `half`; any other off the middle needs `whole` [m]; a list of two lengths, such as ["20 mm",
-        "0 mm"]
+        `half`; others off the middle need `whole` [m]; a list of two lengths, such as ["20 mm", "0
+        mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0

@@ -284,7 +284,7 @@ class PanelTable(Table):
         quantities(
             "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
             "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
-            "directions. A point on the second axis may have the symmetry `half`; any other off the middle needs `whole`",
+            "directions. A point on the second axis may have the symmetry `half`; others off the middle need `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
