@@ -216,7 +216,9 @@ def test_a_body_that_is_not_seen_from_its_axis_is_refused(tmp_path):
     }
     given = wc.setup("S-720", "100 m/s", opening="40 mm", projectile=shot)
     assert given.symmetry == "whole"
-    with pytest.raises(InputError, match="a body whose whole surface is visible from its axis") as problem:
+    with pytest.raises(
+        InputError, match="a body whose whole surface is visible from its axis"
+    ) as problem:
         wc.export(given, "lsdyna", tmp_path / "out")
     assert problem.value.key == "projectile.stl"
 
