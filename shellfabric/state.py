@@ -142,7 +142,8 @@ class Constants(Row):
         "[J] of the potential at its corner",
     )
     force_per_slope1 = number(
-        "1/m", "warp force per slope of the potential in local coordinates, table_scale1 / (2 w1)"
+        "1/m",
+        "warp force per slope of the potential in local coordinates, cells per stretch over 2 w1",
     )
     force_per_slope2 = number("1/m", "weft force per slope of the potential in local coordinates")
     variational = flag(
