@@ -50,7 +50,7 @@ def node_active(i, j, k, block):
 
 
 @entry()
-def nose_forces(block, position, speed, form, numbers):
+def nose_forces(block, position, speed, nose):
     """Forces of a rigid projectile on the nodes of the block, added to block.outer and drags.
 
     Energy and forces of the contact, into block.shot.
@@ -58,13 +58,12 @@ def nose_forces(block, position, speed, form, numbers):
     Parameters
     ----------
     position, speed : (3,) of the nose [m], [m/s]
-    form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius,
-        length
+    nose : its shape
     """
     x = block.x
     sums = block.shot
     sums[:] = 0.0
-    widest = numbers[1] * numbers[1]
+    widest = nose.radius * nose.radius
     for i in range(block.nx + 1):
         for j in range(block.ny + 1):
             for k in range(block.nz + 1):
@@ -75,12 +74,9 @@ def nose_forces(block, position, speed, form, numbers):
                     continue
                 if not node_active(i, j, k, block):
                     continue
-                gap, n0, n1, n2 = sdf_kernels.distance(
-                    int(numbers[0]), *place, numbers[1], numbers[2], numbers[3], form
-                )
+                gap, normal = sdf_kernels.distance(nose, place)
                 if gap >= 0.0:
                     continue
-                normal = n0, n1, n2
                 opening = dot(subtract(block.v[n], speed), normal)
                 push = -block.stiffness[n] * gap
                 drag = max(-block.damping[n] * opening, -push)

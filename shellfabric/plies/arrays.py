@@ -9,6 +9,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
+from shellfabric.panel.arrays import with_ghosts
 from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import LEAST, NEAR, REMAKE, STEP
 from shellfabric.state import Constants, PackContact, State
@@ -94,6 +95,24 @@ def pack_contact(
     return PackContact(**found)
 
 
+def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]:
+    """The states of plies whose surfaces are parts of the grids of their contact."""
+    found = []
+    for p, state in enumerate(states):
+        own = slice(p * contact.slots, (p + 1) * contact.slots)
+        surface = state.surface._replace(
+            x=tuple(contact.x[:, own]),
+            v=tuple(contact.v[:, own]),
+            rest=tuple(contact.rest[:, own]),
+            f=tuple(np.zeros((3, contact.slots))),
+            turn=contact.turns[p],
+        )
+        # room for what firm springs of the nose foresee
+        due, given = np.zeros((2, 3, contact.slots))
+        found.append(state._replace(surface=surface, dv_other=tuple(due), dv_contact=tuple(given)))
+    return tuple(found)
+
+
 def _grids(consts, states, rest, shape, slots, base):
     """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the
     nodes (plies slots)."""
@@ -102,14 +121,8 @@ def _grids(consts, states, rest, shape, slots, base):
     kick = np.zeros(nodes)
     mirror = np.zeros(nodes, np.uint8)
     for p, (const, state, places) in enumerate(zip(consts, states, rest)):
-        grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
-        for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
-            lines = np.moveaxis(grid, axis, 0)
-            lines[0] = 2 * lines[1] - lines[2]
-            lines[-1] = 2 * lines[-2] - lines[-3]
-            if mirrored:
-                lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
-        x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
+        grid = with_ghosts(const, np.moveaxis(places, -1, 0))
+        x[:, p * slots :][:, : grid.shape[1]] = grid
         numbers = base[p] + np.add.outer(
             np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride)
         )

@@ -42,7 +42,6 @@ from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import frames
-from shellfabric.projectile.contact import PREDICTED
 from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
@@ -253,12 +252,6 @@ class Pack:
         plain = ply.numerics.penalty * ply.weave.areal_density / ply.step_of_bound**2
         return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
 
-    def _foreseen(self, slots):
-        """Room for what firm springs foresee; a nose of explicit ones has none."""
-        if len(self.plies) == 1:
-            slots = 0
-        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
-
     @cached_property
     def places(self) -> FloatArray:
         """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
@@ -297,7 +290,7 @@ class Pack:
             }
             if p == 0:
                 shared["projectile_velocity"] = stack.projectile_velocity
-            states.append(state._replace(**shared, **self._foreseen(state.mass.size)))
+            states.append(state._replace(**shared))
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:

@@ -1,6 +1,6 @@
 """Pressure and friction between plies, point by point, from where they are now.
 
-Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the
+Each element of a ply carries n x n points x of its surface (`cloth.surface_kernels`). y is the
 point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
 of both plies, v the velocity of x over y:
 
@@ -36,6 +36,20 @@ no neighbours meet where the ply behind the first has a hole.
 import math
 
 from shellfabric.cloth.nodal_force_kernels import extend_window
+from shellfabric.cloth.surface_kernels import (
+    facet_foot,
+    foot_at,
+    patch8,
+    patch_at,
+    point_vector8,
+    scatter8,
+    scatter_to_points8,
+    second_slopes8,
+    share_out,
+    spline_weights8,
+    vector_at8,
+    vector_of,
+)
 from shellfabric.cloth.vector_kernels import (
     add,
     add_scaled,
@@ -73,25 +87,14 @@ from shellfabric.plies.frame_kernels import (
     NI,
     NJ,
     STRIDE,
+    grid_in_pack,
+    has_dropped,
+    is_torn,
     mean_thickness,
+    nearest_place,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
 from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
-from shellfabric.plies.surface_kernels import (
-    foot_at,
-    is_torn,
-    nearest_place,
-    patch8,
-    patch_at,
-    point_vector8,
-    scatter8,
-    scatter_to_points8,
-    second_slopes8,
-    share_out,
-    spline_weights8,
-    vector_at8,
-    vector_of,
-)
 from shellfabric.state import unit
 
 # of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose
@@ -312,8 +315,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
     if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
         held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
-    foot = foot_at(contact, p, is_torn(contact, p, at_a, at_b), at_a, at_b)
-    x = vector_of(contact, contact.x, p, foot)
+    foot = foot_at(grid_in_pack(contact, p), is_torn(contact, p, at_a, at_b), at_a, at_b)
+    x = vector_of(contact.x, foot)
     # through a hole: the next ply is in between where it is whole
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
@@ -370,7 +373,8 @@ def closest_point(contact, q, x, a, b, thickness):
     """
     searched = False
     none = 0.0, 0.0, 0.0
-    foot = 0, 0, 0, none, none
+    foot = 0, 0, (0, 0), none, none
+    grid = grid_in_pack(contact, q)
     w = _FAR, _FAR, _FAR
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
@@ -379,7 +383,7 @@ def closest_point(contact, q, x, a, b, thickness):
             searched = True
             if has_dropped(contact, q, a, b):
                 return (a, b), (_FAR, _FAR, _FAR), foot, False
-        foot, y, slopes, second = patch_at(contact, q, torn, a, b)
+        foot, y, slopes, second = patch_at(contact.x, grid, torn, a, b)
         w = subtract(x, y)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
         facet = foot[0], foot[1]
@@ -400,25 +404,14 @@ def closest_point(contact, q, x, a, b, thickness):
         b += turn
         # a facet is flat along each axis: one step is enough
         if torn:
-            w, foot = on_facet(contact, q, x, (a, b), facet)
+            foot = facet_foot(grid, facet, (a, b))
+            w = subtract(x, vector_of(contact.x, foot))
             return (a, b), w, foot, False
         if ended or iteration == _ITERATIONS - 1:
             if not near:
                 second = none, none, none
             return (a, b), offset_after(w, slopes, second, go, turn), foot, ended
     return (a, b), w, foot, False
-
-
-@kernel(_nrt=False, forceinline=True)
-def on_facet(contact, q, x, place, facet):
-    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of
-    `push`)."""
-    a, b = place
-    i, j = facet
-    za = 1.0 - (a - i), a - i, 0.0
-    zb = 1.0 - (b - j), b - j, 0.0
-    foot = i, j, contact.base[q] + i * contact.shape[q, STRIDE] + j, za, zb
-    return subtract(x, vector_of(contact, contact.x, q, foot)), foot
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -430,17 +423,9 @@ def touches_next(contact, p, row, j, x):
     torn = is_torn(contact, p + 1, a, b)
     if torn and has_dropped(contact, p + 1, a, b):
         return False
-    y = vector_of(contact, contact.x, p + 1, foot_at(contact, p + 1, torn, a, b))
+    y = vector_of(contact.x, foot_at(grid_in_pack(contact, p + 1), torn, a, b))
     w = subtract(x, y)
     return dot(w, w) < mean_thickness(contact, p, p + 1) ** 2
-
-
-@kernel(_nrt=False, forceinline=True)
-def has_dropped(contact, p, a, b):
-    """Whether the element of ply p at the place (a, b) is no fabric any more."""
-    i = min(max(int(a), 0), contact.shape[p, NI] - 1)
-    j = min(max(int(b), 0), contact.shape[p, NJ] - 1)
-    return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -480,8 +465,7 @@ def push(contact, front, rear, area, n, closure, number):
     """
     p, foot = front
     q, closest = rear
-    v_p = vector_of(contact, contact.v, p, foot)
-    v = subtract(v_p, vector_of(contact, contact.v, q, closest))
+    v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
@@ -496,8 +480,16 @@ def push(contact, front, rear, area, n, closure, number):
     row[SPRING] += area * energy
     row[DEEPEST] = max(row[DEEPEST], closure)
     row[FRICTION] += contact.dt * rub * speed * speed
-    share_out(contact, p, BEHIND, foot, scaled(-1.0, force))
-    share_out(contact, q, BEFORE, closest, force)
+    push_nodes(contact, p, BEHIND, foot, scaled(-1.0, force))
+    push_nodes(contact, q, BEFORE, closest, force)
+
+
+@kernel(_nrt=False, forceinline=True)
+def push_nodes(contact, p, side, foot, force):
+    """Share a force of the plies on one side of ply p out to its nodes."""
+    i, j, (k, stride), wa, wb = foot
+    own = i, j, (k - p * contact.slots, stride), wa, wb
+    share_out(contact.f[p, side], contact.grid_window[p, side], own, force)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -553,14 +545,13 @@ def press_points8(contact, p, row, j, q, count):
     S = contact.shape[p + 1, STRIDE]
     thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
-    foot = foot_at(contact, p, False, a, b)
-    _, _, k, wa, wb = foot
+    foot = foot_at(grid_in_pack(contact, p), False, a, b)
+    _, _, nodes, wa, wb = foot
     lanes = load(contact.lanes, 0)
     all_of = (1 << count) - 1
     A = load(contact.closest_a, q)
     B = load(contact.closest_b, q)
-    stride = contact.shape[p, STRIDE]
-    fit = whole8(contact, p, k + stride + 1, (q, count))
+    fit = whole8(contact, p, nodes[0] + nodes[1] + 1, (q, count))
     n_a = contact.shape[p + 1, NI]
     n_b = contact.shape[p + 1, NJ]
     I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
@@ -583,7 +574,7 @@ def press_points8(contact, p, row, j, q, count):
     weights = (za, da, ca), (zb, db, cb)
     at = K, S, tall
     y, y_a, y_b = patch8(x, at, weights)
-    w = subtract(point_vector8(x, (k, stride), wa, wb), y)
+    w = subtract(point_vector8(x, nodes, wa, wb), y)
     slopes = y_a, y_b
     go, turn, second, near, fit = newton_steps8(x, (at, weights), w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
@@ -687,12 +678,11 @@ def push8(contact, front, closest, area, n, closure, touching, points):
         (`surface_kernels.interpolate_rows8`)
     points : number of the first, how many there are
     """
-    p, (i, j, k, wa, wb) = front
+    p, (i, j, nodes, wa, wb) = front
     I, J, K, za, zb, tall = closest
-    s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
     which = mask_from_bits(touching)
-    v_p = point_vector8(contact.v, (k, s), wa, wb)
+    v_p = point_vector8(contact.v, nodes, wa, wb)
     v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
     closure = moved_closure8(contact, p, points, closure, closing, which)
@@ -721,7 +711,7 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
-    at = k - p * contact.slots, s
+    at = nodes[0] - p * contact.slots, nodes[1]
     behind_at = K - (p + 1) * contact.slots, S, tall
     for c in range(3):
         scatter_to_points8(contact.f[p, BEHIND, c], at, 0.0 - force[c], own)

@@ -3,9 +3,10 @@ ahead of the nose."""
 
 import numpy as np
 
-from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.grid_kernels import grid_of, place, turned
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.cloth.nodal_force_kernels import include_rows
+from shellfabric.cloth.vector_kernels import add, components, nodal, scaled, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
@@ -29,6 +30,13 @@ def reachable_nodes(state, const):
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
+@kernel(_nrt=False)
+def place_near_nose(state, const):
+    """Place the rows of nodes that the nose can push."""
+    first, last, _, _ = reachable_nodes(state, const)
+    place(state, const, first, last)
+
+
 @kernel()
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
@@ -50,7 +58,7 @@ def move_window(state, const):
         slip = max(slip, abs(state.u[const.slip_axis[m]][const.slip_node[m]]))
     back = min(
         (state.projectile_position[2] + const.body_depth) / const.frame[2, 2],
-        const.projectile_length,
+        const.nose.length,
     )
     for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
         nose = state.projectile_position[c]
@@ -136,21 +144,27 @@ def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
     radius."""
     i0, i1, j0, j1 = window_bounds(state)
+    base, stride, _, _ = grid_of(const)
+    x = state.surface.x
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
                 continue
-            p_x = 0.0
-            p_y = 0.0
-            p_z = 0.0
-            for m in range(4):
-                x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
-                p_x = p_x + 0.25 * x
-                p_y = p_y + 0.25 * y
-                p_z = p_z + 0.25 * z
+            k = base + i * stride + j
+            far = add(nodal(x, k + stride), nodal(x, k + stride + 1))
+            middle = scaled(0.25, add(add(nodal(x, k), nodal(x, k + 1)), far))
+            p_x, p_y, p_z = from_nose(state, const, middle)
             if (
                 p_z > -const.shoulder
                 and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius
             ):
                 return True
     return False
+
+
+@kernel()
+def from_nose(state, const, x):
+    """A place of the surface in the frame of the projectile."""
+    z = x[2] - state.surface.rest[2][grid_of(const)[0]]
+    p_x, p_y = turned(state.surface.turn, x[0], x[1])
+    return components(const.frame, subtract((p_x, p_y, z), state.projectile_position))

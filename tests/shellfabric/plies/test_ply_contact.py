@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
+from shellfabric.cloth import surface_kernels as surface
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import frame_kernels, pressure_kernels
-from shellfabric.plies import surface_kernels as surface
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
