@@ -238,8 +238,8 @@ def make_surface(panel: PanelGrid, const: Constants) -> Surface:
     return Surface(**found)
 
 
-def with_ghosts(const: Constants, places: FloatArray) -> FloatArray:
-    """(3, grid slots) [m] places (3, ni + 1, nj + 1) of nodes with their ghosts (`grid_kernels`)."""
+def with_ghosts(const: Constants, places: FloatArray) -> tuple[FloatArray, ...]:
+    """3 x (grid slots) [m] places (3, ni + 1, nj + 1) of nodes with their ghosts (`grid_kernels`)."""
     grid = np.pad(places, ((0, 0), (1, 1), (1, 1)))
     for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
         lines = np.moveaxis(grid, axis + 1, 0)

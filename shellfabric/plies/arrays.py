@@ -121,8 +121,8 @@ def _grids(consts, states, rest, shape, slots, base):
     kick = np.zeros(nodes)
     mirror = np.zeros(nodes, np.uint8)
     for p, (const, state, places) in enumerate(zip(consts, states, rest)):
-        grid = with_ghosts(const, np.moveaxis(places, -1, 0))
-        x[:, p * slots :][:, : grid.shape[1]] = grid
+        for row, component in zip(x, with_ghosts(const, np.moveaxis(places, -1, 0))):
+            row[p * slots :][: component.size] = component
         numbers = base[p] + np.add.outer(
             np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride)
         )
