@@ -80,6 +80,7 @@ class Scratch(Row):
     """Room for one call of the contact of a ply with the projectile."""
 
     nose = array("3, 3", "m, m/s, N", "place and velocity of the nose, force on it")
+    sums = array("2", "J", "work that the contact takes, energy in its springs")
     axes = array("3, 3", "-", "axes of the projectile as rows, in the frame of the surface")
     bent = array("8 int64", "-", "of eight elements, see `cloth.torn_kernels`")
     point_data = array(

@@ -197,15 +197,19 @@ def own_number(contact, g):
 @kernel(_nrt=False)
 def next_velocity(state, const, contact, p, k):
     """The velocity of a node in the coming step, by all forces but the guard's."""
-    row = k // const.row_stride
-    force = add(nodal(state.f_int, k), nodal(state.f_contact, k))
-    if row > 0 and row % const.rows_per_block == 0:
-        force = add(force, nodal(state.f_int_above, k))
+    force = add(force_without_nose(state, const, contact, p, k), nodal(state.f_contact, k))
+    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
+
+
+@kernel(_nrt=False)
+def force_without_nose(state, const, contact, p, k):
+    """The force on node k of ply p of its fabric, of other plies and of a block."""
+    force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
     if const.has_backing:
         force = add(force, nodal(state.f_block_cloth, k))
     for side in range(2):
         force = add(force, nodal(contact.force[p, side], k))
-    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
+    return force
 
 
 @unit()

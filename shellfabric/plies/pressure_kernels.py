@@ -233,6 +233,45 @@ def place_of_point(contact, row, j):
 
 
 @kernel(_nrt=False, forceinline=True)
+def products(w, slopes):
+    """Products of the slopes y_a, y_b with each other, (aa, ab, bb), and with the offset w, (a, b);
+    of one point or of eight."""
+    y_a, y_b = slopes
+    return (dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b)), (dot(y_a, w), dot(y_b, w))
+
+
+@kernel(_nrt=False, forceinline=True)
+def determinant(plain):
+    """aa bb - ab^2: of the products of slopes the squared area between them."""
+    aa, ab, bb = plain
+    return aa * bb - ab * ab
+
+
+@kernel(_nrt=False, forceinline=True)
+def height_after(w, plain, along):
+    """Squared distance after a step of Gauss and Newton, times the squared area of the slopes."""
+    aa, ab, bb = plain
+    a, b = along
+    return dot(w, w) * determinant(plain) - (bb * a * a - 2.0 * (ab * a * b) + aa * b * b)
+
+
+@kernel(_nrt=False, forceinline=True)
+def curved_products(plain, w, second):
+    """Products of slopes less those of the offset with the second slopes aa, ab and bb."""
+    aa, ab, bb = plain
+    return aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def solved(plain, along):
+    """The step (a, b) of the linear equations of these products."""
+    aa, ab, bb = plain
+    a, b = along
+    square = determinant(plain)
+    return (bb * a - ab * b) / square, (aa * b - ab * a) / square
+
+
+@kernel(_nrt=False, forceinline=True)
 def newton_step(w, slopes, second, thickness):
     """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of
     Gauss and Newton beyond it, and where there is no other. Whether it is within.
@@ -240,32 +279,20 @@ def newton_step(w, slopes, second, thickness):
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
         ab, bb
     """
-    y_a, y_b = slopes
-    aa = dot(y_a, y_a)
-    ab = dot(y_a, y_b)
-    bb = dot(y_b, y_b)
-    r_a = dot(y_a, w)
-    r_b = dot(y_b, w)
-    square = aa * bb - ab * ab
-    if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
-        along = 0.0
-        if aa > 0.0:
-            along = r_a / aa
-        return along, 0.0, False
-    # squared distance after a step of Gauss and Newton, times the squared area of the slopes
-    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
-    near = thickness * thickness * square > apart
+    plain, along = products(w, slopes)
+    square = determinant(plain)
+    if not square > 1e-12 * plain[0] * plain[2]:  # fabric that is drawn to a line
+        step = 0.0
+        if plain[0] > 0.0:
+            step = along[0] / plain[0]
+        return step, 0.0, False
+    near = thickness * thickness * square > height_after(w, plain, along)
     if near:
-        curved_aa = aa - dot(w, second[0])
-        curved_ab = ab - dot(w, second[1])
-        curved_bb = bb - dot(w, second[2])
-        curved = curved_aa * curved_bb - curved_ab * curved_ab
-        if curved > 0.1 * square and curved_aa > 0.0:
-            aa = curved_aa
-            ab = curved_ab
-            bb = curved_bb
-            square = curved
-    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, near
+        curved = curved_products(plain, w, second)
+        if determinant(curved) > 0.1 * square and curved[0] > 0.0:
+            plain = curved
+    a, b = solved(plain, along)
+    return a, b, near
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -616,32 +643,31 @@ def newton_steps8(x, patch, w, slopes, thickness, fit):
     patch : of the surface, for `surface_kernels.second_slopes8`
     """
     at, weights = patch
-    y_a, y_b = slopes
-    aa = dot(y_a, y_a)
-    ab = dot(y_a, y_b)
-    bb = dot(y_b, y_b)
-    r_a = dot(y_a, w)
-    r_b = dot(y_b, w)
-    square = aa * bb - ab * ab
+    plain, along = products(w, slopes)
+    square = determinant(plain)
     none = broadcast(0.0)
-    fit &= movemask(greater(square, 1e-12 * (aa * bb)))
-    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
-    near = fit & movemask(greater(thickness * thickness * square, apart))
+    fit &= movemask(greater(square, 1e-12 * (plain[0] * plain[2])))
+    height = height_after(w, plain, along)
+    near = fit & movemask(greater(thickness * thickness * square, height))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
         second = second_slopes8(x, at, weights)
-        c_aa = aa - dot(w, second[0])
-        c_ab = ab - dot(w, second[1])
-        c_bb = bb - dot(w, second[2])
-        curved = c_aa * c_bb - c_ab * c_ab
-        sure = mask_from_bits(
-            near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0))
-        )
-        aa = where(sure, c_aa, aa)
-        ab = where(sure, c_ab, ab)
-        bb = where(sure, c_bb, bb)
-        square = where(sure, curved, square)
-    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
+        curved = curved_products(plain, w, second)
+        convex = movemask(greater(curved[0], 0.0))
+        sure = near & convex & movemask(greater(determinant(curved), 0.1 * square))
+        plain = where_all(mask_from_bits(sure), curved, plain)
+    a, b = solved(plain, along)
+    return a, b, second, near, fit
+
+
+@kernel(_nrt=False, forceinline=True)
+def where_all(mask, one, other):
+    """Three values of eight points each where the mask is set, else three others."""
+    return (
+        where(mask, one[0], other[0]),
+        where(mask, one[1], other[1]),
+        where(mask, one[2], other[2]),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -47,7 +47,6 @@ from shellfabric.cloth.vector_kernels import (
     dot,
     scaled,
     subtract,
-    three,
 )
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
@@ -78,6 +77,7 @@ CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 # first rows of work.point_data, of vectors with three components
 PLACE, VELOCITY, AHEAD, PUSHED, FORCE = 0, 3, 6, 9, 12
+TAKEN, HELD = 0, 1  # of work.sums: work that the contact takes, energy in its springs
 # rows of work.nose
 NOSE_PLACE, NOSE_VELOCITY, NOSE_FORCE = 0, 1, 2
 
@@ -108,7 +108,7 @@ def contact_forces(state, const, work):
             spring += row_spring
     surface = state.surface
     to_nodes(state, const, (surface.f, surface.window), (state.f_contact, state.nose_window))
-    push = three(work.nose[NOSE_FORCE], 0)
+    push = work.nose[NOSE_FORCE]
     state.f_contact_nose[0], state.f_contact_nose[1] = turned(surface.turn, push[0], push[1])
     state.f_contact_nose[2] = push[2]
     return taken - before, spring
@@ -216,7 +216,7 @@ def contact_elements(state, const, i, j, work):
     The forces go to the grid.
 
     Points with the same place in their elements are looked at together; those that touch, or did a
-    step ago, are few and dealt with one by one.
+    step ago, are few and dealt with one by one, and so are those beside failed yarns.
     """
     near = near_elements(state, const, i, j, work)
     if near == 0:
@@ -228,90 +228,77 @@ def contact_elements(state, const, i, j, work):
             state.in_contact[e + lane] = False
             work.bent[lane] = bent_corners(state, const, i, j + lane)
             torn |= int(work.bent[lane] != WHOLE) << lane
-    taken = 0.0
-    spring = 0.0
+    work.sums[:] = 0.0
     for number in range(const.points_per_side**2):
-        touched = find_touching(state, const, (i, j), number, near & ~torn, work)
-        touched |= find_torn_touching(state, const, (i, j), number, torn, work)
-        if touched == 0:
-            continue
+        touch_together(state, const, (i, j), number, near & ~torn, work)
         for lane in range(WIDTH):
-            if touched >> lane & 1:
-                point = number, lane
-                point_taken, point_spring = contact_point(state, const, (i, j + lane), point, work)
-                taken += point_taken
-                spring += point_spring
-        push_surface(state, const, (i, j), number, touched & ~torn, work)
-        push_torn(state, const, (i, j), number, touched & torn, work)
-    return taken, spring
+            if torn >> lane & 1:
+                touch_alone(state, const, (i, j + lane), (number, lane), work)
+    return work.sums[TAKEN], work.sums[HELD]
 
 
 @kernel(_nrt=False, forceinline=True)
-def foot_of_point(const, element, number):
-    """The foot of a point of an element of whole fabric."""
-    i, j = element
-    per = const.points_per_side
-    return foot_at(
-        grid_of(const), False, i + (number // per + 0.5) / per, j + (number % per + 0.5) / per
-    )
-
-
-@kernel(_nrt=False, forceinline=True)
-def find_touching(state, const, element, number, whole, work):
-    """Those of eight points, of the elements that are `whole`, as bits, that touch the nose or did
-    a step ago: places and motion into work.point_data."""
+def touch_together(state, const, element, number, whole, work):
+    """Contact of those of eight points whose elements are `whole`, as bits."""
     if whole == 0:
-        return 0
+        return
+    i, j = element
     at = work.point_data
-    _, _, nodes, wa, wb = foot_of_point(const, element, number)
-    x = subtract(point_vector8(state.surface.x, nodes, wa, wb), work.nose[NOSE_PLACE])
+    surface = state.surface
+    a, b = place_in_element(const, number)
+    row, line, nodes, wa, wb = foot_at(grid_of(const), False, i + a, j + b)
+    x = subtract(point_vector8(surface.x, nodes, wa, wb), work.nose[NOSE_PLACE])
     x = components(work.axes, x)
-    last = load(state.last_contact_force[number], number_in_window(const, element[0], element[1]))
+    last = load(state.last_contact_force[number], number_in_window(const, i, j))
     # below 0 within the cylinder's radius and behind the foremost point
     radius = const.projectile_radius
     outside = maximum(x[2], fma(x[0], x[0], fma(x[1], x[1], 0.0 - radius * radius)))
     touched = whole & movemask(greater(maximum(last, 0.0 - outside), 0.0))
     if touched == 0:
-        return 0
-    v = point_vector8(state.surface.v, nodes, wa, wb)
+        return
+    v = point_vector8(surface.v, nodes, wa, wb)
     store_points(at, PLACE, x)
     store_points(at, VELOCITY, subtract(v, work.nose[NOSE_VELOCITY]))
     if const.point_law.implicit_factor > 0.0:
         store_points(at, AHEAD, point_vector8(state.dv_other, nodes, wa, wb))
         store_points(at, PUSHED, point_vector8(state.dv_contact, nodes, wa, wb))
-    return touched
-
-
-@kernel(_nrt=False, forceinline=True)
-def torn_foot_of(const, element, number, lane, work):
-    """The foot of a point of an element beside failed yarns."""
-    point = divmod(number, const.points_per_side)
-    return torn_foot(const, work.bent[lane], (element[0], element[1] + lane), point)
+    for lane in range(WIDTH):
+        if touched >> lane & 1:
+            contact_point(state, const, (i, j + lane), (number, lane), work)
+    extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
+    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    for c in range(3):
+        force = where(mask_from_bits(touched), load(at[FORCE + c], 0), 0.0)
+        scatter_to_points8(surface.f[c], nodes, force, own)
 
 
 @kernel(_nrt=False)
-def find_torn_touching(state, const, element, number, torn, work):
-    """`find_touching` of the elements that are `torn`."""
-    if torn == 0:
-        return 0
-    touched = 0
-    e = number_in_window(const, element[0], element[1])
-    for lane in range(WIDTH):
-        if torn >> lane & 1:
-            foot = torn_foot_of(const, element, number, lane, work)
-            x = subtract(vector_of(state.surface.x, foot), work.nose[NOSE_PLACE])
-            x = components(work.axes, x)
-            inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
-            if not inside and state.last_contact_force[number, e + lane] == 0.0:
-                continue
-            touched |= 1 << lane
-            v = subtract(vector_of(state.surface.v, foot), work.nose[NOSE_VELOCITY])
-            store_point(work.point_data, PLACE, lane, x)
-            store_point(work.point_data, VELOCITY, lane, v)
-            if const.point_law.implicit_factor > 0.0:
-                store_point(work.point_data, AHEAD, lane, vector_of(state.dv_other, foot))
-                store_point(work.point_data, PUSHED, lane, vector_of(state.dv_contact, foot))
-    return touched
+def touch_alone(state, const, element, point, work):
+    """Contact of a point (number in its element, column of work.point_data) beside failed yarns."""
+    number, lane = point
+    at = work.point_data
+    surface = state.surface
+    foot = torn_foot(const, work.bent[lane], element, divmod(number, const.points_per_side))
+    x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose[NOSE_PLACE]))
+    inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
+    last = state.last_contact_force[number, number_in_window(const, element[0], element[1])]
+    if not inside and last == 0.0:
+        return
+    store_point(at, PLACE, lane, x)
+    v = subtract(vector_of(surface.v, foot), work.nose[NOSE_VELOCITY])
+    store_point(at, VELOCITY, lane, v)
+    if const.point_law.implicit_factor > 0.0:
+        store_point(at, AHEAD, lane, vector_of(state.dv_other, foot))
+        store_point(at, PUSHED, lane, vector_of(state.dv_contact, foot))
+    contact_point(state, const, element, point, work)
+    share_out(surface.f, surface.window, foot, column(at, FORCE, lane))
+
+
+@kernel(_nrt=False, forceinline=True)
+def place_in_element(const, number):
+    """Place (s, t) of a point in its element, from 0 to 1."""
+    a, b = divmod(number, const.points_per_side)
+    return (a + 0.5) / const.points_per_side, (b + 0.5) / const.points_per_side
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -330,35 +317,10 @@ def store_point(at, row, lane, vector):
     at[row + 2, lane] = vector[2]
 
 
-@kernel(_nrt=False, forceinline=True)
-def push_surface(state, const, element, number, touched, work):
-    """Share the forces on those of eight points that have `touched` out to the grid."""
-    if touched == 0:
-        return
-    i, j, nodes, wa, wb = foot_of_point(const, element, number)
-    surface = state.surface
-    extend_window(surface.window, i, i + 3, j, min(j + WIDTH + 2, const.nj + 2))
-    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
-    which = mask_from_bits(touched)
-    for c in range(3):
-        force = where(which, load(work.point_data[FORCE + c], 0), 0.0)
-        scatter_to_points8(surface.f[c], nodes, force, own)
-
-
-@kernel(_nrt=False)
-def push_torn(state, const, element, number, touched, work):
-    """`push_surface` of points beside failed yarns."""
-    for lane in range(WIDTH):
-        if touched >> lane & 1:
-            foot = torn_foot_of(const, element, number, lane, work)
-            force = column(work.point_data, FORCE, lane)
-            share_out(state.surface.f, state.surface.window, foot, force)
-
-
 @kernel(_nrt=False)
 def contact_point(state, const, element, point, work):
     """Contact of a point (number in its element, column of work.point_data) of an element (i, j):
-    (work taken, spring energy) [J]. Its force goes to work.point_data."""
+    its force goes to work.point_data, work taken and energy of its spring to work.sums."""
     at = work.point_data
     law = const.point_law
     i, j = element
@@ -370,19 +332,16 @@ def contact_point(state, const, element, point, work):
     store_point(at, FORCE, lane, (0.0, 0.0, 0.0))
     depth, normal = sdf_kernels.distance(const.nose, column(at, PLACE, lane))
     if depth >= 0.0 and before == 0.0:
-        return 0.0, 0.0
+        return
     part = 1.0
     if state.element_flag[k] != 0:
-        per = const.points_per_side
-        part = intact_at_point(
-            state, const, k, (number // per + 0.5) / per, (number % per + 0.5) / per
-        )
+        part = intact_at_point(state, const, k, place_in_element(const, number))
     # no yarn is left to push on
     if part == 0.0:
         last[e] = 0.0
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
-        return 0.0, 0.0
+        return
     stiffness = part * law.stiffness
     damping = part * law.damping
     normal = combined(work.axes, normal)
@@ -424,7 +383,8 @@ def contact_point(state, const, element, point, work):
     store_point(at, FORCE, lane, force)
     for c in range(3):
         work.nose[NOSE_FORCE, c] -= force[c]
-    return -0.5 * const.dt * dot(force, v) - rubbed, spring
+    work.sums[TAKEN] -= 0.5 * const.dt * dot(force, v) + rubbed
+    work.sums[HELD] += spring
 
 
 @kernel(forceinline=True)

@@ -6,7 +6,8 @@ import numpy as np
 from shellfabric.cloth.grid_kernels import grid_of, place, turned
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.cloth.nodal_force_kernels import include_rows
-from shellfabric.cloth.vector_kernels import add, components, nodal, scaled, subtract
+from shellfabric.cloth.surface_kernels import facet_foot, vector_of
+from shellfabric.cloth.vector_kernels import components, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
@@ -68,17 +69,14 @@ def move_window(state, const):
         low = low - const.draw_in_reach[c] - slip
         high = high + const.draw_in_reach[c] + slip
         first = const.window_limits[2 * c]
-        count = const.window_limits[2 * c + 1]
-        if torn:
-            state.contact_window[2 * c] = first
-        else:
-            state.contact_window[2 * c] = min(max(int(low / step), first), count)
-        if torn:
-            state.contact_window[2 * c + 1] = count
-        else:
-            state.contact_window[2 * c + 1] = min(
-                max(int(high / step) + 1, state.contact_window[2 * c]), count
-            )
+        last = const.window_limits[2 * c + 1]
+        begin = first
+        end = last
+        if not torn:
+            begin = min(max(int(low / step), first), last)
+            end = min(max(int(high / step) + 1, begin), last)
+        state.contact_window[2 * c] = begin
+        state.contact_window[2 * c + 1] = end
     include_rows(state, const, state.contact_window[0] - 2, state.contact_window[1] + 2)
 
 
@@ -118,9 +116,10 @@ def erode(state, const, i, j):
 
 
 @kernel()
-def intact_at_point(state, const, k, s, t):
-    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to
+def intact_at_point(state, const, k, place):
+    """Intact fraction at the place (s, t) in element k: the mean of the warp and the weft next to
     it."""
+    s, t = place
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
     row = np.uint64(const.row_stride)
@@ -144,16 +143,12 @@ def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
     radius."""
     i0, i1, j0, j1 = window_bounds(state)
-    base, stride, _, _ = grid_of(const)
-    x = state.surface.x
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
                 continue
-            k = base + i * stride + j
-            far = add(nodal(x, k + stride), nodal(x, k + stride + 1))
-            middle = scaled(0.25, add(add(nodal(x, k), nodal(x, k + 1)), far))
-            p_x, p_y, p_z = from_nose(state, const, middle)
+            middle = facet_foot(grid_of(const), (i, j), (i + 0.5, j + 0.5))
+            p_x, p_y, p_z = from_nose(state, const, vector_of(state.surface.x, middle))
             if (
                 p_z > -const.shoulder
                 and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius

@@ -12,7 +12,7 @@ import numpy as np
 
 from shellfabric.cloth.grid_kernels import grid_of, place_ghosts, turned, turned_back
 from shellfabric.cloth.nodal_force_kernels import give_impulses
-from shellfabric.cloth.vector_kernels import add, nodal, scaled
+from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
@@ -20,6 +20,7 @@ from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
 from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over
 from shellfabric.plies.near_kernels import list_pressed
+from shellfabric.plies.pack_guard_kernels import force_without_nose
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.projectile.bar_kernels import CENTRE
@@ -124,11 +125,7 @@ def predict_increments(state, const, contact, p):
     for i in range(i0, i1 + 1):
         for j in range(j0, j1 + 1):
             k = np.uint64(i * const.row_stride + j)
-            force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
-            if const.has_backing:
-                force = add(force, nodal(state.f_block_cloth, k))
-            for side in range(2):
-                force = add(force, nodal(contact.force[p, side], k))
+            force = force_without_nose(state, const, contact, p, k)
             if const.mirror_x and i == 0:
                 force = 0.0, force[1], force[2]
             if const.mirror_y and j == 0:
