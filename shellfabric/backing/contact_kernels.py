@@ -108,6 +108,18 @@ def weights(a, b, w):
 
 
 @kernel()
+def tangents(a, b, x, nodes, A, B):
+    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
+    for c in range(3):
+        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
+            x[nodes[2], c] - x[nodes[3], c]
+        )
+        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (
+            x[nodes[2], c] - x[nodes[1], c]
+        )
+
+
+@kernel()
 def beyond(px, py, x, nodes):
     """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along
     z."""
@@ -144,6 +156,8 @@ def locate(at, block, column, place, nodes):
     ny = block.ny
     nz = block.nz
     w = np.empty(4)
+    A = np.empty(3)
+    B = np.empty(3)
     for _ in range(MAX_COLUMNS):
         p = column[0]
         q = column[1]
@@ -165,22 +179,11 @@ def locate(at, block, column, place, nodes):
             for m in range(4):
                 rx -= w[m] * x[nodes[m], 0]
                 ry -= w[m] * x[nodes[m], 1]
-            xa = 0.25 * (
-                (1 - b) * (x[nodes[1], 0] - x[nodes[0], 0])
-                + (1 + b) * (x[nodes[2], 0] - x[nodes[3], 0])
-            )
-            ya = 0.25 * (
-                (1 - b) * (x[nodes[1], 1] - x[nodes[0], 1])
-                + (1 + b) * (x[nodes[2], 1] - x[nodes[3], 1])
-            )
-            xb = 0.25 * (
-                (1 - a) * (x[nodes[3], 0] - x[nodes[0], 0])
-                + (1 + a) * (x[nodes[2], 0] - x[nodes[1], 0])
-            )
-            yb = 0.25 * (
-                (1 - a) * (x[nodes[3], 1] - x[nodes[0], 1])
-                + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1])
-            )
+            tangents(a, b, x, nodes, A, B)
+            xa = 0.25 * A[0]
+            ya = 0.25 * A[1]
+            xb = 0.25 * B[0]
+            yb = 0.25 * B[1]
             det = xa * yb - xb * ya
             da = (yb * rx - xb * ry) / det
             db = (xa * ry - ya * rx) / det
@@ -203,18 +206,6 @@ def locate(at, block, column, place, nodes):
         column[0] = p + go_p
         column[1] = q + go_q
     return False
-
-
-@kernel()
-def tangents(a, b, x, nodes, A, B):
-    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
-    for c in range(3):
-        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
-            x[nodes[2], c] - x[nodes[3], c]
-        )
-        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (
-            x[nodes[2], c] - x[nodes[1], c]
-        )
 
 
 @kernel()

@@ -89,7 +89,7 @@ def bent_beside_failures(state, const, i, j):
     bent = 0
     for q in range(2):
         for r in range(2):
-            along1, along2 = quadratic_directions(state, const, i, j, q, r)
+            along1, along2 = quadratic_directions(state, const, (i, j), (q, r))
             bent |= (int(along1) + 2 * int(along2)) << (4 * q + 2 * r)
     return bent
 
@@ -105,12 +105,13 @@ def neighbourhood_intact(state, const, i, j):
 
 
 @kernel()
-def quadratic_directions(state, const, i, j, q, r):
-    """Whether the surface about the corner (q, r) of element (i, j) is quadratic along the warp and along the weft."""
-    m = i + q
-    n = j + r
-    along1 = edge_intact(state, const, WARP, m - 1, n) and edge_intact(state, const, WARP, m, n)
-    along2 = edge_intact(state, const, WEFT, m, n - 1) and edge_intact(state, const, WEFT, m, n)
+def quadratic_directions(state, const, element, corner):
+    """Whether the surface about a corner (q, r) of an element bends along the warp and the weft."""
+    q, r = corner
+    m = element[0] + q
+    n = element[1] + r
+    along1 = runs_through(state, const, WARP, (m, n))
+    along2 = runs_through(state, const, WEFT, (m, n))
     for a in (-1, 1):
         for b in (-1, 1):
             own1 = a == 1 - 2 * q
@@ -118,17 +119,27 @@ def quadratic_directions(state, const, i, j, q, r):
             if (own1 and own2) or not (own1 or along1) or not (own2 or along2):
                 continue
             # what holds a node that is next to the corner along neither family
-            held = edge_intact(state, const, WARP, m + min(a, 0), n + b) or edge_intact(
-                state, const, WEFT, m + a, n + min(b, 0)
-            )
-            if not held:
+            if edge_intact(state, const, WARP, (m + min(a, 0), n + b)):
+                continue
+            if not edge_intact(state, const, WEFT, (m + a, n + min(b, 0))):
                 return False, False
     return along1, along2
 
 
 @kernel()
-def edge_intact(state, const, family, i, j):
-    """Whether the edge that begins at node (i, j) has an intact yarn; beyond an edge of the panel there is none."""
+def runs_through(state, const, family, node):
+    """Whether the yarns of a family are whole on both sides of a node."""
+    i, j = node
+    before = i, j - 1
+    if family == WARP:
+        before = i - 1, j
+    return edge_intact(state, const, family, before) and edge_intact(state, const, family, node)
+
+
+@kernel()
+def edge_intact(state, const, family, node):
+    """Whether the edge that begins at a node has an intact yarn; beyond the panel there is none."""
+    i, j = node
     if (
         (i < 0 and not const.mirror_x)
         or (j < 0 and not const.mirror_y)
@@ -136,14 +147,9 @@ def edge_intact(state, const, family, i, j):
         or j > const.nj
     ):
         return False
+    # the edge from -1 to 0 mirrors that from 0 to 1
     if i < 0:
-        if family == WARP:
-            i = -1 - i
-        else:
-            i = -i
+        i = -i - int(family == WARP)
     if j < 0:
-        if family == WEFT:
-            j = -1 - j
-        else:
-            j = -j
+        j = -j - int(family == WEFT)
     return state.intact_fraction[family][np.uint64(i * const.row_stride + j)] > 0.0

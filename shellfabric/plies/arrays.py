@@ -9,7 +9,6 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import with_ghosts
 from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import LEAST, NEAR, REMAKE, STEP
 from shellfabric.state import Constants, PackContact, State
@@ -21,7 +20,7 @@ _ENTRIES = 20  # room for pairs of facets, of a node in the mean
 def pack_contact(
     consts: Sequence[Constants],
     states: Sequence[State],
-    rest: Sequence[FloatArray],
+    heights: FloatArray,
     thicknesses: Sequence[float],
     turns: FloatArray,
     **of_points: Any,
@@ -31,7 +30,7 @@ def pack_contact(
     Parameters
     ----------
     consts, states : of the plies
-    rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
+    heights : (plies,) [m] of their middle surfaces at rest
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
     of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and
@@ -43,13 +42,27 @@ def pack_contact(
     slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
     base = np.arange(plies) * slots + shape[:, 0] + 1
     nodes = plies * slots
-    x, kick, mirror = _grids(consts, states, rest, shape, slots, base)
+    x = np.zeros((3, nodes))
+    for p, state in enumerate(states):
+        flat = state.surface.rest
+        own = x[:, p * slots :][:, : flat[0].size]
+        c, s = turns[p]
+        own[0] = c * flat[0] - s * flat[1]
+        own[1] = s * flat[0] + c * flat[1]
+        own[2] = heights[p]
+    kick = np.zeros(nodes)
+    mirror = np.zeros(nodes, np.uint8)
+    for p, (const, state) in enumerate(zip(consts, states)):
+        rows = np.arange(const.ni + 1) * shape[p, 0]
+        numbers = base[p] + np.add.outer(rows, np.arange(const.row_stride))
+        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
+        mirror[numbers[0]] |= np.uint8(const.mirror_x)
+        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
     down = np.array([-(-c.ni // TALL) for c in consts])
     across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
     no_nodes = np.array([(c.ni + 1, 0, c.nj + 1, 0) for c in consts])
-    diagonals = [np.linalg.norm(places[1:, 1:] - places[:-1, :-1], axis=-1) for places in rest]
     entries = _ENTRIES * max(nodes, 20_000)
     sizes = {
         "plies": plies,
@@ -81,7 +94,7 @@ def pack_contact(
         "guard_window": no_nodes,
         "thickness": np.array(thicknesses),
         "thickest": float(max(thicknesses)),
-        "longest": float(max(lengths.max() for lengths in diagonals)),
+        "longest": max(_longest(const, state) for const, state in zip(consts, states)),
         "has_planes": bool(consts[0].mirror_x or consts[0].mirror_y),
         "tile_ply": np.repeat(np.arange(plies), np.diff(first)),
         "first_tile": first,
@@ -113,20 +126,10 @@ def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]
     return tuple(found)
 
 
-def _grids(consts, states, rest, shape, slots, base):
-    """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the
-    nodes (plies slots)."""
-    nodes = len(consts) * slots
-    x = np.zeros((3, nodes))
-    kick = np.zeros(nodes)
-    mirror = np.zeros(nodes, np.uint8)
-    for p, (const, state, places) in enumerate(zip(consts, states, rest)):
-        for row, component in zip(x, with_ghosts(const, np.moveaxis(places, -1, 0))):
-            row[p * slots :][: component.size] = component
-        numbers = base[p] + np.add.outer(
-            np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride)
-        )
-        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
-        mirror[numbers[0]] |= np.uint8(const.mirror_x)
-        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
-    return x, kick, mirror
+def _longest(const, state):
+    """[m] longest diagonal of an element at rest."""
+    stride = const.row_stride + 2
+    x, y, _ = state.surface.rest
+    along = np.diff(x[stride + 1 :: stride][: const.ni + 1])
+    across = np.diff(y[stride + 1 : 2 * stride - 1])
+    return float(np.hypot(along.max(), across.max()))

@@ -41,7 +41,6 @@ from shellfabric.plies import friction
 from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.projectile import frames
 from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
@@ -304,12 +303,7 @@ class Pack:
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
-        rest = []
         points = self.contact.points
-        for ply, z in zip(self.plies, self.places):
-            x, y = ply.coordinates()
-            nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
-            rest.append(frames.turned_back(nodes, frames.axes(ply.ply_angle - self.angles[0])))
         places = [self._first_places(p) for p in range(len(self.gaps))]
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
@@ -323,7 +317,7 @@ class Pack:
         return pack_contact(
             consts,
             states,
-            rest,
+            self.places,
             [ply.weave.thickness for ply in self.plies],
             self.turns,
             points=points,

@@ -230,19 +230,20 @@ def contact_elements(state, const, i, j, work):
             torn |= int(work.bent[lane] != WHOLE) << lane
     work.sums[:] = 0.0
     for number in range(const.points_per_side**2):
-        touch_together(state, const, (i, j), number, near & ~torn, work)
+        touch_together(state, const, (i, j, number), near & ~torn, work)
         for lane in range(WIDTH):
             if torn >> lane & 1:
-                touch_alone(state, const, (i, j + lane), (number, lane), work)
+                touch_alone(state, const, (i, j + lane, number, lane), work)
     return work.sums[TAKEN], work.sums[HELD]
 
 
 @kernel(_nrt=False, forceinline=True)
-def touch_together(state, const, element, number, whole, work):
-    """Contact of those of eight points whose elements are `whole`, as bits."""
+def touch_together(state, const, points, whole, work):
+    """Contact of eight points (number in the element, from element (i, j) on), of those whose
+    elements are `whole`, as bits."""
     if whole == 0:
         return
-    i, j = element
+    i, j, number = points
     at = work.point_data
     surface = state.surface
     a, b = place_in_element(const, number)
@@ -264,7 +265,7 @@ def touch_together(state, const, element, number, whole, work):
         store_points(at, PUSHED, point_vector8(state.dv_contact, nodes, wa, wb))
     for lane in range(WIDTH):
         if touched >> lane & 1:
-            contact_point(state, const, (i, j + lane), (number, lane), work)
+            contact_point(state, const, (i, j + lane, number, lane), work)
     extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     for c in range(3):
@@ -273,15 +274,15 @@ def touch_together(state, const, element, number, whole, work):
 
 
 @kernel(_nrt=False)
-def touch_alone(state, const, element, point, work):
-    """Contact of a point (number in its element, column of work.point_data) beside failed yarns."""
-    number, lane = point
+def touch_alone(state, const, point, work):
+    """`contact_point` of a point beside failed yarns."""
+    i, j, number, lane = point
     at = work.point_data
     surface = state.surface
-    foot = torn_foot(const, work.bent[lane], element, divmod(number, const.points_per_side))
+    foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
     x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose[NOSE_PLACE]))
     inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
-    last = state.last_contact_force[number, number_in_window(const, element[0], element[1])]
+    last = state.last_contact_force[number, number_in_window(const, i, j)]
     if not inside and last == 0.0:
         return
     store_point(at, PLACE, lane, x)
@@ -290,7 +291,7 @@ def touch_alone(state, const, element, point, work):
     if const.point_law.implicit_factor > 0.0:
         store_point(at, AHEAD, lane, vector_of(state.dv_other, foot))
         store_point(at, PUSHED, lane, vector_of(state.dv_contact, foot))
-    contact_point(state, const, element, point, work)
+    contact_point(state, const, point, work)
     share_out(surface.f, surface.window, foot, column(at, FORCE, lane))
 
 
@@ -318,13 +319,14 @@ def store_point(at, row, lane, vector):
 
 
 @kernel(_nrt=False)
-def contact_point(state, const, element, point, work):
-    """Contact of a point (number in its element, column of work.point_data) of an element (i, j):
-    its force goes to work.point_data, work taken and energy of its spring to work.sums."""
+def contact_point(state, const, point, work):
+    """Contact of a point (element (i, j), number in it, column of work.point_data).
+
+    Its force goes to work.point_data, what work it takes and its spring holds to work.sums.
+    """
     at = work.point_data
     law = const.point_law
-    i, j = element
-    number, lane = point
+    i, j, number, lane = point
     e = number_in_window(const, i, j)
     k = np.uint64(i * const.row_stride + j)
     last = state.last_contact_force[number]

@@ -1,5 +1,7 @@
 """Helpers to put panels into a given shape or motion, and to read them."""
 
+from copy import deepcopy
+
 import numpy as np
 from panels import rest, set_nodal
 
@@ -133,6 +135,12 @@ class Pressed:
         for state, const in zip(self.states, self.consts):
             state.active_rows[:] = 0, const.ni
         self.thickness = self.contact.thickness[:2].mean()
+
+    def copy(self):
+        """Plies of their own in the same state; their surfaces are parts of the grids of their contact again."""
+        found = deepcopy(self)
+        found.states = on_grids(found.states, found.contact)
+        return found
 
     def alone(self):
         """The same, whose points are all computed one at a time."""

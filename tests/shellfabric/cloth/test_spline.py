@@ -188,6 +188,22 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
 
 
+@pytest.mark.parametrize("firm", [False, True])
+def test_at_the_edges_of_a_panel_the_kernel_is_its_plain_twin(firm):
+    """Its ghosts go straight on, and hand their forces back: the nose is over a corner of a small panel."""
+    panel = make_panel(12e-3, symmetry="whole", projectile=Projectile(shape="hemisphere"))
+    state, const = shaken(panel, firm)
+    state.projectile_position[:2] = const.x0 + const.dx, const.y0 + const.dy
+    expected, work, spring = plain_contact(panel, state, const)
+    force, taken, held = pressed(panel, state, const)
+    assert abs(expected[0, 0]).max() > 0
+    assert_allclose(force, expected, atol=1e-12 * abs(expected).max())
+    assert_allclose(
+        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * abs(force).sum()
+    )
+    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+
+
 @pytest.mark.parametrize("lean", [0.0, 0.6])
 def test_an_element_that_is_apart_touches_nothing(lean):
     """Points of elements that the boxes of their nodes leave out are ahead of the nose or beside it."""
