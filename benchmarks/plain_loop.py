@@ -33,6 +33,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import move_rows
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
+from shellfabric.projectile.window_kernels import place_near_nose
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
@@ -261,6 +262,7 @@ def elements_only(state, const, work, times):
 def nose_only(state, const, work, times):
     for _ in range(times):
         give_impulses(state, const, state.f_contact, state.nose_window)
+        place_near_nose(state, const)
         contact_kernels.contact_forces(state, const, work.contact_scratch)
 
 

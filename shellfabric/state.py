@@ -55,30 +55,38 @@ class PointLaw(Row):
     )
 
 
+class Nose(Row):
+    """The shape of a projectile (`projectile.sdf_kernels`)."""
+
+    kind = integer("-", "of the shape, see `projectile.sdf_kernels`")
+    radius = number("m", "of the cylinder")
+    edge_radius = number("m", "radius that rounds the edges")
+    length = number("m", "length of the projectile; infinite without a rear end")
+    form = array("n", "m, -", "further numbers of the shape, or of a solid its nodes")
+
+
+class Surface(Row):
+    """The nodes of a ply and a ring of ghosts about them, in the frame of the first ply (`cloth.grid_kernels`)."""
+
+    x = array("3 x grid slots", "m", "places")
+    v = array("3 x grid slots", "m/s", "velocities")
+    rest = array("3 x grid slots", "m", "places at rest")
+    f = array("3 x grid slots", "N", "forces of the nose, while they are summed up")
+    window = array("4 int64", "-", "rows and columns of nodes and ghosts with such forces")
+    turn = array("2", "-", "cosine and sine of the angle from the first ply's frame to this one's")
+
+
 class Scratch(Row):
     """Room for one call of the contact of a ply with the projectile."""
 
-    node_rows = array(
-        "4, 3, columns", "m", "positions of four rows of nodes in the projectile's frame"
-    )
-    box_low = array(
-        "3, columns", "m", "lower ends of the bounding boxes of the four nodes in each column"
-    )
-    box_high = array("3, columns", "m", "upper ends of these boxes")
-    node_position = array(
-        "16, 3", "m", "positions of the 4 x 4 nodes about an element in the projectile's frame"
-    )
-    node_velocity = array("16, 3", "m/s", "velocities of these nodes relative to the projectile")
-    node_dv = array("2, 16, 3", "m/s", "dv_other and dv_contact of these nodes")
+    nose = array("3, 3", "m, m/s, N", "place and velocity of the nose, force on it")
+    sums = array("2", "J", "work that the contact takes, energy in its springs")
+    axes = array("3, 3", "-", "axes of the projectile as rows, in the frame of the surface")
+    bent = array("8 int64", "-", "of eight elements, see `cloth.torn_kernels`")
     point_data = array(
-        "13, 8",
-        "m, m/s",
-        "of eight contact points: position (3), velocity (3), cylinder test, dv_other "
-        "(3), dv_contact (3)",
-    )
-    node_force = array("3, 16", "N", "contact force on these nodes")
-    torn_shape_functions = array(
-        "8, points", "-", "shape functions of an element in which yarns end"
+        "15, 8",
+        "m, m/s, N",
+        "of eight contact points: position, velocity, dv_other, dv_contact, force (3 each)",
     )
 
 
@@ -184,17 +192,10 @@ class Constants(Row):
     )
     window_limits = numbers(4, "-", "largest contact window (i0, i1, j0, j1)", "int64")
     points_per_side = integer("-", "contact points along each side of an element")
-    shape_functions = array(
-        "2, 8, padded points",
-        "-",
-        "shape functions at the contact points, linear and quadratic: rows 0-3 along "
-        "the warp, 4-7 along the weft",
-    )
     point_law = row(
         PointLaw, "constants of the contact law of a point, see projectile.contact.PointLaw"
     )
     projectile_radius = number("m", "radius of the projectile's cylinder")
-    edge_radius = number("m", "radius that rounds the edges of the nose")
     projectile_mass = number("kg", "mass of the modelled part of the projectile")
     free_dofs = numbers(
         3,
@@ -204,11 +205,8 @@ class Constants(Row):
     perforation_delay_steps = integer(
         "-", "steps without contact and with no fabric ahead, after which the panel is perforated"
     )
-    nose_shape = integer("-", "shape of the nose, see shellfabric.projectile.sdf_kernels")
-    nose_parameters = array("n", "m, -", "further numbers of that shape, or of a solid its nodes")
-    projectile_length = number("m", "length of the projectile; infinite without a rear end")
+    nose = row(Nose, "shape of the projectile")
     frame = array("3, 3", "-", "axes of the projectile's frame as rows; the last is its axis")
-    tilted = flag("whether that frame differs from the panel's")
     window_follows = flag("whether the contact window follows the projectile, or is fixed")
     body_depth = number(
         "m", "length of the body behind the nose that the moving window takes into account"
@@ -275,6 +273,7 @@ class State(Row, kept=True):
         "3 x slots", "N", "part of it from the block above, on the first row of nodes of a block"
     )
     modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
+    surface = row(Surface, "what touches the ply sees of it")
     yarns_ahead = array("1 int64", "-", "points of whole resolved yarns ahead of the nose")
     yarn_work = array("1", "J", "work done so far on resolved yarns and on the contacts of theirs")
     mass = array("slots", "kg", "lumped mass of the nodes")
@@ -342,7 +341,7 @@ class State(Row, kept=True):
         "blocks, 2", "N", "largest tension of warp and weft in a block, or an upper bound of it"
     )
     last_contact_force = array(
-        "elements, padded points",
+        "points, elements + 8",
         "N",
         "size of the normal contact force of each contact point at the last step",
     )
@@ -352,16 +351,15 @@ class State(Row, kept=True):
         "whether a contact point of the element touched the projectile at the last step",
     )
     dv_other = array(
-        "3 x slots",
+        "3 x grid slots",
         "m/s",
-        "predicted velocity increment of the step from all other forces, for the "
-        "implicit contact; empty if it is explicit",
+        "on the grid of `surface`: predicted velocity increment of the step from all other forces, "
+        "for the implicit contact; empty if it is explicit",
     )
     dv_contact = array(
-        "3 x slots",
+        "3 x grid slots",
         "m/s",
-        "velocity increment that the contact force of the last step gave; empty if "
-        "the contact is explicit",
+        "likewise, velocity increment that the contact force of the last step gave",
     )
     force_scale = array(
         "1",

@@ -289,13 +289,8 @@ class Block:
         position, speed : (3,) [m], [m/s] of the nose
         projectile : Projectile, along z
         """
-        shot = projectile
-        length = np.inf
-        if shot.length is not None:
-            length = shot.length
-        numbers = np.array([shot.number, shot.radius, shot.edge_radius, length])
         position = np.asarray(position, float)
-        touch.nose_forces(self.row, position, np.asarray(speed, float), shot.form, numbers)
+        touch.nose_forces(self.row, position, np.asarray(speed, float), projectile.nose)
         push = self.row.shot[kernels.ELASTIC_FORCE : kernels.DAMPING_FORCE]
         return self._take("shot", push + self.row.shot[kernels.DAMPING_FORCE :], speed)
 

@@ -41,6 +41,18 @@ CORNER_OFFSETS = np.array(
 
 
 @kernel()
+def rotate_columns(A, pair, turn):
+    """Turn two columns of (3, 3) into each other by an angle of these cosine and sine."""
+    p, q = pair
+    cos, sin = turn
+    for k in range(3):
+        a = A[k, p]
+        b = A[k, q]
+        A[k, p] = cos * a - sin * b
+        A[k, q] = sin * a + cos * b
+
+
+@kernel()
 def principal(A, n):
     """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes
     diagonal."""
@@ -62,21 +74,9 @@ def principal(A, n):
                 t = math.copysign(1.0, theta) / (abs(theta) + math.sqrt(theta * theta + 1.0))
                 cos = 1.0 / math.sqrt(t * t + 1.0)
                 sin = t * cos
-                for k in range(3):
-                    a = A[k, p]
-                    b = A[k, q]
-                    A[k, p] = cos * a - sin * b
-                    A[k, q] = sin * a + cos * b
-                for k in range(3):
-                    a = A[p, k]
-                    b = A[q, k]
-                    A[p, k] = cos * a - sin * b
-                    A[q, k] = sin * a + cos * b
-                for k in range(3):
-                    a = n[k, p]
-                    b = n[k, q]
-                    n[k, p] = cos * a - sin * b
-                    n[k, q] = sin * a + cos * b
+                rotate_columns(A, (p, q), (cos, sin))
+                rotate_columns(A.T, (p, q), (cos, sin))
+                rotate_columns(n, (p, q), (cos, sin))
 
 
 @kernel()
@@ -104,6 +104,15 @@ def push_forward(F, C, b):
             for r in range(3):
                 for s in range(3):
                     b[c, d] += F[c, r] * C[r, s] * F[d, s]
+
+
+@kernel()
+def from_principal(values, n, b):
+    """The symmetric tensor b of (3, 3) with these principal values, along the columns of n."""
+    v0, v1, v2 = values
+    for c in range(3):
+        for d in range(3):
+            b[c, d] = v0 * n[c, 0] * n[d, 0] + v1 * n[c, 1] * n[d, 1] + v2 * n[c, 2] * n[d, 2]
 
 
 @kernel()
@@ -187,22 +196,14 @@ def hencky(F, C, alpha, law, viscous, dt, P):
         m0 = math.exp(2.0 * (d0 + trace / 3.0))
         m1 = math.exp(2.0 * (d1 + trace / 3.0))
         m2 = math.exp(2.0 * (d2 + trace / 3.0))
-        for c in range(3):
-            for d in range(3):
-                b[c, d] = m0 * n[c, 0] * n[d, 0] + m1 * n[c, 1] * n[d, 1] + m2 * n[c, 2] * n[d, 2]
-        for r in range(3):
-            for s in range(3):
-                C[r, s] = 0.0
-                for c in range(3):
-                    for d in range(3):
-                        C[r, s] += Fi[r, c] * b[c, d] * Fi[s, d]
+        from_principal((m0, m1, m2), n, b)
+        C[:] = 0.0
+        push_forward(Fi, b, C)
     p = K * trace + viscous
     t0 = p + 2.0 * G * d0
     t1 = p + 2.0 * G * d1
     t2 = p + 2.0 * G * d2
-    for c in range(3):
-        for d in range(3):
-            b[c, d] = t0 * n[c, 0] * n[d, 0] + t1 * n[c, 1] * n[d, 1] + t2 * n[c, 2] * n[d, 2]
+    from_principal((t0, t1, t2), n, b)
     for c in range(3):
         for r in range(3):
             P[c, r] = b[c, 0] * Fi[r, 0] + b[c, 1] * Fi[r, 1] + b[c, 2] * Fi[r, 2]

@@ -50,7 +50,7 @@ def node_active(i, j, k, block):
 
 
 @entry()
-def nose_forces(block, position, speed, form, numbers):
+def nose_forces(block, position, speed, nose):
     """Forces of a rigid projectile on the nodes of the block, added to block.outer and drags.
 
     Energy and forces of the contact, into block.shot.
@@ -58,13 +58,12 @@ def nose_forces(block, position, speed, form, numbers):
     Parameters
     ----------
     position, speed : (3,) of the nose [m], [m/s]
-    form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius,
-        length
+    nose : its shape
     """
     x = block.x
     sums = block.shot
     sums[:] = 0.0
-    widest = numbers[1] * numbers[1]
+    widest = nose.radius * nose.radius
     for i in range(block.nx + 1):
         for j in range(block.ny + 1):
             for k in range(block.nz + 1):
@@ -75,12 +74,9 @@ def nose_forces(block, position, speed, form, numbers):
                     continue
                 if not node_active(i, j, k, block):
                     continue
-                gap, n0, n1, n2 = sdf_kernels.distance(
-                    int(numbers[0]), *place, numbers[1], numbers[2], numbers[3], form
-                )
+                gap, normal = sdf_kernels.distance(nose, place)
                 if gap >= 0.0:
                     continue
-                normal = n0, n1, n2
                 opening = dot(subtract(block.v[n], speed), normal)
                 push = -block.stiffness[n] * gap
                 drag = max(-block.damping[n] * opening, -push)
@@ -109,6 +105,18 @@ def weights(a, b, w):
     w[1] = 0.25 * (1 + a) * (1 - b)
     w[2] = 0.25 * (1 + a) * (1 + b)
     w[3] = 0.25 * (1 - a) * (1 + b)
+
+
+@kernel()
+def tangents(a, b, x, nodes, A, B):
+    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
+    for c in range(3):
+        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
+            x[nodes[2], c] - x[nodes[3], c]
+        )
+        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (
+            x[nodes[2], c] - x[nodes[1], c]
+        )
 
 
 @kernel()
@@ -148,6 +156,8 @@ def locate(at, block, column, place, nodes):
     ny = block.ny
     nz = block.nz
     w = np.empty(4)
+    A = np.empty(3)
+    B = np.empty(3)
     for _ in range(MAX_COLUMNS):
         p = column[0]
         q = column[1]
@@ -169,22 +179,11 @@ def locate(at, block, column, place, nodes):
             for m in range(4):
                 rx -= w[m] * x[nodes[m], 0]
                 ry -= w[m] * x[nodes[m], 1]
-            xa = 0.25 * (
-                (1 - b) * (x[nodes[1], 0] - x[nodes[0], 0])
-                + (1 + b) * (x[nodes[2], 0] - x[nodes[3], 0])
-            )
-            ya = 0.25 * (
-                (1 - b) * (x[nodes[1], 1] - x[nodes[0], 1])
-                + (1 + b) * (x[nodes[2], 1] - x[nodes[3], 1])
-            )
-            xb = 0.25 * (
-                (1 - a) * (x[nodes[3], 0] - x[nodes[0], 0])
-                + (1 + a) * (x[nodes[2], 0] - x[nodes[1], 0])
-            )
-            yb = 0.25 * (
-                (1 - a) * (x[nodes[3], 1] - x[nodes[0], 1])
-                + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1])
-            )
+            tangents(a, b, x, nodes, A, B)
+            xa = 0.25 * A[0]
+            ya = 0.25 * A[1]
+            xb = 0.25 * B[0]
+            yb = 0.25 * B[1]
             det = xa * yb - xb * ya
             da = (yb * rx - xb * ry) / det
             db = (xa * ry - ya * rx) / det
@@ -207,18 +206,6 @@ def locate(at, block, column, place, nodes):
         column[0] = p + go_p
         column[1] = q + go_q
     return False
-
-
-@kernel()
-def tangents(a, b, x, nodes, A, B):
-    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
-    for c in range(3):
-        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
-            x[nodes[2], c] - x[nodes[3], c]
-        )
-        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (
-            x[nodes[2], c] - x[nodes[1], c]
-        )
 
 
 @kernel()

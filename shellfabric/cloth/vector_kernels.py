@@ -67,3 +67,15 @@ def nodal(values, k):
 def difference(x, a, b):
     """The vector from node a to node b."""
     return subtract(nodal(x, b), nodal(x, a))
+
+
+@kernel(_nrt=False, forceinline=True)
+def components(axes, x):
+    """Components of a vector along three axes, the rows of an array."""
+    return dot(axes[0], x), dot(axes[1], x), dot(axes[2], x)
+
+
+@kernel(_nrt=False, forceinline=True)
+def combined(axes, x):
+    """The vector with these components along three axes, the rows of an array."""
+    return add_scaled(add_scaled(scaled(x[0], axes[0]), x[1], axes[1]), x[2], axes[2])

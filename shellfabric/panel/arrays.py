@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from math import inf
 from typing import Any
 
 import numpy as np
 
+from fabrics.base.checks import FloatArray
 from fabrics.ply_laws import packing_stiffness
 from shellfabric.cell import packed_table
+from shellfabric.cloth.nodal_force_kernels import clear_window
 from shellfabric.jit.aligned import aligned_zeros
+from shellfabric.jit.simd import WIDTH
 from shellfabric.panel import edges, failure, forces, grading
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.panel.slots import by_node
 from shellfabric.projectile import contact, window_kernels
-from shellfabric.state import Constants, State, Work
+from shellfabric.state import Constants, State, Surface, Work
 
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
@@ -126,15 +128,11 @@ def _constants(panel):
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
         projectile_radius=shot.radius,
-        edge_radius=shot.edge_radius,
         projectile_mass=shot.mass * panel.share,
         free_dofs=(float(not mirror_x), float(not mirror_y), 1.0),
         perforation_delay_steps=max(1, round(numerics.clear_time / dt)),
-        nose_shape=shot.number,
-        nose_parameters=shot.form,
-        projectile_length=shot.length or inf,
+        nose=shot.nose,
         frame=shot.frame,
-        tilted=shot.tilted,
         window_follows=roaming,
         body_depth=2 * shot.radius,
         draw_in_reach=panel.reach(),
@@ -197,9 +195,8 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["f_block_cloth"] = aligned_zeros(3, 0)
     if const.has_backing:
         found["f_block_cloth"] = aligned_zeros(3, slots)
-    found |= contact.contact_state(
-        const.window_limits, const.points_per_side, const.shape_functions, const.friction
-    )
+    found |= contact.contact_state(const.window_limits, const.points_per_side, const.friction)
+    found["surface"] = make_surface(panel, const)
     found["projectile_position"] = panel.shot.start()
     found["projectile_velocity"] = strike_velocity * panel.shot.flight
     i0, i1 = const.window_limits[:2]
@@ -211,6 +208,33 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     return State(**found)
 
 
+def make_surface(panel: PanelGrid, const: Constants) -> Surface:
+    """The nodes of a ply and their ghosts at rest, in its own frame at z = 0."""
+    x, y = panel.coordinates()
+    rest = with_ghosts(const, np.stack([x, y, np.zeros_like(x)]))
+    found = Surface.zeros(**{"grid slots": rest[0].size})
+    found["rest"] = rest
+    found["turn"][0] = 1.0
+    clear_window(found["window"], const.ni, const.row_stride)
+    return Surface(**found)
+
+
+def with_ghosts(const: Constants, places: FloatArray) -> tuple[FloatArray, ...]:
+    """3 x (grid slots) [m] places (3, ni + 1, nj + 1) of nodes with their ghosts (`grid_kernels`)."""
+    grid = np.pad(places, ((0, 0), (1, 1), (1, 1)))
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        lines = np.moveaxis(grid, axis + 1, 0)
+        lines[0] = 2 * lines[1] - lines[2]
+        lines[-1] = 2 * lines[-2] - lines[-3]
+        if mirrored:
+            lines[0] = lines[2]
+            lines[0, axis] *= -1
+    found = aligned_zeros(3, grid[0].size + 4 * WIDTH)
+    for row, component in zip(found, grid):
+        row[: component.size] = component.ravel()
+    return found
+
+
 def work(panel: PanelGrid) -> Work:
     """Scratch of one thread, for one block of elements."""
     const = constants(panel)
@@ -220,7 +244,7 @@ def work(panel: PanelGrid) -> Work:
     rows["T"] = rows["dW_own"]
     rows["f_over_stretch"] = rows["dW_crossing"]
     rows["f_next_row"] = *rows["mean_stretch"], rows["dW_own"][0]
-    return Work(**rows, contact_scratch=contact.scratch(const))
+    return Work(**rows, contact_scratch=contact.scratch())
 
 
 def _bending(panel):

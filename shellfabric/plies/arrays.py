@@ -20,7 +20,7 @@ _ENTRIES = 20  # room for pairs of facets, of a node in the mean
 def pack_contact(
     consts: Sequence[Constants],
     states: Sequence[State],
-    rest: Sequence[FloatArray],
+    heights: FloatArray,
     thicknesses: Sequence[float],
     turns: FloatArray,
     **of_points: Any,
@@ -30,7 +30,7 @@ def pack_contact(
     Parameters
     ----------
     consts, states : of the plies
-    rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
+    heights : (plies,) [m] of their middle surfaces at rest
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
     of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and
@@ -42,13 +42,27 @@ def pack_contact(
     slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
     base = np.arange(plies) * slots + shape[:, 0] + 1
     nodes = plies * slots
-    x, kick, mirror = _grids(consts, states, rest, shape, slots, base)
+    x = np.zeros((3, nodes))
+    for p, state in enumerate(states):
+        flat = state.surface.rest
+        own = x[:, p * slots :][:, : flat[0].size]
+        c, s = turns[p]
+        own[0] = c * flat[0] - s * flat[1]
+        own[1] = s * flat[0] + c * flat[1]
+        own[2] = heights[p]
+    kick = np.zeros(nodes)
+    mirror = np.zeros(nodes, np.uint8)
+    for p, (const, state) in enumerate(zip(consts, states)):
+        rows = np.arange(const.ni + 1) * shape[p, 0]
+        numbers = base[p] + np.add.outer(rows, np.arange(const.row_stride))
+        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
+        mirror[numbers[0]] |= np.uint8(const.mirror_x)
+        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
     down = np.array([-(-c.ni // TALL) for c in consts])
     across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
     no_nodes = np.array([(c.ni + 1, 0, c.nj + 1, 0) for c in consts])
-    diagonals = [np.linalg.norm(places[1:, 1:] - places[:-1, :-1], axis=-1) for places in rest]
     entries = _ENTRIES * max(nodes, 20_000)
     sizes = {
         "plies": plies,
@@ -80,7 +94,7 @@ def pack_contact(
         "guard_window": no_nodes,
         "thickness": np.array(thicknesses),
         "thickest": float(max(thicknesses)),
-        "longest": float(max(lengths.max() for lengths in diagonals)),
+        "longest": max(_longest(const, state) for const, state in zip(consts, states)),
         "has_planes": bool(consts[0].mirror_x or consts[0].mirror_y),
         "tile_ply": np.repeat(np.arange(plies), np.diff(first)),
         "first_tile": first,
@@ -94,26 +108,28 @@ def pack_contact(
     return PackContact(**found)
 
 
-def _grids(consts, states, rest, shape, slots, base):
-    """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the
-    nodes (plies slots)."""
-    nodes = len(consts) * slots
-    x = np.zeros((3, nodes))
-    kick = np.zeros(nodes)
-    mirror = np.zeros(nodes, np.uint8)
-    for p, (const, state, places) in enumerate(zip(consts, states, rest)):
-        grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
-        for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
-            lines = np.moveaxis(grid, axis, 0)
-            lines[0] = 2 * lines[1] - lines[2]
-            lines[-1] = 2 * lines[-2] - lines[-3]
-            if mirrored:
-                lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
-        x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
-        numbers = base[p] + np.add.outer(
-            np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride)
+def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]:
+    """The states of plies whose surfaces are parts of the grids of their contact."""
+    found = []
+    for p, state in enumerate(states):
+        own = slice(p * contact.slots, (p + 1) * contact.slots)
+        surface = state.surface._replace(
+            x=tuple(contact.x[:, own]),
+            v=tuple(contact.v[:, own]),
+            rest=tuple(contact.rest[:, own]),
+            f=tuple(np.zeros((3, contact.slots))),
+            turn=contact.turns[p],
         )
-        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
-        mirror[numbers[0]] |= np.uint8(const.mirror_x)
-        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
-    return x, kick, mirror
+        # room for what firm springs of the nose foresee
+        due, given = np.zeros((2, 3, contact.slots))
+        found.append(state._replace(surface=surface, dv_other=tuple(due), dv_contact=tuple(given)))
+    return tuple(found)
+
+
+def _longest(const, state):
+    """[m] longest diagonal of an element at rest."""
+    stride = const.row_stride + 2
+    x, y, _ = state.surface.rest
+    along = np.diff(x[stride + 1 :: stride][: const.ni + 1])
+    across = np.diff(y[stride + 1 : 2 * stride - 1])
+    return float(np.hypot(along.max(), across.max()))

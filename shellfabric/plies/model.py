@@ -41,8 +41,6 @@ from shellfabric.plies import friction
 from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.projectile import frames
-from shellfabric.projectile.contact import PREDICTED
 from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
@@ -241,12 +239,6 @@ class Pack:
         plain = ply.numerics.penalty * ply.weave.areal_density / ply.step_of_bound**2
         return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
 
-    def _foreseen(self, slots):
-        """Room for what firm springs foresee; a nose of explicit ones has none."""
-        if len(self.plies) == 1:
-            slots = 0
-        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
-
     @cached_property
     def places(self) -> FloatArray:
         """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
@@ -285,7 +277,7 @@ class Pack:
             }
             if p == 0:
                 shared["projectile_velocity"] = stack.projectile_velocity
-            states.append(state._replace(**shared, **self._foreseen(state.mass.size)))
+            states.append(state._replace(**shared))
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:
@@ -302,12 +294,7 @@ class Pack:
         """The contact between the plies, at rest; of a single ply one without points."""
         if len(self.plies) == 1:
             return PackContact.empty()
-        rest = []
         points = self.contact.points
-        for ply, z in zip(self.plies, self.places):
-            x, y = ply.coordinates()
-            nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
-            rest.append(frames.turned_back(nodes, frames.axes(ply.ply_angle - self.angles[0])))
         places = [self._first_places(p) for p in range(len(self.gaps))]
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
@@ -321,7 +308,7 @@ class Pack:
         return pack_contact(
             consts,
             states,
-            rest,
+            self.places,
             [ply.weave.thickness for ply in self.plies],
             self.turns,
             points=points,

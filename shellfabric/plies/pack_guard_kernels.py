@@ -9,19 +9,14 @@ import math
 
 import numpy as np
 
+from shellfabric.cloth.grid_kernels import place, turned, turned_back
 from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
 from shellfabric.cloth.vector_kernels import add, add_scaled, column, nodal, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
-from shellfabric.plies.frame_kernels import (
-    NJ,
-    STRIDE,
-    place,
-    turned,
-    turned_back,
-)
+from shellfabric.plies.frame_kernels import NJ, STRIDE, look_at_torn
 from shellfabric.plies.guard_kernels import project
 from shellfabric.state import unit
 
@@ -32,8 +27,11 @@ def hold_apart(states, consts, contact):
     their work."""
     if contact.count[near.REMAKE]:
         for p in range(len(states)):
-            place(row_of(states, p), row_of(consts, p), contact, p)
-            follow(row_of(states, p), row_of(consts, p), contact, p)
+            state = row_of(states, p)
+            const = row_of(consts, p)
+            place(state, const, state.active_rows[0], state.active_rows[1])
+            look_at_torn(state, const, contact, p)
+            follow(state, const, contact, p)
         for t in range(contact.travel.size):
             contact.travel[t] = 0.0
             contact.plane_due[t] = 0.0
@@ -199,15 +197,19 @@ def own_number(contact, g):
 @kernel(_nrt=False)
 def next_velocity(state, const, contact, p, k):
     """The velocity of a node in the coming step, by all forces but the guard's."""
-    row = k // const.row_stride
-    force = add(nodal(state.f_int, k), nodal(state.f_contact, k))
-    if row > 0 and row % const.rows_per_block == 0:
-        force = add(force, nodal(state.f_int_above, k))
+    force = add(force_without_nose(state, const, contact, p, k), nodal(state.f_contact, k))
+    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
+
+
+@kernel(_nrt=False)
+def force_without_nose(state, const, contact, p, k):
+    """The force on node k of ply p of its fabric, of other plies and of a block."""
+    force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
     if const.has_backing:
         force = add(force, nodal(state.f_block_cloth, k))
     for side in range(2):
         force = add(force, nodal(contact.force[p, side], k))
-    return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
+    return force
 
 
 @unit()

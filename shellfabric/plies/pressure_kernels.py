@@ -1,6 +1,6 @@
 """Pressure and friction between plies, point by point, from where they are now.
 
-Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the
+Each element of a ply carries n x n points x of its surface (`cloth.surface_kernels`). y is the
 point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
 of both plies, v the velocity of x over y:
 
@@ -36,6 +36,20 @@ no neighbours meet where the ply behind the first has a hole.
 import math
 
 from shellfabric.cloth.nodal_force_kernels import extend_window
+from shellfabric.cloth.surface_kernels import (
+    facet_foot,
+    foot_at,
+    patch8,
+    patch_at,
+    point_vector8,
+    scatter8,
+    scatter_to_points8,
+    second_slopes8,
+    share_out,
+    spline_weights8,
+    vector_at8,
+    vector_of,
+)
 from shellfabric.cloth.vector_kernels import (
     add,
     add_scaled,
@@ -73,25 +87,14 @@ from shellfabric.plies.frame_kernels import (
     NI,
     NJ,
     STRIDE,
+    grid_in_pack,
+    has_dropped,
+    is_torn,
     mean_thickness,
+    nearest_place,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
 from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
-from shellfabric.plies.surface_kernels import (
-    foot_at,
-    is_torn,
-    nearest_place,
-    patch8,
-    patch_at,
-    point_vector8,
-    scatter8,
-    scatter_to_points8,
-    second_slopes8,
-    share_out,
-    spline_weights8,
-    vector_at8,
-    vector_of,
-)
 from shellfabric.state import unit
 
 # of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose
@@ -230,6 +233,45 @@ def place_of_point(contact, row, j):
 
 
 @kernel(_nrt=False, forceinline=True)
+def products(w, slopes):
+    """Products of the slopes y_a, y_b with each other, (aa, ab, bb), and with the offset w, (a, b);
+    of one point or of eight."""
+    y_a, y_b = slopes
+    return (dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b)), (dot(y_a, w), dot(y_b, w))
+
+
+@kernel(_nrt=False, forceinline=True)
+def determinant(plain):
+    """aa bb - ab^2: of the products of slopes the squared area between them."""
+    aa, ab, bb = plain
+    return aa * bb - ab * ab
+
+
+@kernel(_nrt=False, forceinline=True)
+def height_after(w, plain, along):
+    """Squared distance after a step of Gauss and Newton, times the squared area of the slopes."""
+    aa, ab, bb = plain
+    a, b = along
+    return dot(w, w) * determinant(plain) - (bb * a * a - 2.0 * (ab * a * b) + aa * b * b)
+
+
+@kernel(_nrt=False, forceinline=True)
+def curved_products(plain, w, second):
+    """Products of slopes less those of the offset with the second slopes aa, ab and bb."""
+    aa, ab, bb = plain
+    return aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def solved(plain, along):
+    """The step (a, b) of the linear equations of these products."""
+    aa, ab, bb = plain
+    a, b = along
+    square = determinant(plain)
+    return (bb * a - ab * b) / square, (aa * b - ab * a) / square
+
+
+@kernel(_nrt=False, forceinline=True)
 def newton_step(w, slopes, second, thickness):
     """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of
     Gauss and Newton beyond it, and where there is no other. Whether it is within.
@@ -237,32 +279,20 @@ def newton_step(w, slopes, second, thickness):
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
         ab, bb
     """
-    y_a, y_b = slopes
-    aa = dot(y_a, y_a)
-    ab = dot(y_a, y_b)
-    bb = dot(y_b, y_b)
-    r_a = dot(y_a, w)
-    r_b = dot(y_b, w)
-    square = aa * bb - ab * ab
-    if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
-        along = 0.0
-        if aa > 0.0:
-            along = r_a / aa
-        return along, 0.0, False
-    # squared distance after a step of Gauss and Newton, times the squared area of the slopes
-    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
-    near = thickness * thickness * square > apart
+    plain, along = products(w, slopes)
+    square = determinant(plain)
+    if not square > 1e-12 * plain[0] * plain[2]:  # fabric that is drawn to a line
+        step = 0.0
+        if plain[0] > 0.0:
+            step = along[0] / plain[0]
+        return step, 0.0, False
+    near = thickness * thickness * square > height_after(w, plain, along)
     if near:
-        curved_aa = aa - dot(w, second[0])
-        curved_ab = ab - dot(w, second[1])
-        curved_bb = bb - dot(w, second[2])
-        curved = curved_aa * curved_bb - curved_ab * curved_ab
-        if curved > 0.1 * square and curved_aa > 0.0:
-            aa = curved_aa
-            ab = curved_ab
-            bb = curved_bb
-            square = curved
-    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, near
+        curved = curved_products(plain, w, second)
+        if determinant(curved) > 0.1 * square and curved[0] > 0.0:
+            plain = curved
+    a, b = solved(plain, along)
+    return a, b, near
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -312,8 +342,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
     if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
         held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
-    foot = foot_at(contact, p, is_torn(contact, p, at_a, at_b), at_a, at_b)
-    x = vector_of(contact, contact.x, p, foot)
+    foot = foot_at(grid_in_pack(contact, p), is_torn(contact, p, at_a, at_b), at_a, at_b)
+    x = vector_of(contact.x, foot)
     # through a hole: the next ply is in between where it is whole
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
@@ -370,7 +400,8 @@ def closest_point(contact, q, x, a, b, thickness):
     """
     searched = False
     none = 0.0, 0.0, 0.0
-    foot = 0, 0, 0, none, none
+    foot = 0, 0, (0, 0), none, none
+    grid = grid_in_pack(contact, q)
     w = _FAR, _FAR, _FAR
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
@@ -379,7 +410,7 @@ def closest_point(contact, q, x, a, b, thickness):
             searched = True
             if has_dropped(contact, q, a, b):
                 return (a, b), (_FAR, _FAR, _FAR), foot, False
-        foot, y, slopes, second = patch_at(contact, q, torn, a, b)
+        foot, y, slopes, second = patch_at(contact.x, grid, torn, a, b)
         w = subtract(x, y)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
         facet = foot[0], foot[1]
@@ -400,25 +431,14 @@ def closest_point(contact, q, x, a, b, thickness):
         b += turn
         # a facet is flat along each axis: one step is enough
         if torn:
-            w, foot = on_facet(contact, q, x, (a, b), facet)
+            foot = facet_foot(grid, facet, (a, b))
+            w = subtract(x, vector_of(contact.x, foot))
             return (a, b), w, foot, False
         if ended or iteration == _ITERATIONS - 1:
             if not near:
                 second = none, none, none
             return (a, b), offset_after(w, slopes, second, go, turn), foot, ended
     return (a, b), w, foot, False
-
-
-@kernel(_nrt=False, forceinline=True)
-def on_facet(contact, q, x, place, facet):
-    """Offset of x from a place of a facet of ply q, and the nodes about it and their weights (of
-    `push`)."""
-    a, b = place
-    i, j = facet
-    za = 1.0 - (a - i), a - i, 0.0
-    zb = 1.0 - (b - j), b - j, 0.0
-    foot = i, j, contact.base[q] + i * contact.shape[q, STRIDE] + j, za, zb
-    return subtract(x, vector_of(contact, contact.x, q, foot)), foot
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -430,17 +450,9 @@ def touches_next(contact, p, row, j, x):
     torn = is_torn(contact, p + 1, a, b)
     if torn and has_dropped(contact, p + 1, a, b):
         return False
-    y = vector_of(contact, contact.x, p + 1, foot_at(contact, p + 1, torn, a, b))
+    y = vector_of(contact.x, foot_at(grid_in_pack(contact, p + 1), torn, a, b))
     w = subtract(x, y)
     return dot(w, w) < mean_thickness(contact, p, p + 1) ** 2
-
-
-@kernel(_nrt=False, forceinline=True)
-def has_dropped(contact, p, a, b):
-    """Whether the element of ply p at the place (a, b) is no fabric any more."""
-    i = min(max(int(a), 0), contact.shape[p, NI] - 1)
-    j = min(max(int(b), 0), contact.shape[p, NJ] - 1)
-    return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -480,8 +492,7 @@ def push(contact, front, rear, area, n, closure, number):
     """
     p, foot = front
     q, closest = rear
-    v_p = vector_of(contact, contact.v, p, foot)
-    v = subtract(v_p, vector_of(contact, contact.v, q, closest))
+    v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
@@ -496,8 +507,16 @@ def push(contact, front, rear, area, n, closure, number):
     row[SPRING] += area * energy
     row[DEEPEST] = max(row[DEEPEST], closure)
     row[FRICTION] += contact.dt * rub * speed * speed
-    share_out(contact, p, BEHIND, foot, scaled(-1.0, force))
-    share_out(contact, q, BEFORE, closest, force)
+    push_nodes(contact, p, BEHIND, foot, scaled(-1.0, force))
+    push_nodes(contact, q, BEFORE, closest, force)
+
+
+@kernel(_nrt=False, forceinline=True)
+def push_nodes(contact, p, side, foot, force):
+    """Share a force of the plies on one side of ply p out to its nodes."""
+    i, j, (k, stride), wa, wb = foot
+    own = i, j, (k - p * contact.slots, stride), wa, wb
+    share_out(contact.f[p, side], contact.grid_window[p, side], own, force)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -553,14 +572,13 @@ def press_points8(contact, p, row, j, q, count):
     S = contact.shape[p + 1, STRIDE]
     thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
-    foot = foot_at(contact, p, False, a, b)
-    _, _, k, wa, wb = foot
+    foot = foot_at(grid_in_pack(contact, p), False, a, b)
+    _, _, nodes, wa, wb = foot
     lanes = load(contact.lanes, 0)
     all_of = (1 << count) - 1
     A = load(contact.closest_a, q)
     B = load(contact.closest_b, q)
-    stride = contact.shape[p, STRIDE]
-    fit = whole8(contact, p, k + stride + 1, (q, count))
+    fit = whole8(contact, p, nodes[0] + nodes[1] + 1, (q, count))
     n_a = contact.shape[p + 1, NI]
     n_b = contact.shape[p + 1, NJ]
     I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
@@ -583,7 +601,7 @@ def press_points8(contact, p, row, j, q, count):
     weights = (za, da, ca), (zb, db, cb)
     at = K, S, tall
     y, y_a, y_b = patch8(x, at, weights)
-    w = subtract(point_vector8(x, (k, stride), wa, wb), y)
+    w = subtract(point_vector8(x, nodes, wa, wb), y)
     slopes = y_a, y_b
     go, turn, second, near, fit = newton_steps8(x, (at, weights), w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
@@ -625,32 +643,31 @@ def newton_steps8(x, patch, w, slopes, thickness, fit):
     patch : of the surface, for `surface_kernels.second_slopes8`
     """
     at, weights = patch
-    y_a, y_b = slopes
-    aa = dot(y_a, y_a)
-    ab = dot(y_a, y_b)
-    bb = dot(y_b, y_b)
-    r_a = dot(y_a, w)
-    r_b = dot(y_b, w)
-    square = aa * bb - ab * ab
+    plain, along = products(w, slopes)
+    square = determinant(plain)
     none = broadcast(0.0)
-    fit &= movemask(greater(square, 1e-12 * (aa * bb)))
-    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
-    near = fit & movemask(greater(thickness * thickness * square, apart))
+    fit &= movemask(greater(square, 1e-12 * (plain[0] * plain[2])))
+    height = height_after(w, plain, along)
+    near = fit & movemask(greater(thickness * thickness * square, height))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
         second = second_slopes8(x, at, weights)
-        c_aa = aa - dot(w, second[0])
-        c_ab = ab - dot(w, second[1])
-        c_bb = bb - dot(w, second[2])
-        curved = c_aa * c_bb - c_ab * c_ab
-        sure = mask_from_bits(
-            near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0))
-        )
-        aa = where(sure, c_aa, aa)
-        ab = where(sure, c_ab, ab)
-        bb = where(sure, c_bb, bb)
-        square = where(sure, curved, square)
-    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
+        curved = curved_products(plain, w, second)
+        convex = movemask(greater(curved[0], 0.0))
+        sure = near & convex & movemask(greater(determinant(curved), 0.1 * square))
+        plain = where_all(mask_from_bits(sure), curved, plain)
+    a, b = solved(plain, along)
+    return a, b, second, near, fit
+
+
+@kernel(_nrt=False, forceinline=True)
+def where_all(mask, one, other):
+    """Three values of eight points each where the mask is set, else three others."""
+    return (
+        where(mask, one[0], other[0]),
+        where(mask, one[1], other[1]),
+        where(mask, one[2], other[2]),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -687,12 +704,11 @@ def push8(contact, front, closest, area, n, closure, touching, points):
         (`surface_kernels.interpolate_rows8`)
     points : number of the first, how many there are
     """
-    p, (i, j, k, wa, wb) = front
+    p, (i, j, nodes, wa, wb) = front
     I, J, K, za, zb, tall = closest
-    s = contact.shape[p, STRIDE]
     S = contact.shape[p + 1, STRIDE]
     which = mask_from_bits(touching)
-    v_p = point_vector8(contact.v, (k, s), wa, wb)
+    v_p = point_vector8(contact.v, nodes, wa, wb)
     v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
     closure = moved_closure8(contact, p, points, closure, closing, which)
@@ -721,7 +737,7 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
-    at = k - p * contact.slots, s
+    at = nodes[0] - p * contact.slots, nodes[1]
     behind_at = K - (p + 1) * contact.slots, S, tall
     for c in range(3):
         scatter_to_points8(contact.f[p, BEHIND, c], at, 0.0 - force[c], own)

@@ -4,7 +4,7 @@ smooth surface.
 The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its
 axis along z. A projectile whose axis is tilted has a frame of its own, into which positions are
 rotated, and normals back out of it. Every element carries p x p points x = sum N_i x_i of the
-surface of `spline_kernels`. A point with distance < 0 has
+surface of `cloth.surface_kernels`. A point with distance < 0 has
 
     f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
 
@@ -29,17 +29,44 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth import spline_kernels
-from shellfabric.cloth.nodal_force_kernels import half_step_work, keep_symmetry
-from shellfabric.cloth.vector_kernels import add, add_scaled, column, dot, scaled
+from shellfabric.cloth.grid_kernels import grid_of, to_nodes, turned, turned_back
+from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
+from shellfabric.cloth.surface_kernels import (
+    foot_at,
+    point_vector8,
+    scatter_to_points8,
+    share_out,
+    vector_of,
+)
+from shellfabric.cloth.torn_kernels import WHOLE, bent_corners, torn_foot
+from shellfabric.cloth.vector_kernels import (
+    add,
+    column,
+    combined,
+    components,
+    dot,
+    scaled,
+    subtract,
+)
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    fabs,
+    fma,
+    greater,
+    load,
+    mask_from_bits,
+    maximum,
+    minimum,
+    movemask,
+    store,
+    where,
+)
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
     erode,
     intact_at_point,
-    move_window,
-    reachable_nodes,
     window_bounds,
 )
 from shellfabric.state import Scratch, unit
@@ -48,14 +75,17 @@ from shellfabric.state import Scratch, unit
 # fabric so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
-# first rows of work.point_data: of vectors with three components, but for OUTSIDE
-PLACE, VELOCITY, OUTSIDE, AHEAD, PUSHED = 0, 3, 6, 7, 10
+# first rows of work.point_data, of vectors with three components
+PLACE, VELOCITY, AHEAD, PUSHED, FORCE = 0, 3, 6, 9, 12
+TAKEN, HELD = 0, 1  # of work.sums: work that the contact takes, energy in its springs
+# rows of work.nose
+NOSE_PLACE, NOSE_VELOCITY, NOSE_FORCE = 0, 1, 2
 
 
 @unit("2 numbers", work=Scratch)
 def contact_forces(state, const, work):
-    """Contact forces at the present positions, into state.f_contact; the force on the projectile
-    into state.f_contact_nose.
+    """Contact forces at the present places (`grid_kernels.place`), into state.f_contact; the force
+    on the projectile into state.f_contact_nose.
 
     The elements of the block of rows and columns state.contact_window, which lies in
     const.window_limits, are looked at, unless eroded: what no yarn holds is out of contact. Returns
@@ -66,111 +96,210 @@ def contact_forces(state, const, work):
     # half a step's work of the last forces, on the velocities that they have had an effect on
     before = half_step_work(state, const, state.f_contact, state.nose_window, True)
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
-    state.f_contact_nose[:] = 0.0
-    if const.window_follows:
-        move_window(state, const)
-    taken, spring = contact_window(state, const, work)
-    return taken - before, spring
-
-
-@kernel(_nrt=False, inline="always")
-def contact_window(state, const, work):
-    """Contact of the elements in the window: (half a step's work that it takes in, spring energy)
-    [J]."""
+    see_nose(state, const, work)
     i0, i1, j0, j1 = window_bounds(state)
-    across = const.window_limits[3] - const.window_limits[2]
     state.contact_energy[FRICTION_SPRING] = 0.0
     taken = 0.0
     spring = 0.0
-    # four rows of nodes shape a row of elements; each row of nodes is found once
-    for i in range(i0 - 1, i0 + 2):
-        spline_kernels.row_positions(state, const, i, j0 - 1, j1 + 1, work.node_rows[i & 3])
     for i in range(i0, i1):
-        spline_kernels.row_positions(
-            state, const, i + 2, j0 - 1, j1 + 1, work.node_rows[(i + 2) & 3]
-        )
-        spline_kernels.column_boxes(work.node_rows, j1 - j0 + 3, work.box_low, work.box_high)
-        for j in range(j0, j1):
-            e = (i - const.window_limits[0]) * across + j - const.window_limits[2]
-            # an element that has touched is looked at once more, to end its contact
-            if state.element_flag[i * const.row_stride + j] and erode(state, const, i, j):
-                reset_element(state, const, e)
-            elif state.in_contact[e] or not spline_kernels.box_misses_nose(
-                work.box_low, work.box_high, j - j0, const.projectile_radius
-            ):
-                element_taken, element_spring = contact_element(state, const, i, j, e, work)
-                taken += element_taken
-                spring += element_spring
-    i0, i1, j0, j1 = reachable_nodes(state, const)
-    state.nose_window[0] = i0
-    state.nose_window[1] = i1 + 1
-    state.nose_window[2] = j0
-    state.nose_window[3] = j1 + 1
-    keep_symmetry(const, state.f_contact, state.nose_window)
-    return taken, spring
+        for j in range(j0, j1, WIDTH):
+            row_taken, row_spring = contact_elements(state, const, i, j, work)
+            taken += row_taken
+            spring += row_spring
+    surface = state.surface
+    to_nodes(state, const, (surface.f, surface.window), (state.f_contact, state.nose_window))
+    push = work.nose[NOSE_FORCE]
+    state.f_contact_nose[0], state.f_contact_nose[1] = turned(surface.turn, push[0], push[1])
+    state.f_contact_nose[2] = push[2]
+    return taken - before, spring
+
+
+@kernel(_nrt=False)
+def see_nose(state, const, work):
+    """Place, velocity and axes of the nose in the frame of the surface, into work.nose and
+    work.axes; no force on it yet."""
+    turn = state.surface.turn
+    x = state.projectile_position
+    v = state.projectile_velocity
+    nose = work.nose
+    nose[NOSE_PLACE, 0], nose[NOSE_PLACE, 1] = turned_back(turn, x[0], x[1])
+    nose[NOSE_PLACE, 2] = x[2] + state.surface.rest[2][grid_of(const)[0]]
+    nose[NOSE_VELOCITY, 0], nose[NOSE_VELOCITY, 1] = turned_back(turn, v[0], v[1])
+    nose[NOSE_VELOCITY, 2] = v[2]
+    nose[NOSE_FORCE] = 0.0
+    for row in range(3):
+        axis = const.frame[row]
+        work.axes[row, 0], work.axes[row, 1] = turned_back(turn, axis[0], axis[1])
+        work.axes[row, 2] = axis[2]
 
 
 @kernel(_nrt=False)
 def reset_element(state, const, e):
     """Reset the contact history of element number e."""
     state.in_contact[e] = False
-    state.last_contact_force[e] = 0.0
+    for forces in state.last_contact_force:
+        forces[e] = 0.0
     if const.friction > 0.0:
         state.friction_state[e] = 0.0
 
 
-@unit("2 numbers", work=Scratch)
-def contact_element(state, const, i, j, e, work):
-    """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
+@kernel(_nrt=False)
+def number_in_window(const, i, j):
+    """Number of element (i, j) among those that the nose may touch."""
+    limits = const.window_limits
+    return (i - limits[0]) * (limits[3] - limits[2]) + j - limits[2]
 
-    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with
-    one by one.
-    """
-    at = work.point_data
-    x = work.node_position
-    column_of_boxes = j - state.contact_window[2]
+
+@kernel(_nrt=False)
+def near_elements(state, const, i, j, work):
+    """Those of eight elements from (i, j) on, as bits, whose surface the nose may touch, or has
+    touched a step ago. Those that no yarn holds any more erode."""
+    count = min(WIDTH, state.contact_window[3] - j)
+    e = number_in_window(const, i, j)
+    near = ~beside_nose8(state, const, i, j, work)
+    found = 0
+    for lane in range(count):
+        # an element that has touched is looked at once more, to end its contact
+        if state.element_flag[np.uint64(i * const.row_stride + j + lane)] and erode(
+            state, const, i, j + lane
+        ):
+            reset_element(state, const, e + lane)
+        elif state.in_contact[e + lane] or near >> lane & 1:
+            found |= 1 << lane
+    return found
+
+
+@kernel(_nrt=False, forceinline=True)
+def beside_nose8(state, const, i, j, work):
+    """Those of eight elements from (i, j) on, as bits, that are ahead of the nose or beside the
+    cylinder, by the boxes of the four by four nodes which their surfaces follow from."""
+    base, stride, _, _ = grid_of(const)
+    k = base + (i - 1) * stride + j - 1
+    x = state.surface.x
+    nose = work.nose[NOSE_PLACE]
+    low_x, high_x = range8(x[0], k, stride)
+    low_y, high_y = range8(x[1], k, stride)
+    low_z, high_z = range8(x[2], k, stride)
+    low = low_x, low_y, low_z
+    high = high_x, high_y, high_z
+    middle = subtract(scaled(0.5, add(low, high)), nose)
+    half = scaled(0.5, subtract(high, low))
+    square = broadcast(0.0)
+    for c in range(2):
+        beside = maximum(fabs(dot(work.axes[c], middle)) - half_width8(work.axes[c], half), 0.0)
+        square = fma(beside, beside, square)
+    ahead = dot(work.axes[2], middle) - half_width8(work.axes[2], half)
+    return movemask(greater(ahead, 0.0)) | movemask(greater(square, const.projectile_radius**2))
+
+
+@kernel(_nrt=False, forceinline=True)
+def half_width8(axis, half):
+    """Half the width along an axis of eight boxes of these half widths."""
+    return abs(axis[0]) * half[0] + abs(axis[1]) * half[1] + abs(axis[2]) * half[2]
+
+
+@kernel(_nrt=False, forceinline=True)
+def range8(x, k, stride):
+    """Least and largest x of four by four nodes from each of the numbers k .. k + 7 on."""
+    low = high = load(x, k)
     for m in range(4):
-        slot = (i - 1 + m) & 3
         for n in range(4):
-            for c in range(3):
-                x[4 * m + n, c] = work.node_rows[slot, c, column_of_boxes + n]
-    shares = const.shape_functions[1]
-    last = state.last_contact_force[e]
-    # beside a failed yarn the surface ends where the yarn does
-    if not spline_kernels.neighbourhood_intact(state, const, i, j):
-        shares = work.torn_shape_functions
-        spline_kernels.torn_shape_functions(state, const, i, j, shares)
-    state.in_contact[e] = False
-    taken = 0.0
-    spring = 0.0
-    hit = False
+            here = load(x, k + m * stride + n)
+            low = minimum(low, here)
+            high = maximum(high, here)
+    return low, high
+
+
+@unit("2 numbers", work=Scratch)
+def contact_elements(state, const, i, j, work):
+    """Contact of the points of up to eight elements from (i, j) on: (work taken, spring energy) [J].
+    The forces go to the grid.
+
+    Points with the same place in their elements are looked at together; those that touch, or did a
+    step ago, are few and dealt with one by one, and so are those beside failed yarns.
+    """
+    near = near_elements(state, const, i, j, work)
+    if near == 0:
+        return 0.0, 0.0
+    e = number_in_window(const, i, j)
+    torn = 0
+    for lane in range(WIDTH):
+        if near >> lane & 1:
+            state.in_contact[e + lane] = False
+            work.bent[lane] = bent_corners(state, const, i, j + lane)
+            torn |= int(work.bent[lane] != WHOLE) << lane
+    work.sums[:] = 0.0
+    for number in range(const.points_per_side**2):
+        touch_together(state, const, (i, j, number), near & ~torn, work)
+        for lane in range(WIDTH):
+            if torn >> lane & 1:
+                touch_alone(state, const, (i, j + lane, number, lane), work)
+    return work.sums[TAKEN], work.sums[HELD]
+
+
+@kernel(_nrt=False, forceinline=True)
+def touch_together(state, const, points, whole, work):
+    """Contact of eight points (number in the element, from element (i, j) on), of those whose
+    elements are `whole`, as bits."""
+    if whole == 0:
+        return
+    i, j, number = points
+    at = work.point_data
+    surface = state.surface
+    a, b = place_in_element(const, number)
+    row, line, nodes, wa, wb = foot_at(grid_of(const), False, i + a, j + b)
+    x = subtract(point_vector8(surface.x, nodes, wa, wb), work.nose[NOSE_PLACE])
+    x = components(work.axes, x)
+    last = load(state.last_contact_force[number], number_in_window(const, i, j))
+    # below 0 within the cylinder's radius and behind the foremost point
     radius = const.projectile_radius
-    for first in range(0, last.size, WIDTH):
-        place = spline_kernels.interpolate(shares, first, x)
-        # below 0 within the cylinder's radius and behind the foremost point
-        beside = fma(place[0], place[0], fma(place[1], place[1], 0.0 - radius * radius))
-        outside = maximum(place[2], beside)
-        if not any_lane(greater(maximum(load(last, first), 0.0 - outside), 0.0)):
-            continue
-        if not hit:
-            gather_velocities(state, const, i, j, work)
-        hit = True
-        store_points(at, PLACE, place)
-        store(at[OUTSIDE], 0, outside)
-        store_points(at, VELOCITY, spline_kernels.interpolate(shares, first, work.node_velocity))
-        if const.point_law.implicit_factor > 0.0:
-            store_points(at, AHEAD, spline_kernels.interpolate(shares, first, work.node_dv[0]))
-            store_points(at, PUSHED, spline_kernels.interpolate(shares, first, work.node_dv[1]))
-        for m in range(WIDTH):
-            if at[OUTSIDE, m] < 0.0 or last[first + m] != 0.0:
-                point_taken, point_spring = contact_point(
-                    state, const, i, j, e, first + m, m, shares, work
-                )
-                taken += point_taken
-                spring += point_spring
-    if hit:
-        scatter_element_force(state, const, i - 1, j - 1, work.node_force)
-    return taken, spring
+    outside = maximum(x[2], fma(x[0], x[0], fma(x[1], x[1], 0.0 - radius * radius)))
+    touched = whole & movemask(greater(maximum(last, 0.0 - outside), 0.0))
+    if touched == 0:
+        return
+    v = point_vector8(surface.v, nodes, wa, wb)
+    store_points(at, PLACE, x)
+    store_points(at, VELOCITY, subtract(v, work.nose[NOSE_VELOCITY]))
+    if const.point_law.implicit_factor > 0.0:
+        store_points(at, AHEAD, point_vector8(state.dv_other, nodes, wa, wb))
+        store_points(at, PUSHED, point_vector8(state.dv_contact, nodes, wa, wb))
+    for lane in range(WIDTH):
+        if touched >> lane & 1:
+            contact_point(state, const, (i, j + lane, number, lane), work)
+    extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
+    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    for c in range(3):
+        force = where(mask_from_bits(touched), load(at[FORCE + c], 0), 0.0)
+        scatter_to_points8(surface.f[c], nodes, force, own)
+
+
+@kernel(_nrt=False)
+def touch_alone(state, const, point, work):
+    """`contact_point` of a point beside failed yarns."""
+    i, j, number, lane = point
+    at = work.point_data
+    surface = state.surface
+    foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
+    x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose[NOSE_PLACE]))
+    inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
+    last = state.last_contact_force[number, number_in_window(const, i, j)]
+    if not inside and last == 0.0:
+        return
+    store_point(at, PLACE, lane, x)
+    v = subtract(vector_of(surface.v, foot), work.nose[NOSE_VELOCITY])
+    store_point(at, VELOCITY, lane, v)
+    if const.point_law.implicit_factor > 0.0:
+        store_point(at, AHEAD, lane, vector_of(state.dv_other, foot))
+        store_point(at, PUSHED, lane, vector_of(state.dv_contact, foot))
+    contact_point(state, const, point, work)
+    share_out(surface.f, surface.window, foot, column(at, FORCE, lane))
+
+
+@kernel(_nrt=False, forceinline=True)
+def place_in_element(const, number):
+    """Place (s, t) of a point in its element, from 0 to 1."""
+    a, b = divmod(number, const.points_per_side)
+    return (a + 0.5) / const.points_per_side, (b + 0.5) / const.points_per_side
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -182,71 +311,43 @@ def store_points(at, row, vector):
 
 
 @kernel(_nrt=False, forceinline=True)
-def store_node(values, k, vector):
-    """Store the vector of a node in a row of (16, 3)."""
-    values[k, 0] = vector[0]
-    values[k, 1] = vector[1]
-    values[k, 2] = vector[2]
+def store_point(at, row, lane, vector):
+    """Store a vector of one of eight points in three rows."""
+    at[row, lane] = vector[0]
+    at[row + 1, lane] = vector[1]
+    at[row + 2, lane] = vector[2]
 
 
-@unit(work=Scratch)
-def gather_velocities(state, const, i, j, work):
-    """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the
-    forces on them, work.node_force."""
-    work.node_force[:] = 0.0
-    for m in range(4):
-        for n in range(4):
-            k = 4 * m + n
-            row = i - 1 + m
-            line = j - 1 + n
-            velocity = spline_kernels.relative_velocity(state, const, row, line)
-            store_node(work.node_velocity, k, velocity)
-            if const.point_law.implicit_factor > 0.0:
-                other = spline_kernels.nodal_vector(state.dv_other, const, row, line)
-                pushed = spline_kernels.nodal_vector(state.dv_contact, const, row, line)
-                store_node(work.node_dv[0], k, other)
-                store_node(work.node_dv[1], k, pushed)
+@kernel(_nrt=False)
+def contact_point(state, const, point, work):
+    """Contact of a point (element (i, j), number in it, column of work.point_data).
 
-
-@unit("2 numbers", shares="8, points", work=Scratch)
-def contact_point(state, const, i, j, e, number, m, shares, work):
-    """Contact of one point of an element, whose position and velocity are in column m of
-    work.point_data."""
+    Its force goes to work.point_data, what work it takes and its spring holds to work.sums.
+    """
     at = work.point_data
     law = const.point_law
-    last = state.last_contact_force[e]
+    i, j, number, lane = point
+    e = number_in_window(const, i, j)
     k = np.uint64(i * const.row_stride + j)
-    before = last[number]
-    depth, n_x, n_y, n_z = sdf_kernels.distance(
-        const.nose_shape,
-        at[0, m],
-        at[1, m],
-        at[2, m],
-        const.projectile_radius,
-        const.edge_radius,
-        const.projectile_length,
-        const.nose_parameters,
-    )
+    last = state.last_contact_force[number]
+    before = last[e]
+    store_point(at, FORCE, lane, (0.0, 0.0, 0.0))
+    depth, normal = sdf_kernels.distance(const.nose, column(at, PLACE, lane))
     if depth >= 0.0 and before == 0.0:
-        return 0.0, 0.0
+        return
     part = 1.0
     if state.element_flag[k] != 0:
-        per = const.points_per_side
-        s = (number // per + 0.5) / per
-        t = (number % per + 0.5) / per
-        part = intact_at_point(state, const, k, s, t)
+        part = intact_at_point(state, const, k, place_in_element(const, number))
     # no yarn is left to push on
     if part == 0.0:
-        last[number] = 0.0
+        last[e] = 0.0
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
-        return 0.0, 0.0
+        return
     stiffness = part * law.stiffness
     damping = part * law.damping
-    normal = (n_x, n_y, n_z)
-    if const.tilted:
-        normal = to_panel_frame(const.frame, normal)
-    v = column(at, VELOCITY, m)
+    normal = combined(work.axes, normal)
+    v = column(at, VELOCITY, lane)
     push = 0.0
     spring = 0.0
     if depth < 0.0:
@@ -254,10 +355,10 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
             # eq. (2); the damper keeps its ratio to critical
             hard = law.implicit_factor * stiffness
             drag = math.sqrt(law.implicit_factor) * damping
-            away = dot(normal, add(v, column(at, AHEAD, m)))
-            gave = dot(normal, column(at, PUSHED, m))
+            away = dot(normal, add(v, column(at, AHEAD, lane)))
+            gave = dot(normal, column(at, PUSHED, lane))
             push = implicit_penalty_force(
-                const, hard, drag, depth, away, gave, before, state.force_scale[0]
+                const, (hard, drag), (depth, away), (before, gave), state.force_scale[0]
             )
             spring = -0.5 * depth * min(push, -hard * depth)
         else:
@@ -270,7 +371,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
             deepest = state.contact_energy[MAX_PENETRATION]
             state.contact_energy[MAX_PENETRATION] = max(deepest, -depth)
     force = scaled(push, normal)
-    last[number] = push
+    last[e] = push
     rubbed = 0.0
     if const.friction > 0.0:
         stuck = state.friction_state[e, number]
@@ -281,41 +382,26 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         state.contact_energy[FRICTION] += rubbed
         state.contact_energy[FRICTION_SPRING] += held
         force = add(force, rub)
-    spline_kernels.scatter_force(shares, number, work.node_force, force)
+    store_point(at, FORCE, lane, force)
     for c in range(3):
-        state.f_contact_nose[c] -= force[c]
-    return -0.5 * const.dt * dot(force, v) - rubbed, spring
+        work.nose[NOSE_FORCE, c] -= force[c]
+    work.sums[TAKEN] -= 0.5 * const.dt * dot(force, v) + rubbed
+    work.sums[HELD] += spring
 
 
 @kernel(forceinline=True)
-def implicit_penalty_force(const, stiffness, damping, depth, away, gave, before, usual):
-    """Implicit penalty force [N] on a point at the distance `depth` [m] with predicted opening
-    velocity `away` [m/s].
+def implicit_penalty_force(const, spring, gap, last, usual):
+    """Implicit penalty force [N] on a point.
 
-    before, gave : force on the point a step ago, and by what that and those on its neighbours have
-        sped it up
+    spring : stiffness [N/m] and damping [N s/m]
+    gap : distance [m] and predicted opening velocity [m/s]
+    last : force on the point a step ago, and by what that and those on its neighbours have sped it
+        up
     usual : force that every point is taken to have besides
     """
+    stiffness, damping = spring
+    depth, away = gap
+    before, gave = last
     both = damping + stiffness * const.dt
     mobility = (max(gave, 0.0) + usual * const.dt / const.point_law.mass) / (before + usual)
     return max(0.0, (-stiffness * depth - both * away) / (1.0 + both * mobility))
-
-
-@kernel(_nrt=False)
-def scatter_element_force(state, const, i, j, push):
-    """Scatter the forces on the nodes (i, j) .. (i + 3, j + 3), or on those that they mirror."""
-    for m in range(4):
-        row, sign_x = spline_kernels.mirror_index(i + m, const.ni, const.mirror_x)
-        for n in range(4):
-            line, sign_y = spline_kernels.mirror_index(j + n, const.nj, const.mirror_y)
-            k = np.uint64(row * const.row_stride + line)
-            state.f_contact[0][k] += sign_x * push[0, 4 * m + n]
-            state.f_contact[1][k] += sign_y * push[1, 4 * m + n]
-            state.f_contact[2][k] += push[2, 4 * m + n]
-
-
-@kernel()
-def to_panel_frame(frame, x):
-    """Rotate a vector from the frame of the projectile to that of the panel."""
-    found = scaled(x[0], frame[0])
-    return add_scaled(add_scaled(found, x[1], frame[1]), x[2], frame[2])

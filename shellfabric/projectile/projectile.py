@@ -26,6 +26,7 @@ from fabrics.base.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.solid import Solid
+from shellfabric.state import Nose
 
 STEEPEST = radians(
     75
@@ -272,6 +273,17 @@ class Projectile:
         return np.array([*values, *[0.0] * (4 - len(values))])
 
     @property
+    def nose(self) -> Nose:
+        """The shape as kernels take it."""
+        return Nose(
+            kind=self.number,
+            radius=self.radius,
+            edge_radius=self.edge_radius,
+            length=self.length or inf,
+            form=self.form,
+        )
+
+    @property
     def shoulder(self) -> float:
         """[m] depth behind the nose from which it has its full width."""
         return SHAPES[self.shape][2](self)
@@ -328,18 +340,7 @@ class Projectile:
         """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin;
         and its gradient."""
         frame = self.frame
-        if self.length is None:
-            length = inf
-        else:
-            length = self.length
-        depth, *normal = sdf_kernels.distance(
-            self.number,
-            *(frame @ np.asarray(point)),
-            self.radius,
-            self.edge_radius,
-            length,
-            self.form,
-        )
+        depth, normal = sdf_kernels.distance(self.nose, frame @ np.asarray(point))
         return depth, frame.T @ normal
 
     @property
@@ -378,9 +379,9 @@ class Projectile:
             end = 2 * self.radius
         else:
             end = min(self.length or inf, 6 * self.radius)
-        length = end
+        nose = self.nose._replace(length=end)
         if self.shape == "sphere":
-            length = inf
+            nose = self.nose._replace(length=inf)
         if self.solid is None:
             deep = self.radius
         else:
@@ -398,9 +399,7 @@ class Projectile:
         ).reshape(-1, 3)
         points = np.zeros_like(rays)
         points[:, 2] = np.repeat(origin, around)
-        sdf_kernels.trace(
-            self.number, self.radius, self.edge_radius, length, self.form, points, rays
-        )
+        sdf_kernels.trace(nose, points, rays)
         return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:

@@ -30,6 +30,7 @@ import math
 
 import numpy as np
 
+from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.state import unit
 
@@ -279,46 +280,50 @@ def from_axis(x, y, r, component):
 
 
 @entry()
-def distance(shape, x, y, z, R, rho, length, form):
-    """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
+def distance(nose, point):
+    """Signed distance of a point (x, y, z) to a projectile and its gradient (n_x, n_y, n_z).
+
+    nose : its shape (`state.Nose`)
 
     The body that ends is the one without an end cut by a flat nose that faces back. Of two
     distances to convex bodies on one cylinder the larger is exact.
     """
+    x, y, z = point
+    shape = nose.kind
+    R = nose.radius
+    rho = nose.edge_radius
     if shape == STL:
-        return sampled(x, y, z, form)
+        depth, n_x, n_y, n_z = sampled(x, y, z, nose.form)
+        return depth, (n_x, n_y, n_z)
     r = math.sqrt(x * x + y * y)
     if shape == CHISEL:
-        depth, n_x, n_y, n_z = chisel(x, y, z, R, rho, form)
+        depth, n_x, n_y, n_z = chisel(x, y, z, R, rho, nose.form)
     else:
         if shape == FLAT:
             depth, n_r, n_z = flat(r, z, R, rho)
         elif shape == HEMISPHERE:
             depth, n_r, n_z = hemisphere(r, z, R)
         elif shape == CONE:
-            depth, n_r, n_z = cone(r, z, R, rho, form)
+            depth, n_r, n_z = cone(r, z, R, rho, nose.form)
         else:
             depth, n_r, n_z = ball(r, z + R, R)
         n_x, n_y = from_axis(x, y, r, n_r)
-    if length < np.inf:
-        end, e_r, e_z = flat(r, -length - z, R, rho)
+    if nose.length < np.inf:
+        end, e_r, e_z = flat(r, -nose.length - z, R, rho)
         if end > depth:
             n_x, n_y = from_axis(x, y, r, e_r)
-            return end, n_x, n_y, -e_z
-    return depth, n_x, n_y, n_z
+            return end, (n_x, n_y, -e_z)
+    return depth, (n_x, n_y, n_z)
 
 
 @entry()
-def trace(shape, R, rho, length, form, points, directions):
+def trace(nose, points, directions):
     """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its
     distance each time."""
     for m in range(points.shape[0]):
         for _ in range(200):
-            x = points[m, 0]
-            y = points[m, 1]
-            z = points[m, 2]
-            depth = distance(shape, x, y, z, R, rho, length, form)[0]
+            depth = distance(nose, three(points[m], 0))[0]
             for c in range(3):
                 points[m, c] -= depth * directions[m, c]
-            if depth > -1e-6 * R:
+            if depth > -1e-6 * nose.radius:
                 break

@@ -3,9 +3,11 @@ ahead of the nose."""
 
 import numpy as np
 
-from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.grid_kernels import grid_of, place, turned
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.cloth.nodal_force_kernels import include_rows
+from shellfabric.cloth.surface_kernels import facet_foot, vector_of
+from shellfabric.cloth.vector_kernels import components, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
@@ -29,6 +31,13 @@ def reachable_nodes(state, const):
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
+@kernel(_nrt=False)
+def place_near_nose(state, const):
+    """Place the rows of nodes that the nose can push."""
+    first, last, _, _ = reachable_nodes(state, const)
+    place(state, const, first, last)
+
+
 @kernel()
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
@@ -50,7 +59,7 @@ def move_window(state, const):
         slip = max(slip, abs(state.u[const.slip_axis[m]][const.slip_node[m]]))
     back = min(
         (state.projectile_position[2] + const.body_depth) / const.frame[2, 2],
-        const.projectile_length,
+        const.nose.length,
     )
     for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
         nose = state.projectile_position[c]
@@ -60,17 +69,14 @@ def move_window(state, const):
         low = low - const.draw_in_reach[c] - slip
         high = high + const.draw_in_reach[c] + slip
         first = const.window_limits[2 * c]
-        count = const.window_limits[2 * c + 1]
-        if torn:
-            state.contact_window[2 * c] = first
-        else:
-            state.contact_window[2 * c] = min(max(int(low / step), first), count)
-        if torn:
-            state.contact_window[2 * c + 1] = count
-        else:
-            state.contact_window[2 * c + 1] = min(
-                max(int(high / step) + 1, state.contact_window[2 * c]), count
-            )
+        last = const.window_limits[2 * c + 1]
+        begin = first
+        end = last
+        if not torn:
+            begin = min(max(int(low / step), first), last)
+            end = min(max(int(high / step) + 1, begin), last)
+        state.contact_window[2 * c] = begin
+        state.contact_window[2 * c + 1] = end
     include_rows(state, const, state.contact_window[0] - 2, state.contact_window[1] + 2)
 
 
@@ -110,9 +116,10 @@ def erode(state, const, i, j):
 
 
 @kernel()
-def intact_at_point(state, const, k, s, t):
-    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to
+def intact_at_point(state, const, k, place):
+    """Intact fraction at the place (s, t) in element k: the mean of the warp and the weft next to
     it."""
+    s, t = place
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
     row = np.uint64(const.row_stride)
@@ -140,17 +147,19 @@ def cloth_ahead_of_nose(state, const):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
                 continue
-            p_x = 0.0
-            p_y = 0.0
-            p_z = 0.0
-            for m in range(4):
-                x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
-                p_x = p_x + 0.25 * x
-                p_y = p_y + 0.25 * y
-                p_z = p_z + 0.25 * z
+            middle = facet_foot(grid_of(const), (i, j), (i + 0.5, j + 0.5))
+            p_x, p_y, p_z = from_nose(state, const, vector_of(state.surface.x, middle))
             if (
                 p_z > -const.shoulder
                 and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius
             ):
                 return True
     return False
+
+
+@kernel()
+def from_nose(state, const, x):
+    """A place of the surface in the frame of the projectile."""
+    z = x[2] - state.surface.rest[2][grid_of(const)[0]]
+    p_x, p_y = turned(state.surface.turn, x[0], x[1])
+    return components(const.frame, subtract((p_x, p_y, z), state.projectile_position))

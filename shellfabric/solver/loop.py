@@ -15,13 +15,14 @@ from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.panel.element_kernels import refresh_tensions
 from shellfabric.panel.motion_kernels import active_blocks, grow_active_rows
-from shellfabric.plies.frame_kernels import place
+from shellfabric.plies.frame_kernels import look_at_torn
 from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.solver.ply_kernels import begin as begin_ply
 from shellfabric.solver.ply_kernels import (
     break_yarns,
     move_edges,
     other_forces,
+    place_surface,
     touch,
     update_blocks,
 )
@@ -81,11 +82,12 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             update_blocks(state, const, work)
             break_yarns(state, const, work)
             other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+            place_surface(state, const, several)
             # an implicit spring of the nose has to know the pushes of the other plies first
             stack.waits_for_plies[p] = touch(state, const, work)
             move_edges(state, const)
             if several:
-                place(state, const, contact, p)
+                look_at_torn(state, const, contact, p)
                 follow(state, const, contact, p)
         if several:
             press_plies(states, consts, contact, shared, me, count)

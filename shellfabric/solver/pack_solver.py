@@ -27,6 +27,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import memory, near_kernels, pressure_kernels
+from shellfabric.plies.arrays import on_grids
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
@@ -124,13 +125,15 @@ class PackSolver(ExplicitSolver):
         self.pack = pack
         self.consts = pack.constants()
         self.states, self.stack = pack.states(strike_velocity)
+        self.contact = pack.plies_contact(self.consts, self.states)
+        if len(pack.plies) > 1:
+            self.states = on_grids(self.states, self.contact)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         self._graded = self.const._numba_type_ != Constants.types[UNIFORM]
         self.bar = self._make_bar()
         self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
         self.zone = yarns.zone_of(self.modules[0])
-        self.contact = pack.plies_contact(self.consts, self.states)
         self._begin_run()
 
     def _make_bar(self):

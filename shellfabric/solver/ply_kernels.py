@@ -22,6 +22,7 @@ from shellfabric.cloth import (
     failure_kernels,
     packing_kernels,
 )
+from shellfabric.cloth.grid_kernels import place
 from shellfabric.cloth.membrane_kernels import (
     DAMAGED,
     LOST_TRELLIS,
@@ -40,7 +41,7 @@ from shellfabric.panel.motion_kernels import (
     active_blocks,
     move_rows,
 )
-from shellfabric.projectile import contact_kernels
+from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.state import unit
 
 KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other modules
@@ -179,6 +180,18 @@ def break_yarns(state, const, work):
     apply_failure(state, const, work)
     if state.counter[FAILURES] > 0:
         state.energy_sums[0, LOST_TRELLIS] += packing_kernels.let_go(state, const)
+
+
+@kernel(_nrt=False, inline="always")
+def place_surface(state, const, all_rows):
+    """Bring the surface up to date for what touches it: all rows that move, or those that the nose
+    can push."""
+    if const.window_follows:
+        window_kernels.move_window(state, const)
+    if all_rows:
+        place(state, const, state.active_rows[0], state.active_rows[1])
+    else:
+        window_kernels.place_near_nose(state, const)
 
 
 @kernel(_nrt=False, inline="always")

@@ -10,15 +10,17 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth.nodal_force_kernels import give_impulses, keep_symmetry
-from shellfabric.cloth.vector_kernels import add, nodal
+from shellfabric.cloth.grid_kernels import grid_of, place_ghosts, turned, turned_back
+from shellfabric.cloth.nodal_force_kernels import give_impulses
+from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
 from shellfabric.plies import near_kernels
-from shellfabric.plies.frame_kernels import apply_impulses, hand_over, turned, turned_back
+from shellfabric.plies.frame_kernels import apply_impulses, hand_over
 from shellfabric.plies.near_kernels import list_pressed
+from shellfabric.plies.pack_guard_kernels import force_without_nose
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.projectile.bar_kernels import CENTRE
@@ -119,18 +121,21 @@ def predict_increments(state, const, contact, p):
     state.dv_other, and by what the nose's own of a step ago have, into state.dv_contact; the nose's
     force shared out to one element, into state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
+    base, stride, _, _ = grid_of(const)
     for i in range(i0, i1 + 1):
-        for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
-            k = np.uint64(m)
-            force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
-            if const.has_backing:
-                force = add(force, nodal(state.f_block_cloth, k))
-            for side in range(2):
-                force = add(force, nodal(contact.force[p, side], k))
-            for c in range(3):
-                state.dv_other[c][k] = state.dt_over_mass[k] * force[c]
-                state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
-    keep_symmetry(const, state.dv_other, (i0, i1 + 1, j0, j1 + 1))
+        for j in range(j0, j1 + 1):
+            k = np.uint64(i * const.row_stride + j)
+            force = force_without_nose(state, const, contact, p, k)
+            if const.mirror_x and i == 0:
+                force = 0.0, force[1], force[2]
+            if const.mirror_y and j == 0:
+                force = force[0], 0.0, force[2]
+            kick = state.dt_over_mass[k]
+            g = base + i * stride + j
+            store_turned(state, state.dv_other, g, scaled(kick, force))
+            store_turned(state, state.dv_contact, g, scaled(kick, nodal(state.f_contact, k)))
+    place_ghosts(const, state.dv_other, i0, i1)
+    place_ghosts(const, state.dv_contact, i0, i1)
     # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the
     # same force, but for its part along their normals
     f_x, f_y, f_z = state.f_contact_nose
@@ -143,6 +148,13 @@ def predict_increments(state, const, contact, p):
         quarters *= 2.0
     force = math.sqrt(f_x**2 + f_y**2 + f_z**2)
     state.force_scale[0] = quarters * force / const.points_per_side**2
+
+
+@kernel(_nrt=False, forceinline=True)
+def store_turned(state, x, g, vector):
+    """Store a vector of a ply's frame as vector x of node g of its grid."""
+    x[0][g], x[1][g] = turned_back(state.surface.turn, vector[0], vector[1])
+    x[2][g] = vector[2]
 
 
 @kernel(_nrt=False)

@@ -8,7 +8,7 @@ tangent: at the index s, with k the nearest node and u = s - k,
 A force at s goes to the three nodes by the same weights, so that force, moment and work are those at the point.
 """
 
-from shellfabric.cloth.spline_kernels import quadratic_weights
+from shellfabric.cloth.surface_kernels import quadratic_weights
 from shellfabric.cloth.vector_kernels import add_scaled, scaled
 from shellfabric.jit.compile import kernel
 

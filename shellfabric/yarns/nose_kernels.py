@@ -7,11 +7,9 @@ and in the middle of the segments, a quarter of a crossover apart; with the sign
     f = k <r - D> n,   U = k <r - D>^2 / 2
 """
 
-from shellfabric.cloth.spline_kernels import to_projectile_frame
-from shellfabric.cloth.vector_kernels import add_scaled, scaled
+from shellfabric.cloth.vector_kernels import add_scaled, combined, components, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
-from shellfabric.projectile.contact_kernels import to_panel_frame
 from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
 from shellfabric.yarns.curve_kernels import gather, row, scatter
 
@@ -45,7 +43,7 @@ def nose_forces(zone, state, const):
 def is_far(zone, state, const, n):
     """Whether a node is farther from the line of flight than the nose, and a segment, reach."""
     place = add_scaled(row(zone.x, n), -1.0, state.projectile_position)
-    x, y, _ = to_projectile_frame(const, place)
+    x, y, _ = components(const.frame, place)
     reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
     return x * x + y * y > reach * reach
 
@@ -58,7 +56,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
         zone.nose_energy[n, kind] = 0.0
         return
     place = add_scaled(gather(zone.x, n, weights), -1.0, state.projectile_position)
-    x, y, z = to_projectile_frame(const, place)
+    x, y, z = components(const.frame, place)
     reach = const.projectile_radius + zone.rod
     square = x * x + y * y
     zone.nose_energy[n, kind] = 0.0
@@ -68,22 +66,13 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
         zone.counter[AHEAD] += 1
     if z > zone.rod:
         return
-    distance, n_x, n_y, n_z = sdf_kernels.distance(
-        const.nose_shape,
-        x,
-        y,
-        z,
-        const.projectile_radius,
-        const.edge_radius,
-        const.projectile_length,
-        const.nose_parameters,
-    )
+    distance, normal = sdf_kernels.distance(const.nose, (x, y, z))
     depth = zone.rod - distance
     if depth <= 0.0:
         if const.friction > 0.0:
             zone.rubbed[n, kind] = 0.0
         return
-    normal = to_panel_frame(const.frame, (n_x, n_y, n_z))
+    normal = combined(const.frame, normal)
     push = zone.nose_stiffness * depth
     zone.nose_energy[n, kind] = 0.5 * push * depth
     zone.books[NOSE] += zone.nose_energy[n, kind]

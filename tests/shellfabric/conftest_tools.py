@@ -1,12 +1,17 @@
 """Helpers to put panels into a given shape or motion, and to read them."""
 
+from copy import deepcopy
+
 import numpy as np
 from panels import rest, set_nodal
 
+from shellfabric.cloth.grid_kernels import place
 from shellfabric.jit.compile import entry
 from shellfabric.jit.table import Rows, row_of
+from shellfabric.panel.arrays import with_ghosts
 from shellfabric.panel.slots import by_node
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
+from shellfabric.plies.arrays import on_grids
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
@@ -64,6 +69,23 @@ def collide(pack, velocity, steps):
     return solver, front.mass.sum() * velocity, 0.5 * front.mass.sum() * velocity @ velocity
 
 
+def on_grid(const, vector):
+    """The three components of a vector on the grid of a ply (`cloth.grid_kernels`) as (ni+1, nj+1, 3)."""
+    stride = const.row_stride + 2
+    rows = [part[: (const.ni + 3) * stride].reshape(-1, stride) for part in vector]
+    return np.stack(rows, axis=-1)[1:-1, 1:-1]
+
+
+def foresee(state, const, due, given):
+    """The state with firm springs that foresee `due`, and have given so much, both (ni+1, nj+1, 3) [m/s]."""
+    found = []
+    for vectors in (due, given):
+        found.append(tuple(np.zeros((3, state.surface.x[0].size))))
+        for part, component in zip(found[-1], with_ghosts(const, np.moveaxis(vectors, -1, 0))):
+            part[:] = component
+    return state._replace(dv_other=found[0], dv_contact=found[1], force_scale=np.array([0.02]))
+
+
 def node_forces(panel, state):
     """(ni+1, nj+1, 3) [N] forces of the cloth on its nodes."""
     ni, nj = panel.counts
@@ -85,7 +107,9 @@ def press_once(states, consts, contact):
     """Forces between plies where they are, of all their points, into contact.force."""
     contact.count[near_kernels.STEP] += 1
     for p in range(len(states)):
-        frame_kernels.place(row_of(states, p), row_of(consts, p), contact, p)
+        state = row_of(states, p)
+        place(state, row_of(consts, p), state.active_rows[0], state.active_rows[1])
+        frame_kernels.look_at_torn(state, row_of(consts, p), contact, p)
     for t in range(contact.travel.size):
         near_kernels.refresh_box(contact, t)
     near_kernels.list_tiles(contact)
@@ -108,9 +132,16 @@ class Pressed:
         self.pack, self.consts = pack, pack.constants()
         self.states, self.stack = pack.states(1.0)
         self.contact = pack.plies_contact(self.consts, self.states)
+        self.states = on_grids(self.states, self.contact)
         for state, const in zip(self.states, self.consts):
             state.active_rows[:] = 0, const.ni
         self.thickness = self.contact.thickness[:2].mean()
+
+    def copy(self):
+        """Plies of their own in the same state; their surfaces are parts of the grids of their contact again."""
+        found = deepcopy(self)
+        found.states = on_grids(found.states, found.contact)
+        return found
 
     def alone(self):
         """The same, whose points are all computed one at a time."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from conftest_tools import Pressed, grid
+from conftest_tools import Pressed, foresee, grid
 from numpy.testing import assert_allclose
 from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
@@ -31,6 +31,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.window_kernels import place_near_nose
 from shellfabric.solver import ply_kernels
 
 STEP = 1e-9  # [m] of central differences
@@ -215,17 +216,12 @@ def nose(implicit=False, elements=1, **shape):
         def press(x, v):
             state = panel.state(1.0)
             if implicit:  # with velocities that it predicts
-                predicted = {
-                    name: tuple(np.zeros_like(u) for u in state.u)
-                    for name in ("dv_other", "dv_contact")
-                }
-                state = state._replace(force_scale=np.array([0.02]), **predicted)
-                set_nodal(state.dv_other, 3.0 * v[0])
-                set_nodal(state.dv_contact, 5.0 * v[0])
+                state = foresee(state, const, 3.0 * v[0], 5.0 * v[0])
             set_nodal(state.u, x[0] - flat)
             set_nodal(state.v, v[0])
             state.projectile_position[:] = x[1]
             state.projectile_velocity[:] = v[1]
+            place_near_nose(state, const)
             scratch = panel.work().contact_scratch
             _, spring = contact_kernels.contact_forces(
                 state, const._replace(point_law=law), scratch

@@ -51,13 +51,7 @@ class Scatter:
 @cache
 def table(section: str) -> dict[str, families.Entry]:
     """Entries of a section, by name."""
-    entries = {}
-    for name, row in read_data(_PATH)[section].items():
-        unit = ""
-        if name == "gauge_length":
-            unit = "m"
-        entries[name] = families.entry(row, unit)
-    return entries
+    return families.entries(read_data(_PATH)[section])
 
 
 @cache
@@ -67,8 +61,9 @@ def ranges() -> dict[str, families.Entry]:
 
     of_sheet = data_sheet.entries()
     assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS} | table("assumed")
-    assumed["friction of crossovers"] = families.entry(DATA["crossover_friction"], "")
-    assumed["lateral stiffness of yarns"] = families.entry(DATA["lateral_stiffness"], "")
+    of_yarns = families.entries(DATA)
+    assumed["friction of crossovers"] = of_yarns["crossover_friction"]
+    assumed["lateral stiffness of yarns"] = of_yarns["lateral_stiffness"]
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 

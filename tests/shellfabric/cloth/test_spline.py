@@ -2,13 +2,18 @@
 
 import numpy as np
 import pytest
+from conftest_tools import foresee, on_grid
 from numpy.testing import assert_allclose
 from panels import make_panel, rest, set_nodal
 from scipy.interpolate import BSpline
 
-from shellfabric.cloth import spline_kernels
+from shellfabric.cloth import torn_kernels
+from shellfabric.cloth.grid_kernels import grid_of
+from shellfabric.cloth.surface_kernels import foot_at, vector_of
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels, sdf_kernels
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.window_kernels import place_near_nose
 
 
 def shaken(panel, firm):
@@ -23,17 +28,17 @@ def shaken(panel, firm):
     state.projectile_position[2] += 0.4e-3
     if not firm:
         return state, const
-    ahead = {name: tuple(np.zeros_like(u) for u in state.u) for name in ("dv_other", "dv_contact")}
-    set_nodal(ahead["dv_other"], 3.0 * rng.normal(size=size))
-    set_nodal(ahead["dv_contact"], 5.0 * rng.normal(size=size))
+    due = 3.0 * rng.normal(size=size)
+    given = 5.0 * rng.normal(size=size)
     state.last_contact_force[:] = rng.random(state.last_contact_force.shape)
     law = const.point_law._replace(implicit_factor=16.0)
-    return state._replace(**ahead, force_scale=np.array([0.02])), const._replace(point_law=law)
+    return foresee(state, const, due, given), const._replace(point_law=law)
 
 
 def pressed(panel, state, const):
     """Contact forces (ni+1, nj+1, 3) of the kernel, with its work and the energy of its springs."""
     scratch = panel.work()
+    place_near_nose(state, const)
     made = contact_kernels.contact_forces(state, const, scratch.contact_scratch)
     n = (const.ni + 1) * const.row_stride
     return np.stack([f[:n].reshape(-1, const.row_stride) for f in state.f_contact], axis=-1), *made
@@ -101,19 +106,14 @@ def plain_contact(panel, state, const):
     )
     v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
     firm = const.point_law.implicit_factor
-    due, pushed = (
-        np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
-        for name in (state.dv_other, state.dv_contact)
-    )
+    due = 0 * v
+    pushed = 0 * v
+    if firm:
+        due = on_grid(const, state.dv_other)
+        pushed = on_grid(const, state.dv_contact)
     hard = firm or 1.0
     i_near = const.window_limits[0]
     columns = const.window_limits[3] - const.window_limits[2]
-    nose = (
-        const.projectile_radius,
-        const.edge_radius,
-        const.projectile_length,
-        const.nose_parameters,
-    )
     i0, i1, j0, j1 = state.contact_window
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -126,9 +126,7 @@ def plain_contact(panel, state, const):
                     assert sum(shares.values()) == pytest.approx(1.0)
                     p = sum(w * x[k] for k, w in shares.items())
                     moving = sum(w * v[k] for k, w in shares.items())
-                    depth, *normal = sdf_kernels.distance(
-                        const.nose_shape, *(const.frame @ p), *nose
-                    )
+                    depth, normal = sdf_kernels.distance(const.nose, const.frame @ p)
                     if depth >= 0 or p[2] >= 0:
                         continue
                     near = [
@@ -143,7 +141,7 @@ def plain_contact(panel, state, const):
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
                         before = (
-                            state.last_contact_force[e, a * const.points_per_side + b]
+                            state.last_contact_force[a * const.points_per_side + b, e]
                             + state.force_scale[0]
                         )
                         speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
@@ -190,42 +188,68 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
 
 
-def test_an_element_that_is_apart_touches_nothing():
+@pytest.mark.parametrize("firm", [False, True])
+def test_at_the_edges_of_a_panel_the_kernel_is_its_plain_twin(firm):
+    """Its ghosts go straight on, and hand their forces back: the nose is over a corner of a small panel."""
+    panel = make_panel(12e-3, symmetry="whole", projectile=Projectile(shape="hemisphere"))
+    state, const = shaken(panel, firm)
+    state.projectile_position[:2] = const.x0 + const.dx, const.y0 + const.dy
+    expected, work, spring = plain_contact(panel, state, const)
+    force, taken, held = pressed(panel, state, const)
+    assert abs(expected[0, 0]).max() > 0
+    assert_allclose(force, expected, atol=1e-12 * abs(expected).max())
+    assert_allclose(
+        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * abs(force).sum()
+    )
+    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.6])
+def test_an_element_that_is_apart_touches_nothing(lean):
+    """Points of elements that the boxes of their nodes leave out are ahead of the nose or beside it."""
+    shot = Projectile(obliquity=lean, yaw=-0.5 * lean)
+    panel = make_panel(symmetry="whole", projectile=shot)
     rng = np.random.default_rng(2)
+    const = panel.constants()
+    work = panel.work().contact_scratch
     found = 0
-    low = np.empty((3, 6))
-    high = np.empty((3, 6))
-    for _ in range(600):
-        x = rng.normal(size=(4, 6, 3)) + rng.uniform(-3, 3, 3)
-        spline_kernels.column_boxes(np.ascontiguousarray(x.transpose(0, 2, 1)), 6, low, high)
-        for m in range(3):
-            if not spline_kernels.box_misses_nose(low, high, m, 1.0):
-                continue
-            found += 1
-            for s, t in rng.uniform(0, 1, (50, 2)):
-                q = int(s > 0.5)
-                r = int(t > 0.5)
-                for bent in (True, False):
-                    A = spline_kernels.node_weights(s - q, bent)
-                    B = spline_kernels.node_weights(t - r, True)
-                    p = np.einsum("a,b,abc", A, B, x[q : q + 3, m + r : m + r + 3])
-                    assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
-    assert found > 50
+    for _ in range(20):
+        state = panel.state(100.0)
+        set_nodal(state.u, const.dx * rng.normal(size=rest(panel).shape))
+        state.projectile_position[2] += rng.uniform(-1.0, 1.0) * const.dx
+        place_near_nose(state, const)
+        contact_kernels.see_nose(state, const, work)
+        i0, i1, j0, _ = state.contact_window
+        for i in range(i0, i1):
+            apart = contact_kernels.beside_nose8(state, const, i, j0, work)
+            for lane in np.flatnonzero([apart >> lane & 1 for lane in range(8)]):
+                found += 1
+                for a, b in np.array([i, j0 + lane]) + rng.uniform(0, 1, (20, 2)):
+                    shape = foot_at(grid_of(const), False, a, b)
+                    p = const.frame @ (
+                        vector_of(state.surface.x, shape) - state.projectile_position
+                    )
+                    assert p[2] > 0 or np.hypot(p[0], p[1]) > const.projectile_radius
+    assert found > 100
 
 
 @pytest.mark.parametrize("p", [2, 3, 4, 8, 16])
-def test_shares_are_the_weights_of_the_points(p):
-    """Of points in eights, those beyond the last having none."""
-    found = spline_kernels.shape_functions(p, -(-(p * p) // 8) * 8)
-    along = np.zeros((2, 4, p))
-    for bent in range(2):
-        for a, z in enumerate((np.arange(p) + 0.5) / p):
-            along[bent, int(z > 0.5) :, a][:3] = spline_kernels.node_weights(
-                z - int(z > 0.5), bent == 1
-            )
-    expected = np.concatenate([np.repeat(along, p, axis=2), np.tile(along, p)], axis=1)
-    assert_allclose(found[:, :, : p * p], expected, atol=1e-15)
-    assert not found[:, :, p * p :].any()
+def test_an_element_without_failures_has_the_surface_of_whole_fabric(p):
+    """With an odd number of points too, of which some are midway between two nodes."""
+    const = make_panel(symmetry="whole", numerics=Numerics(contact_points=p)).constants()
+    for a in range(p):
+        for b in range(p):
+            torn = dense(torn_kernels.torn_foot(const, torn_kernels.WHOLE, (12, 11), (a, b)))
+            whole = foot_at(grid_of(const), False, 12 + (a + 0.5) / p, 11 + (b + 0.5) / p)
+            assert_allclose(torn, dense(whole), atol=1e-15)
+
+
+def dense(foot):
+    """(5, 5) weights of the nodes (11, 10) ... (15, 14) in a foot."""
+    i, j, _, along, across = foot
+    found = np.zeros((5, 5))
+    found[i - 11 : i - 8, j - 10 : j - 7] = np.outer(along, across)
+    return found
 
 
 @pytest.mark.parametrize("family", [0, 1])
@@ -243,12 +267,16 @@ def test_the_surface_of_torn_fabric_is_symmetric(family):
         place[family] -= 1
         place[1 - family] += side
         state.intact_fraction[family][place[0] * const.row_stride + place[1]] = 0.0
-        shares = np.full((8, -(-(p * p) // 8) * 8), np.nan)
-        spline_kernels.torn_shape_functions(state, const, 12, 12, shares)
-        found.append(shares[:, : p * p].reshape(2, 4, p, p))
-        assert_allclose(found[-1].sum(axis=1), 1.0, rtol=1e-14)
+        bent = torn_kernels.bent_beside_failures(state, const, 12, 12)
+        feet = [
+            [torn_kernels.torn_foot(const, bent, (12, 12), (a, b)) for b in range(p)]
+            for a in range(p)
+        ]
+        shares = np.array([[dense(foot)[:4, 1:] for foot in row] for row in feet])
+        found.append(shares)
+        assert_allclose(shares.sum(axis=(2, 3)), 1.0, rtol=1e-14)
     one, other = found
-    image = np.flip(other, axis=3 - family)
-    image[1 - family] = image[1 - family, ::-1]
+    # the next corner: points and nodes of the other family in reverse
+    image = np.flip(other, axis=(1 - family, 3 - family))
     assert abs(one - other).max() > 0.01
     assert_allclose(one, image, atol=1e-15)

@@ -6,7 +6,7 @@ CODE = """
 import numpy as np
 from fabrics import catalogue
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.plies.surface_kernels import is_torn
+from shellfabric.plies.frame_kernels import is_torn
 from shellfabric.solver.pack_solver import PackSolver
 
 pack = ImpactSetup(catalogue.load("S-728"), 91.0, opening=0.05, plies=2, ply_gap=1e-4)

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest_tools import advance
+from conftest_tools import advance, on_grid
 from numpy.testing import assert_allclose
 
-from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.surface_kernels import quadratic_weights
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels, window_kernels
@@ -33,7 +33,7 @@ def shares():
     for place in 1 + (np.arange((ROW - 3) * PER) + 0.5) / PER:
         near = int(place + 0.5)
         found.append(np.zeros(ROW))
-        found[-1][near - 1 : near + 2] = spline_kernels.node_weights(place - near, True)
+        found[-1][near - 1 : near + 2] = quadratic_weights(place - near)
     return np.array(found)
 
 
@@ -42,11 +42,13 @@ def forces(depth, away, stiffness, before, usual):
     B = shares()
     const = Point(1.0, law(1.0 / PER))
     damping = stiffness**0.5 / PER
-    points = zip(depth, away, B @ (B.T @ before), before)
+    gaps = zip(depth, away)
+    last = zip(before, B @ (B.T @ before))
+    spring = stiffness, damping
     return np.array(
         [
-            contact_kernels.implicit_penalty_force(const, stiffness, damping, *point, usual)
-            for point in points
+            contact_kernels.implicit_penalty_force(const, spring, *point, usual)
+            for point in zip(gaps, last)
         ]
     )
 
@@ -106,14 +108,14 @@ def test_at_rest_it_is_as_stiff_as_it_says():
 def test_in_one_step_a_very_firm_one_closes_the_gap():
     """A lone node under points alike: f = m (d / dt^2 + v / dt), whose sum moves the node by d."""
     const = Point(0.5, law(2.0))
-    force = contact_kernels.implicit_penalty_force(
-        const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_law.mass, 1.0, 0.0
-    )
+    spring = 1e12, 1.0
+    gave = const.dt / const.point_law.mass
+    force = contact_kernels.implicit_penalty_force(const, spring, (-0.25, -3.0), (1.0, gave), 0.0)
     assert force == pytest.approx(
         const.point_law.mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9
     )
     assert (
-        contact_kernels.implicit_penalty_force(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
+        contact_kernels.implicit_penalty_force(const, spring, (-0.25, 3.0), (1.0, 0.25), 0.0) == 0.0
     )
 
 
@@ -128,8 +130,8 @@ def test_it_foresees_what_all_other_forces_do(ply):
     near = (np.arange(i0, i1 + 1)[:, None] * const.row_stride + np.arange(j0, j1 + 1)).ravel()
     before = [v[near].copy() for v in state.v]
     change = [
-        due[near] + state.dt_over_mass[near] * push[near]
-        for due, push in zip(state.dv_other, state.f_contact)
+        due[i0 : i1 + 1, j0 : j1 + 1].ravel() + state.dt_over_mass[near] * push[near]
+        for due, push in zip(np.moveaxis(on_grid(const, state.dv_other), -1, 0), state.f_contact)
     ]
     advance(march, 1)
     for v, old, new in zip(state.v, before, change):

@@ -10,6 +10,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.window_kernels import place_near_nose
 
 R = 2.75e-3
 RHO = 0.3e-3
@@ -84,6 +85,7 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
         intact[:] = 0.0
     state.element_flag[nodes] = flag
     state.block_damage[:] = DAMAGED
+    place_near_nose(state, const)
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
     assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
         -0.5 * const.dt * pushed, rel=1e-9

@@ -121,7 +121,7 @@ class CableNet:
         self.spent = np.zeros(2)
         self.clamped = np.flatnonzero(free[2] == 0)
         self.ends = const.ni * const.row_stride, const.nj
-        self.room = np.zeros((2, 3, n + const.row_stride)), contact.scratch(const)
+        self.room = np.zeros((2, 3, n + const.row_stride)), contact.scratch()
 
     def arguments(self) -> tuple:
         """Those of `net_kernels.forces`."""

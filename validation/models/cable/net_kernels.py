@@ -10,6 +10,7 @@ import math
 
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import contact_kernels
+from shellfabric.projectile.window_kernels import place_near_nose
 
 # places in `spent`
 VISCOUS = 0
@@ -77,6 +78,7 @@ def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent)
             drag[family],
             pulls[family, :, s:],
         )
+    place_near_nose(state, const)
     taken, _ = contact_kernels.contact_forces(state, const, scratch)
     spent[CONTACT] += taken
     for c in range(3):

@@ -1,27 +1,36 @@
-"""The surfaces of plies, as their contact sees them (`plies.pressure_kernels`), on the grids of
-`plies.frame_kernels`.
+"""The surface of a ply as all that touches it sees it, on its grid (`cloth.grid_kernels`).
 
-Whole fabric is the biquadratic B-spline whose control points are the nodes. Its tangent plane turns
-without a jump; it goes through the middle of every element with the slopes that the element has
-there. With a the place along the first axis in elements, i the nearest node and r = a - i, the
-weights of three nodes are
+Whole fabric is the biquadratic B-spline whose control points are the nodes: with a the place along
+the first axis in elements, i the nearest node and r = a - i, the weights of three nodes are
 
     B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
 
-Of torn fabric some of these nodes may be adrift: there the surface is the bilinear facet of the
-element itself, with the weights 1 - f, f and 0 at a = i + f.
+Its slope is continuous. Weights are at least 0 and their sum is 1, so that a point lies in the
+convex hull of its nodes, and fabric that is flat and even is kept as it is. Its tangent plane goes
+through the middle of every element with the slopes that the element has there.
+
+Of torn fabric some of these nodes may be adrift. There other plies touch the bilinear facet of the
+element itself, with the weights 1 - f, f and 0 at a = i + f; the nose a surface that ends where
+yarns end (`cloth.torn_kernels`).
+
+The foot of a point is what its surface follows from: the row and column of the first of three by
+three nodes, (number of that node, numbers from row to row), and weights along both axes. Forces are
+shared out by the same weights: the transpose of the interpolation.
 """
 
 import math
 
 from shellfabric.cloth.nodal_force_kernels import extend_window
-from shellfabric.cloth.spline_kernels import quadratic_weights, weighted_sum
-from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
-from shellfabric.plies.frame_kernels import NI, NJ, STRIDE
 
-_SEARCHED = 1  # elements about a closest point among which it is looked for beside torn fabric
+
+@kernel(_nrt=False, forceinline=True)
+def quadratic_weights(r):
+    """The weights B of a node and its two neighbours, at r elements from it."""
+    low = 0.5 - r
+    high = 0.5 + r
+    return 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -50,43 +59,40 @@ def weights_at(is_facet, a, n):
 
 
 @kernel(_nrt=False, forceinline=True)
-def foot_at(contact, p, torn, a, b):
-    """The foot (row, column, number, weights along a and b) of ply p at the place (a, b): the first
-    of the three by three nodes that shape the surface there, and the weights of these."""
-    i, wa, _, _ = weights_at(torn, a, contact.shape[p, NI])
-    j, wb, _, _ = weights_at(torn, b, contact.shape[p, NJ])
-    return i, j, contact.base[p] + i * contact.shape[p, STRIDE] + j, wa, wb
+def foot_at(grid, is_facet, a, b):
+    """The foot of the place (a, b) on a grid (base, stride, ni, nj)."""
+    base, stride, ni, nj = grid
+    i, wa, _, _ = weights_at(is_facet, a, ni)
+    j, wb, _, _ = weights_at(is_facet, b, nj)
+    return i, j, (base + i * stride + j, stride), wa, wb
 
 
 @kernel(_nrt=False, forceinline=True)
-def vector_of(contact, x, p, foot):
-    """The vector x of the nodes, such as their places, at a foot of ply p."""
-    _, _, k, wa, wb = foot
-    return vector_at(x, (k, contact.shape[p, STRIDE]), wa, wb)
+def facet_foot(grid, facet, place):
+    """The foot of a place (a, b) on the facet of element (i, j), or beside it."""
+    base, stride, _, _ = grid
+    i, j = facet
+    f = place[0] - i
+    g = place[1] - j
+    return i, j, (base + i * stride + j, stride), (1.0 - f, f, 0.0), (1.0 - g, g, 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
-def share_out(contact, p, side, foot, force):
-    """Share a force at a foot of ply p out to its nodes: the transpose of `vector_of`."""
-    i, j, k, wa, wb = foot
-    extend_window(contact.grid_window[p, side], i, i + 3, j, j + 3)
-    f = contact.f[p, side]
-    stride = contact.shape[p, STRIDE]
-    k -= p * contact.slots
+def vector_of(x, foot):
+    """The vector x of the nodes, such as their places, at a foot."""
+    _, _, at, wa, wb = foot
+    return vector_at(x, at, wa, wb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_out(f, window, foot, force):
+    """Share a force at a foot out to the nodes, whose window grows: the transpose of `vector_of`."""
+    i, j, (k, stride), wa, wb = foot
+    extend_window(window, i, i + 3, j, j + 3)
     for c in range(3):
         for m in range(3):
             for n in range(3):
-                f[c, k + m * stride + n] += force[c] * wa[m] * wb[n]
-
-
-@kernel(_nrt=False, forceinline=True)
-def is_torn(contact, p, a, b):
-    """Whether a torn element is among those that shape the spline of ply p at the place (a, b)."""
-    if contact.failures[p] == 0:
-        return False
-    i = min(max(int(a + 0.5), 0), contact.shape[p, NI])
-    j = min(max(int(b + 0.5), 0), contact.shape[p, NJ])
-    return contact.torn[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
+                f[c][k + m * stride + n] += force[c] * wa[m] * wb[n]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -112,51 +118,16 @@ def vector_at(x, at, wa, wb):
 
 
 @kernel(_nrt=False, forceinline=True)
-def patch_at(contact, p, torn, a, b):
-    """The surface of ply p at the place (a, b): its foot (`foot_at`), place, slopes along a and b,
-    and second slopes aa, ab and bb."""
-    i, wa, da, ca = weights_at(torn, a, contact.shape[p, NI])
-    j, wb, db, cb = weights_at(torn, b, contact.shape[p, NJ])
-    stride = contact.shape[p, STRIDE]
-    k = contact.base[p] + i * stride + j
-    at = k, stride
-    x = contact.x
+def patch_at(x, grid, is_facet, a, b):
+    """The surface at the place (a, b) of a grid: its foot, place, slopes along a and b, and second
+    slopes aa, ab and bb."""
+    base, stride, ni, nj = grid
+    i, wa, da, ca = weights_at(is_facet, a, ni)
+    j, wb, db, cb = weights_at(is_facet, b, nj)
+    at = base + i * stride + j, stride
     slopes = vector_at(x, at, da, wb), vector_at(x, at, wa, db)
     second = vector_at(x, at, ca, wb), vector_at(x, at, da, db), vector_at(x, at, wa, cb)
-    return (i, j, k, wa, wb), vector_at(x, at, wa, wb), slopes, second
-
-
-@kernel(_nrt=False)
-def nearest_place(contact, p, place, at):
-    """Of the middles of the quarters of the elements about a place (a, b) that have not eroded, the
-    place of that nearest to the point `at`; the place itself if there is none."""
-    a, b = place
-    ni = contact.shape[p, NI]
-    nj = contact.shape[p, NJ]
-    s = contact.shape[p, STRIDE]
-    i0 = min(max(int(a), 0), ni - 1)
-    j0 = min(max(int(b), 0), nj - 1)
-    x = contact.x
-    least = 1e30
-    found_a = a
-    found_b = b
-    for i in range(max(i0 - _SEARCHED, 0), min(i0 + _SEARCHED + 1, ni)):
-        for j in range(max(j0 - _SEARCHED, 0), min(j0 + _SEARCHED + 1, nj)):
-            k = contact.base[p] + i * s + j
-            if contact.dropped[k]:
-                continue
-            for m in range(4):
-                f = 0.25 + 0.5 * (m & 1)
-                g = 0.25 + 0.5 * (m >> 1)
-                low = add_scaled(nodal(x, k), g, difference(x, k, k + 1))
-                high = add_scaled(nodal(x, k + s), g, difference(x, k + s, k + s + 1))
-                off = subtract(add_scaled(low, f, subtract(high, low)), at)
-                square = dot(off, off)
-                if square < least:
-                    least = square
-                    found_a = i + f
-                    found_b = j + g
-    return found_a, found_b
+    return (i, j, at, wa, wb), vector_at(x, at, wa, wb), slopes, second
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -175,6 +146,12 @@ def spline_weights8(r, moved):
 def select_nodes(moved, a, b, c):
     """a, b, c and nothing; nothing, a, b and c where `moved`."""
     return where(moved, 0.0, a), where(moved, a, b), where(moved, b, c), where(moved, c, 0.0)
+
+
+@kernel(forceinline=True)
+def weighted_sum(w, a, b, c, d):
+    """w0 a + w1 b + w2 c + w3 d of eight points."""
+    return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
 
 
 @kernel(_nrt=False, forceinline=True)
