@@ -52,14 +52,7 @@ numpydoc_validation_exclude |= {
     r"^weavecell\.(calibrate|compare|critical_velocity|impact|setup|surface|sweep|v50)$"
 }
 
-# the notebooks are kept without outputs; a changed one is run again
-nb_execution_mode = "auto"
-nb_execution_in_temp = True
-nb_execution_timeout = 1200  # [s] of a cell
-nb_execution_raise_on_error = True
-nb_mime_priority_overrides = [
-    ("html", "application/vnd.jupyter.widget-view+json", None)
-]  # progress bars
+nb_execution_mode = "off"  # the notebooks are kept with the outputs of `python tools/notebooks.py`
 
 gallery.copy(HERE / "generated" / "examples")
 sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery")

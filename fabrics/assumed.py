@@ -361,7 +361,7 @@ def _missing(fabric, table, why):
         f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None
     )
     return InputError(
-        f"fabric {fabric.name} has no {tables}", allowed=f"given, which no data sheet does: {why}"
+        f"fabric {fabric.name} has no {tables}", allowed=f"given, since no data sheet has it: {why}"
     )
 
 
@@ -390,7 +390,7 @@ def _completed(fabric, table, law_of):
     family = _family(fabric, table)
     law = law_of(family)
     if law is None:
-        raise _missing(fabric, table, f"of {family.name} yarns no numbers are at hand")
+        raise _missing(fabric, table, f"no numbers of {family.name} yarns are known")
     sources = {**fabric.sources, **family.sources(table)}
     if table == "solid":
         for name, made, area in zip(FAMILIES, law, fabric.yarn_area):

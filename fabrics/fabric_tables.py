@@ -112,7 +112,7 @@ class Quantity:
                 raise InputError(
                     key="low",
                     value=entry.get("low"),
-                    allowed=f"left out but of {', '.join(RANGED)}",
+                    allowed=f"left out, except of {', '.join(RANGED)}",
                 )
             same = replace(self, bounds={unit: self.bounds[unit]})
             low, high = (same.read(entry.get(key), key=key)[0] for key in ("low", "high"))
@@ -358,7 +358,7 @@ class FabricFile(DataTable):
         {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
     thickness: _data(
-        "of the data sheet; crimp that is missing is computed from it",
+        "of the data sheet; a missing crimp is computed from it",
         "0.30 mm",
         {"m": "0.02 to 5 mm"},
     ) = None

@@ -59,7 +59,9 @@ class PlyLaw:
             object.__setattr__(self, key, column)
             if column.ndim != 1 or column.size < 2 or column.size != len(self.closure):
                 raise InputError(
-                    key=key, value=f"{column.size} values", allowed="at least 2, as many of both"
+                    key=key,
+                    value=f"{column.size} values",
+                    allowed="at least 2, as many pressures as closures",
                 )
             if not np.all(np.isfinite(column)) or column[0] != 0 or not np.all(np.diff(column) > 0):
                 row = 1

@@ -53,7 +53,7 @@ def in_words() -> str:
     thesis, others = of_thesis(rows), of_thesis(rows, False)
     n, more = counts(thesis), counts(others)
     text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis. {in_short().capitalize()}.
-    No percentage counts {n[judge.DATA]} that compare input data or a closed form with themselves,
+    The percentage leaves out {n[judge.DATA]} that compare input data or a closed form with themselves,
     {n[judge.WRONG]} that are evidence of an error of the thesis, {n[judge.NOT_COMPARABLE]} that are not comparable,
     {n[judge.NOT_BUILT]} that is not built yet, {n[judge.NOT_TESTABLE]} that cannot be tested, and {n[judge.LEFT_OUT]}
     slow ones. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced,

@@ -117,9 +117,7 @@ def _ranks():
     if (
         MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules
     ):  # which -m mpi4py.futures imports
-        message = (
-            "goes with mpiexec -n RANKS python -m mpi4py.futures -m weavecell ..., 2 ranks or more"
-        )
+        message = "needs the command mpiexec -n RANKS python -m mpi4py.futures -m weavecell ... with 2 ranks or more"
         raise InputError(message, key="--executor", value="mpi")
     return futures.MPIPoolExecutor(initializer=start_worker)
 

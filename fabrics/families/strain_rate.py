@@ -57,7 +57,7 @@ class RateLaw:
     def __post_init__(self) -> None:
         if not self.rates or not _rises(0.0, *self.rates, np.inf):
             raise InputError(
-                key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising"
+                key="rates", value=list(self.rates), allowed="one or more rates above 0, rising"
             )
         for key, count in (
             ("strength", len(self.rates)),
@@ -68,7 +68,7 @@ class RateLaw:
                 raise InputError(
                     key=key,
                     value=list(ratios),
-                    allowed=f"{len(self.rates)} numbers above 0, one a rate",
+                    allowed=f"{len(self.rates)} numbers above 0, one for each rate",
                 )
 
         if len({*self.strength}) > 1 and not _rises(*self.strength):

@@ -47,7 +47,7 @@ REFUSED = [
     (lambda: GLASS.with_effective_density(), "fabric glass-balanced has no effective"),
     (
         lambda: assumed.with_strain_rate(GLASS),
-        r".*glass-balanced has no \[strain_rate\].*E-glass yarns no numbers",
+        r".*glass-balanced has no \[strain_rate\].*no numbers of E-glass yarns",
     ),
     (
         lambda: assumed.with_strain_rate(UNKNOWN),

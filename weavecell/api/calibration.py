@@ -543,12 +543,12 @@ class CalibrationResult(Result):
         lead = f"E_c, V_c and K_r of both yarns, fitted to {solid.curve.source}; misfit {_misfit(solid.misfit)}, "
         lead += f"before the fit {_misfit(solid.misfit_before)}. "
         if loose:
-            lead += f"The curve does not tell {' and '.join(loose)}."
+            lead += f"The curve does not determine {' and '.join(loose)}."
         else:
-            lead += "The curve tells all three."
+            lead += "The curve determines all three."
         for (key, (low, high)), unit in zip(self._around().items(), ("mm", "mm N^(1/3)")):
-            lead += f" What it leaves open makes {key} of the law {1e3 * low:.4f} to {1e3 * high:.4f} {unit} (95 %)."
-        caption = "What the platens close against their pressure; zero is free."
+            lead += f" {key} of the law is then between {1e3 * low:.4f} and {1e3 * high:.4f} {unit} (95 %)."
+        caption = "Closure of the platens against their pressure."
         drawn = pictures.draw_figure("solid", caption, pictures_crossover.plates, solid)
         table = Table.of(DataFrame(rows, columns=columns))
         return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))

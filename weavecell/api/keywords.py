@@ -84,10 +84,11 @@ class Keywords(TypedDict, total=False):
     opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
     opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
-    impact_point : where the projectile hits, from the middle of the opening along its two sides;
-        the middle if not given, of resolved yarns a quarter of a spacing off the crossover there,
-        in both directions. Off the middle it needs the symmetry `half`, on the second axis, else
-        `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+    impact_point : point that the projectile hits, from the middle of the opening along its two
+        sides. If not given: the middle, or with resolved yarns a quarter of a spacing beside the
+        crossover there, in both directions. A point on the second axis may have the symmetry
+        `half`; others off the middle need `whole` [m]; a list of two lengths, such as ["20 mm", "0
+        mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
@@ -117,7 +118,7 @@ class Keywords(TypedDict, total=False):
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
         one of "pinned", "yarns"
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
-        over `crossover_friction` if that is more [m]; a length above 0, such as "20 mm"
+        divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; a whole number from 0 to 2147483647
     crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not

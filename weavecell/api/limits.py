@@ -74,37 +74,34 @@ def critical_velocity(
     check: bool = False,
     **options: Unpack[SearchKeywords],
 ) -> CriticalVelocityResult:
-    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual
-    velocities.
+    """Find the critical velocity (ballistic limit) of a ply or pack by bisection, and fit its
+    residual velocities.
 
-    Further shots scan the velocities about the bracket. If one stops that is faster than one that
-    perforates, no single critical velocity exists: the zone of mixed outcomes is reported, and the
-    result is doubtful. A shot with a quality check beyond its limit counts with its outcome, but a
-    limit with such a shot at an end of its bracket or mixed zone is not sound: the result says so
-    (`bracket_checks`).
+    Further shots scan the velocities about the bracket. If a shot stops although a slower one
+    perforates, no single critical velocity exists: the result is doubtful, and has the zone of
+    mixed outcomes. A doubtful shot counts with its outcome, but a bracket or a mixed zone that ends
+    with one is doubtful too (`bracket_checks`).
 
-    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat
-    cylinder of 3 g and 5.5 mm. A shot ends with its outcome, so that these keys of an input file
-    are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are
-    rejected.
+    The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. A
+    shot ends with its outcome, so these keys of an input file are ignored: title,
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
+    run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and
-    scene.toml; of a search that does not end, or is interrupted, the scene and the shots before.
+    The folder `out` then has report.html, critical-velocity.json, shots.csv, residual-velocity.svg
+    and scene.toml. If the search fails or is interrupted, it has the input and the shots so far.
 
     Parameters
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    tolerance : largest difference between highest stop and lowest perforation [m/s]
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with the ends of all that is assumed of fabrics and set-up;
-        without this option a command does so if a law or the crimp is assumed; in Python "laws"
-        does
+    assumed_range : repeat the search with both ends of each assumption on fabrics and set-up. Without
+        this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
 
@@ -114,9 +111,9 @@ def critical_velocity(
 
     Raises
     ------
-    InputError : as `setup`, or a panel that stops, or does not stop, a projectile at any velocity
+    InputError : as `setup`; or the panel stops the projectile at all velocities, or at none
     UndecidedError : a shot neither stopped nor perforated
-    UnstableError : a shot became unphysical; its attribute `shots` holds those before
+    UnstableError : a shot became unstable; its attribute `shots` has the shots before
 
     Examples
     --------

@@ -49,37 +49,36 @@ def v50(
     seed: int = 1,
     **options: Unpack[StudyKeywords],
 ) -> V50Result:
-    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with
-    intervals.
+    """Find V0, V50 and V100 of a ply or pack whose yarns differ in strength, with intervals.
 
-    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input
-    file models. Without scatter V50 is the critical velocity. Shots that become unstable, or
-    neither stop nor perforate, count in no estimate. A fabric is shot at as in the tests of the
-    thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. Where no mesh is
-    named, one ply has elements of a failure length near the impact point and of four crossovers far
-    off; a pack has the mesh of a shot. Of an input file these keys are ignored: title,
-    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
-    run.checkpoint_interval, run.outputs; [history] and [accuracy] are rejected.
+    Each shot hits a new panel, whose yarns have random strengths; it is always computed whole.
+    Without scatter V50 is the critical velocity. Shots that become unstable, or neither stop nor
+    perforate, are left out of all estimates. The set-up of a fabric is one ply of 203 mm, clamped,
+    and a flat cylinder of 3 g and 5.5 mm. If no mesh is given, elements of one ply are a failure
+    length long near the impact point and four crossovers far from it; a pack has the mesh of a
+    shot. These keys of an input file are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
+    [accuracy] are rejected.
 
-    The folder then holds report.html, v50.csv, .json, .png, shots.csv, scene.toml, and runs/, a
-    file for each shot.
+    The folder `out` then has report.html, v50.csv, v50.json, v50.png, shots.csv, scene.toml, and
+    runs/ with a file for each shot.
 
     Parameters
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
     shots : number of shots, at least 4
-    batch : shots of a round, at least 4; each round is placed by the outcomes before
-    assumed_range : fire the shots again with the ends of the two assumptions that change the limit
-        most, and with both that lower or raise it: six times as many shots, after two searches for
-        each assumption; without this option a command repeats only the search, if a law or the
-        crimp is assumed; in Python "laws" does
+    batch : shots of a round, at least 4; outcomes so far decide the velocities of the next round
+    assumed_range : fire the shots again with both ends of the two assumptions that change the limit
+        most, and with the two ends together that lower it, or raise it: six times as many shots,
+        after two searches of the limit for each assumption. Without this option a command repeats
+        only the searches, if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
-    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and
-        below that of weavecell/studies/inputs.toml if it is not given
+    weibull_shape : Weibull shape of the yarns' strength, inf for yarns of one strength; this and the
+        next two are those of weavecell/studies/inputs.toml if they are not given
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
-    seed : of all that is drawn
+    seed : seed of all random numbers; the same seed draws the same panels
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
@@ -138,9 +137,7 @@ def v50(
             study = replace(study, assumed_range=ends)
             result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
     if study.failures:
-        message = (
-            f"{len(study.failures)} of {shots} shots count in no estimate: {study.failures[0]}"
-        )
+        message = f"{len(study.failures)} of {shots} shots are left out of all estimates: {study.failures[0]}"
         raise UnstableError(message, result=result)
     return result
 
@@ -249,14 +246,14 @@ class V50Result(StudyResult):
             remarks.append(f"Over what is assumed: {study.assumed_range.words()}.")
         elif names := ", ".join(assumed_range.changes(self.target.setup)):
             remarks.append(
-                f"In no interval: what is assumed ({names}); --assumed-range computes it."
+                f"The intervals do not cover what is assumed ({names}); --assumed-range does."
             )
         fastest = max(stops, default=nan)
         slowest = min(perforations, default=nan)
         remarks += [
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
-            f"perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; worst energy balance "
+            f"perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; largest energy error "
             f"{100 * study.summary()['energy_error_max']:.2g} %.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",

@@ -525,7 +525,7 @@ class ShotResult(ImpactRecord, Result):
         lines.append(f"energy error at most {error} of the strike energy, {energy}")
         if self.step_factor < 1.0:
             lines.append(
-                f"made again with {self.step_factor:g} of the time step, to which the first run lost more than 0.4 %"
+                f"run again with {self.step_factor:g} of the time step: the first run lost over 0.4 % of the energy"
             )
         if self.rigid_check:
             lines.append(self.rigid_check)

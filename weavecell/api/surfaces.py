@@ -297,7 +297,7 @@ class SurfaceResult(Result):
             )
         yield draw_figure(
             "missed",
-            "What the interpolant misses on a line that is left out, an upper estimate of its error; ticks: the lines.",
+            "Error of the interpolant on lines that were left out, an upper estimate; ticks: the lines.",
             pictures_surface.missed,
             self.surface,
             self.sampled.errors,
@@ -312,6 +312,6 @@ class SurfaceResult(Result):
             rms = factor * error.rms
             largest = factor * error.largest
             lines.append(
-                f"{name:<10}left-out lines missed by {rms:.3g} {unit} rms, {largest:.3g} at most"
+                f"{name:<10}error on left-out lines {rms:.3g} {unit} rms, {largest:.3g} at most"
             )
         return "\n".join(lines)

@@ -89,7 +89,7 @@ def of(
                 "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'
             )
         raise InputError(
-            "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
+            "is missing", key="velocity", allowed='given for a fabric, such as "92.5 m/s"'
         )
     panel = made(target, STRIKE if velocity is None else velocity, chosen, function)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):

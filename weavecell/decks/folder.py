@@ -105,8 +105,8 @@ def error_section(deck: model.Deck) -> page.Section:
     caption = f"Law less cell of {first.name}, where both yarns are below their strength."
     figure = pictures.draw_figure("mapping", caption, mismatch.plot, first.mismatch)
     lead = (
-        "The law is evaluated here by its own equations, and held against the unit cell. "
-        f"Not held: {first.law.lost}."
+        "The law is evaluated by its own equations and compared with the unit cell. "
+        f"Not represented: {first.law.lost}."
     )
     table = page.Table(("over the strength", *names), tuple(rows), "", names)
     return page.Section("mapping", "Error of the mapping", lead, (figure,), (table,))

@@ -336,7 +336,7 @@ def _nose(setup, share, thickness, ply, first):
     if shot.solid is not None:
         seen = volume(points, np.vstack([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
         if seen < _SEEN * volume(shot.solid.points, shot.solid.faces):
-            allowed = "a body whose surface is seen from its axis: from there it is drawn"
+            allowed = "a body whose whole surface is visible from its axis"
             raise InputError(key="projectile.stl", allowed=allowed)
     mass = share * shot.mass
     centre = start - shot.radius * shot.frame[2]
@@ -367,7 +367,7 @@ def _header(cards, units, share, law, source, code, notes):
             text.append(
                 f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength"
             )
-    text += [f"Not held: {cards[0].law.lost}", *(f"Note: {note}" for note in notes)]
+    text += [f"Not represented: {cards[0].law.lost}", *(f"Note: {note}" for note in notes)]
     if share < 1:
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"

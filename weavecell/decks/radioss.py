@@ -38,9 +38,9 @@ _STIFF_NOSE = 0.03
 # Stfac of the contact between plies
 _STIFF_PLIES = 1.0
 _NO_FAILURE = (
-    "No failure: for a law with strains of its fibres (LAW58) OpenRadioss as of 2026-08-21",
+    "No failure: for a law with strains of its fibres (LAW58) OpenRadioss of 2026-08-21",
     "(mulawc.F90, failure model 31) gives /FAIL/FABRIC the strain of the neighbouring element, and to the",
-    "first of a group a stress: false failures. To use these lines in a version where that is mended,",
+    "first of a group a stress: false failures. To use these lines in a version that corrects this,",
     "take the # away from the three that follow:",
 )
 # share of the distance between plies, so that they do not touch at rest

@@ -205,7 +205,7 @@ def making(
     tables.append(Table(("what", "version or value"), rows))
     scene: tuple[tuple[str, str], ...] = ()
     if stamp["scene"]:
-        scene = (("Scene", stamp["scene"]),)
+        scene = (("Input file", stamp["scene"]),)
     title = "How this was computed: times, settings, versions, input"
     return Section("making", title, tables=tuple(tables), details=scene, folded=True)
 

@@ -266,7 +266,7 @@ def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
     from shellfabric.coupon.dynamic_relaxation import State
 
     with read_hdf5(path, CHECKPOINT) as file:
-        run_cache.check_stamp(file.attrs, stamp, path, of="scene")
+        run_cache.check_stamp(file.attrs, stamp, path, of="input file")
         groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
     states = []
     for values in groups:

@@ -179,9 +179,7 @@ class CouponScene(Table):
         exactly_one(self, TESTS)
         if self.test != "pull_out":
             if self.fabric.sets("bending"):
-                allowed = (
-                    "left out: the yarns of a coupon have no bending stiffness, but in a pull-out"
-                )
+                allowed = "left out: only the yarns of a pull-out have bending stiffness"
                 raise InputError(key="fabric.bending", allowed=allowed)
             return self
         for key in _OF_STEPS:
@@ -223,7 +221,7 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[CouponSc
     ------
     InputError : one line naming the file, the key, its value and what is allowed
     """
-    text, table = read_toml(path, what="scene")
+    text, table = read_toml(path, what="input")
     return check(table, path, refused), text
 
 

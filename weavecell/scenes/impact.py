@@ -64,7 +64,7 @@ class ProjectileTable(Table):
 
     name: string(
         "projectile of `weavecell projectiles list`, or the path of a file of these keys, from the folder of the input "
-        "file; its data stand for keys that are not given, required ones too",
+        "file; its values replace keys that are not given, also required ones",
         "the name of a projectile, or the path of a projectile file (*.toml)",
     ) = None
     mass: quantity(
@@ -158,7 +158,7 @@ class BackingTable(Table):
     """
 
     material: string(
-        "backing of `weavecell backings list`; its data stand for keys of the material that are not given",
+        "backing of `weavecell backings list`; its values replace keys of the material that are not given",
         "the name of a backing",
     ) = None
     size: quantities(
@@ -205,8 +205,8 @@ class BackingTable(Table):
         "ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0
     ) = None
     after_stop: quantity(
-        "time for which the run goes on after the projectile has stopped, so that the block comes to rest; where not "
-        "given, the run ends with the dent as it is then",
+        "time for which the run goes on after the projectile has stopped, so that the block comes to rest; "
+        "if not given, the run ends when the projectile stops",
         "s",
         "1 ms",
         zero=True,
@@ -305,8 +305,8 @@ class AccuracyTable(Table):
     """
 
     quantity: one_of(
-        "what is to be known; uncertainties of velocity and energy are shares of those of the strike, of deflection "
-        "and tension of the value itself",
+        "result whose mesh error is controlled; the uncertainty of a velocity or an energy is a share of the strike "
+        "velocity or energy, of a deflection or a tension a share of its own value",
         "residual_velocity",
         "absorbed_energy",
         "deflection",
@@ -430,7 +430,7 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
     InputError : one line naming the file, the key, its value and what is allowed
     """
     path = Path(path)
-    text, table = read_toml(path, what="scene")
+    text, table = read_toml(path, what="input")
     return check(table, path, refused), text
 
 

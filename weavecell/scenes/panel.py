@@ -195,7 +195,7 @@ class StrengthTable(Table):
         14.3,
         gt=0.0,
     )
-    seed: whole("seed of what is drawn: another seed is another panel", 0, 2**31 - 1) = 1
+    seed: whole("seed of the random strengths: another seed gives another panel", 0, 2**31 - 1) = 1
     gauge_length: quantity(
         "length of a yarn whose mean strength is that of the fabric: longer yarns are weaker",
         "m",
@@ -237,8 +237,8 @@ class PlyTable(Table):
     angle: from_text(
         float,
         _ply_angle,
-        "angle of the warp of the ply to that of a ply at 0, towards its weft; another one than 0 and 90 deg needs "
-        "clamped edges and pinned crossovers, and has the whole panel modelled",
+        "angle from the warp of a ply at 0 to the warp of this ply, towards its weft. Any other than 0 and 90 deg "
+        "needs clamped edges and pinned crossovers, and the whole panel is modelled",
         'an angle from -180 to 180 deg, such as "45 deg"',
         "rad",
         "45 deg",
@@ -282,9 +282,9 @@ class PanelTable(Table):
     ) = "rectangular"
     impact_point: Annotated[
         quantities(
-            "where the projectile hits, from the middle of the opening along its two sides; the middle if not given, "
-            "of resolved yarns a quarter of a spacing off the crossover there, in both directions. "
-            "Off the middle it needs the symmetry `half`, on the second axis, else `whole`",
+            "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
+            "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
+            "directions. A point on the second axis may have the symmetry `half`; others off the middle need `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
@@ -355,8 +355,8 @@ class PanelTable(Table):
         "yarns",
     ) = "pinned"
     zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm over "
-        "`crossover_friction` if that is more",
+        "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
+        "`crossover_friction` if this is more",
         "m",
         "20 mm",
     ) = None
@@ -382,7 +382,10 @@ class PanelTable(Table):
         """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
         # earlier versions had sliding crossovers with a cohesion
         if key == "crossover_cohesion":
-            return None, 'left out: resolved yarns (crossovers = "yarns") have a friction alone'
+            return (
+                None,
+                'left out: resolved yarns (crossovers = "yarns") have friction without cohesion',
+            )
         return super().unknown(key, near)
 
     @model_validator(mode="after")

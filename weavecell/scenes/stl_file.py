@@ -407,7 +407,7 @@ def _distances(body, axes, h, rho, path):
     # a distance cannot change by more than the way between two samples
     if max(steps) > 1.05 * h:
         raise InputError(
-            "its distance jumps; must be a surface that does not cut itself, without slivers",
+            "its distance jumps; must be a surface without slivers that does not intersect itself",
             file=path,
         )
     # opening: shrink the body by the radius, and grow it again; convex edges come out round

@@ -55,7 +55,7 @@ def read(path: FilePath) -> DataFrame:
 
     lines = read_csv(path, "a table of tests, CSV")
     if len(lines) < 2:
-        raise InputError("has no shot", file=path, allowed="a heading and a row a shot")
+        raise InputError("has no shot", file=path, allowed="a heading and one row for each shot")
     units = _units(lines[0][1], path)
     return DataFrame(_row(number, cells, units, path) for number, cells in lines[1:])
 

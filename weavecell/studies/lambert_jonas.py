@@ -74,7 +74,7 @@ class LambertJonas:
             # the bounds that are answers: others are no more than ends of the search
             highest = {"a": _HIGHEST["a"], "limit": self.slowest}
             if value == highest.get(name):
-                return f"{name} = {value:.3g} (the highest value there can be)"
+                return f"{name} = {value:.3g} (its upper bound)"
             return f"{name} not determined (at the bound {value:.3g} of the search)"
         low, high = interval
         sign = "not determined, about"

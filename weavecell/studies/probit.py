@@ -36,7 +36,7 @@ from fabrics.base.errors import InputError
 LOW = 0.01
 HIGH = 0.99
 LINKS = {"probit": norm, "logit": logistic}
-NOT_RISING = "the shots do not perforate the more the faster they are"
+NOT_RISING = "the share of perforations does not grow with the velocity"
 # bounds of beta times the range of the velocities
 _FLATTEST, _STEEPEST = 1e-3, 1e5
 

@@ -123,10 +123,10 @@ class Series:
         if not self.share:
             return "No short series of tests has a result: the zone of mixed outcomes is too wide."
         return (
-            f"A series of tests up and down, at most {MOST} shots, V50 of the {PAIRS} fastest stops and {PAIRS} "
-            f"slowest perforations within {SPAN:g} m/s, finds {self.mean:.1f} m/s, standard deviation "
-            f"{self.deviation:.1f}, 95 % of them between {self.low:.1f} and {self.high:.1f}; "
-            f"{100 * self.share:.0f} % have a result, after {self.shots:.1f} shots."
+            f"An up-and-down series of at most {MOST} shots takes the mean of the {PAIRS} fastest stops and {PAIRS} "
+            f"slowest perforations within {SPAN:g} m/s. Many such series find {self.mean:.1f} m/s with a standard "
+            f"deviation of {self.deviation:.1f} m/s; 95 % of them are between {self.low:.1f} and {self.high:.1f} m/s. "
+            f"{100 * self.share:.0f} % have a result, after {self.shots:.1f} shots on average."
         )
 
 

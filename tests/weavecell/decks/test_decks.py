@@ -216,7 +216,9 @@ def test_a_body_that_is_not_seen_from_its_axis_is_refused(tmp_path):
     }
     given = wc.setup("S-720", "100 m/s", opening="40 mm", projectile=shot)
     assert given.symmetry == "whole"
-    with pytest.raises(InputError, match="a body whose surface is seen from its axis") as problem:
+    with pytest.raises(
+        InputError, match="a body whose whole surface is visible from its axis"
+    ) as problem:
         wc.export(given, "lsdyna", tmp_path / "out")
     assert problem.value.key == "projectile.stl"
 
@@ -229,7 +231,7 @@ def test_each_fabric_has_a_card_and_the_header_its_error():
     for word in (
         "NOT RUN",
         "WARNING",
-        "Not held",
+        "Not represented",
         *(f"rms {100 * card.mismatch.rms:.1f} %" for card in made.cards),
     ):
         assert word in head

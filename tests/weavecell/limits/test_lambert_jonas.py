@@ -60,7 +60,7 @@ def test_no_projectile_leaves_faster_than_it_came():
     assert found.a == pytest.approx(1.0, abs=1e-6)
     assert found.intervals["a"] is None
     assert found.intervals["p"] is not None
-    assert found.words().startswith("a = 1 (the highest value there can be), p = ")
+    assert found.words().startswith("a = 1 (its upper bound), p = ")
     scatter = curve(STRIKE, 0.9, 2.6, 100.0) * (1 + 0.3 * (-1.0) ** np.arange(15))
     assert ", p not determined, about " in fit(STRIKE, scatter, limit=100.0).words()
     assert fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith(" (-inf to inf)")

@@ -125,8 +125,8 @@ def test_a_step_at_the_velocity_of_a_stop_and_a_perforation():
 @pytest.mark.parametrize(
     "velocities, outcomes, told",
     [
-        ([130, 135, 140, 145, 150, 155], "CCCPPP", "do not perforate the more the faster"),
-        ([100, 110, 120, 130], "PCCP", "do not perforate the more the faster"),
+        ([130, 135, 140, 145, 150, 155], "CCCPPP", "share of perforations does not grow"),
+        ([100, 110, 120, 130], "PCCP", "share of perforations does not grow"),
         ([140, 140, 140, 140], "PCPC", "all shots have one velocity, 140 m/s"),
         ([100, 110], "CC", "all 2 shots perforated"),
         ([100, 110], "PP", "all 2 shots stopped"),

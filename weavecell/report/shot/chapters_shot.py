@@ -279,7 +279,7 @@ def _failure_in_words(setup, drawn):
         )
     scatter = "it is the same for all yarns"
     if drawn or setup.strength:
-        scatter = "each yarn's is drawn about that"
+        scatter = "each yarn has a drawn strength about it"
     return f"A yarn fails at its strength, {', '.join(strengths)}, at any strain rate; {scatter}."
 
 
@@ -333,9 +333,9 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
 def assumed(around: AssumedRange) -> Section:
     """The range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
-        f"{around.words().capitalize()}. The run was repeated with each end of each assumed range, one at a time, and "
-        "with those together that lower the velocity, or raise it. The range is that of these runs and no bound. A "
-        "share is the width of one assumption alone over the sum of these widths."
+        f"{around.words().capitalize()}. The run was repeated with each end of each assumed range alone, then with all "
+        "ends that lower the velocity, and with all that raise it. The range covers these runs; it is not a bound. A "
+        "share is the width that one assumption causes over the sum of all widths."
     )
     figures: tuple[Figure, ...] = ()
     if around.high > around.low:
@@ -424,7 +424,7 @@ def _bar(record):
         f"{text(bar.period, 's', form='.3g')}."
     )
     if np.isfinite(bar.swing):
-        caption += f" They swing in {text(bar.swing, 's', form='.3g')}."
+        caption += f" Their period is {text(bar.swing, 's', form='.3g')}."
     figure = pictures.draw_figure("bar", caption, pictures_body.bar, bar)
     return Section("bar", "The projectile as a bar", lead, (figure,))
 
