@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics import law_file
-from fabrics.base.checks import FilePath, FloatArray, not_negative
+from fabrics.base.checks import FilePath, FloatArray, not_negative, refuse
 from fabrics.base.errors import InputError, placed
 from fabrics.base.units import si
 
@@ -68,13 +68,13 @@ class CompressionLaw:
     def __post_init__(self):
         not_negative(self, "a", "b")
         if (self.a == 0) != (self.b == 0):
-            raise InputError(
-                key="b",
-                value=self.b,
-                allowed="zero exactly where a is zero (an incompressible yarn)",
+            refuse(
+                self,
+                "b",
+                "zero exactly where a is zero (an incompressible yarn)",
             )
         if self.form not in FORMS:
-            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+            refuse(self, "form", " or ".join(FORMS))
 
     @classmethod
     def incompressible(cls) -> CompressionLaw:

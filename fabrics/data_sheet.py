@@ -22,7 +22,8 @@ from typing import TypeAlias
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
 from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
-from fabrics.families import Entry, entry, list_families
+from fabrics.families import Entry, list_families
+from fabrics.families import entries as of_tables
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
@@ -45,14 +46,7 @@ NOTED = 0.01
 @cache
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
-    content = read_data(Path(__file__).with_suffix(".toml"))
-    named = {}
-    for name, table in content.items():
-        unit = ""
-        if name.endswith("length"):
-            unit = "m"
-        named[name] = entry(table, unit)
-    return named
+    return of_tables(read_data(Path(__file__).with_suffix(".toml")))
 
 
 def crimps(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from fabrics.base.checks import positive
+from fabrics.base.checks import positive, refuse
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.families.strain_rate import RateLaw
@@ -85,10 +85,10 @@ class Fabric:
     def __post_init__(self):
         positive(self, "failure_length")
         if self.section is not None and self.section not in SECTIONS:
-            raise InputError(
-                key="section",
-                value=self.section,
-                allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}",
+            refuse(
+                self,
+                "section",
+                ", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}",
             )
         for family, width in zip(("warp", "weft"), self.yarn_width):
             if width is not None and not width > 0:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from pathlib import Path
 
-from fabrics.base.checks import FilePath, positive
+from fabrics.base.checks import FilePath, positive, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
 from fabrics.base.units import si
@@ -65,14 +65,14 @@ class Isotropic:
     def __post_init__(self):
         positive(self, "density", "modulus", "reference_rate")
         if not 0 <= self.poisson < 0.5:
-            raise InputError(key="poisson", value=self.poisson, allowed="from 0 to below 0.5")
+            refuse(self, "poisson", "from 0 to below 0.5")
         if not self.hardening >= 0:
-            raise InputError(key="hardening", value=self.hardening, allowed="at least 0")
+            refuse(self, "hardening", "at least 0")
         if not 0 <= self.rate_exponent <= 1:
-            raise InputError(key="rate_exponent", value=self.rate_exponent, allowed="from 0 to 1")
+            refuse(self, "rate_exponent", "from 0 to 1")
         for key in ("yield_stress", "erosion_strain"):
             if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+                refuse(self, key, "above 0")
 
     @property
     def shear(self) -> float:

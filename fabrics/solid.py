@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.base.checks import FloatArray, positive
-from fabrics.base.errors import InputError
+from fabrics.base.checks import FloatArray, positive, refuse
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,9 @@ class SolidLaw:
     def __post_init__(self):
         positive(self, "E_a", "E_c", "K_r", "K_G", "V_c", "Vf0")
         if self.K_r >= 1:
-            raise InputError(key="K_r", value=self.K_r, allowed="below 1")
+            refuse(self, "K_r", "below 1")
         if self.Vf0 >= self.V_c:
-            raise InputError(key="Vf0", value=self.Vf0, allowed=f"below V_c = {self.V_c:g}")
+            refuse(self, "Vf0", f"below V_c = {self.V_c:g}")
 
     @property
     def b_E(self) -> float:

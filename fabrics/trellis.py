@@ -14,7 +14,7 @@ from math import acos, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.base.checks import FloatArray, positive
+from fabrics.base.checks import FloatArray, positive, refuse
 from fabrics.base.errors import InputError
 
 
@@ -40,10 +40,10 @@ class TrellisShear:
     def __post_init__(self):
         positive(self, "G1", "G2", "gamma1", "gamma2")
         if not self.gamma1 < self.gamma2 < pi / 2:
-            raise InputError(
-                key="gamma2",
-                value=self.gamma2,
-                allowed=f"above gamma1 = {self.gamma1:g} and below pi/2",
+            refuse(
+                self,
+                "gamma2",
+                f"above gamma1 = {self.gamma1:g} and below pi/2",
             )
 
     def stress(self, gamma: ArrayLike) -> FloatArray:

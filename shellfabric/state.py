@@ -129,17 +129,11 @@ class Constants(Row):
         "p2, q, q2, p q, p2 q, p q2, p2 q2",
     )
     potential_constant = array("cells", "J", "its coefficient of 1")
-    table_start1 = number("-", "lowest warp stretch of the table")
-    table_scale1 = number("-", "table cells per unit of warp stretch")
-    table_last1 = integer("-", "index of the last table cell along the warp stretch")
-    table_start2 = number("-", "lowest weft stretch of the table")
-    table_scale2 = number("-", "table cells per unit of weft stretch")
-    table_last2 = integer("-", "index of the last table cell along the weft stretch")
     table_grid = numbers(
         7,
         "-",
-        "the six numbers above as floats, and the number of table cells along the "
-        "weft stretch, for the table look-up",
+        "of the cell table: lowest warp stretch, cells per unit of it, index of the last cell along "
+        "it; the same of the weft stretch; number of cells along that",
     )
     table_beyond = numbers(
         6,
@@ -435,6 +429,10 @@ class Work(Row):
     inv_stretch = array("2 x size", "-", "its inverse")
     mean_stretch = array(
         "2 x size", "-", "mean stretch of the edges of a family that cross an edge of the other one"
+    )
+    intact = array("2 x size", "-", "intact fraction of the edges of a block with failed yarns")
+    mean_intact = array(
+        "2 x size", "-", "mean of it over the edges of a family that cross an edge of the other one"
     )
     T = array("2 x size", "N", "tension (memory of dW_own)")
     N = array("2 x size", "N", "force of the edges")

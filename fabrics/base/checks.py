@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from math import isfinite
-from typing import TypeAlias
+from typing import NoReturn, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,12 @@ def _check(owner, names, holds, allowed):
     for name in names:
         value = getattr(owner, name)
         if not (isinstance(value, (int, float)) and isfinite(value) and holds(value)):
-            raise InputError(key=name, value=value, allowed=allowed)
+            refuse(owner, name, allowed)
+
+
+def refuse(owner: object, key: str, allowed: str) -> NoReturn:
+    """Raise the InputError of an attribute whose value is not allowed."""
+    raise InputError(key=key, value=getattr(owner, key), allowed=allowed)
 
 
 def positive(owner: object, *names: str) -> None:

@@ -199,3 +199,14 @@ def entry(table: dict[str, Any], unit: str) -> Entry:
     return Entry(
         value, low, high, written, table["source"], table["status"], table.get("most", inf)
     )
+
+
+def entries(rows: dict[str, dict[str, Any]]) -> dict[str, Entry]:
+    """{name: Entry} of tables of lengths and of numbers without a unit."""
+    named = {}
+    for name, row in rows.items():
+        unit = ""
+        if str(row["value"]).endswith("m"):
+            unit = "m"
+        named[name] = entry(row, unit)
+    return named

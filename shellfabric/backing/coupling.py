@@ -250,9 +250,9 @@ class BackingCoupling:
         if self.const.mirror_y:
             self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
-    def energies(self) -> list[float]:
-        """(n,) [J] of NAMES, of the modelled part."""
-        return list(self.block.energies().values())
+    def energies(self) -> dict[str, float]:
+        """{name: [J]} of NAMES, of the modelled part."""
+        return dict(zip(NAMES, self.block.energies().values()))
 
     def result(self) -> BackingResult:
         """The block as it is."""

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FloatArray, refuse
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
@@ -71,14 +71,14 @@ class CellModel:
     def __post_init__(self):
         for key, known in (("cell_model", MODELS), ("cell_formulation", FORMS)):
             if getattr(self, key) not in known:
-                raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
+                refuse(self, key, " or ".join(known))
         if not 1 <= self.reach < np.inf:
-            raise InputError(key="reach", value=self.reach, allowed="at least 1")
+            refuse(self, "reach", "at least 1")
         if not 0 <= self.crossover_gap <= sum(self.h0):
-            raise InputError(
-                key="crossover_gap",
-                value=self.crossover_gap,
-                allowed="at least 0 and at most h01 + h02",
+            refuse(
+                self,
+                "crossover_gap",
+                "at least 0 and at most h01 + h02",
             )
         if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":
             raise InputError(

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FloatArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
@@ -66,9 +66,7 @@ class SurfaceCell:
 
     def __post_init__(self):
         if self.cell_formulation not in FORMS:
-            raise InputError(
-                key="cell_formulation", value=self.cell_formulation, allowed=" or ".join(FORMS)
-            )
+            refuse(self, "cell_formulation", " or ".join(FORMS))
         if self.surface.fabric and self.surface.fabric != self.fabric.name:
             raise InputError(
                 key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}"

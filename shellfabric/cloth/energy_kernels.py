@@ -3,21 +3,13 @@
 
     yarn     E = n (kappa W / 2 + (1 - kappa) U_alone)      of an edge, n = y / 2 w the crossovers that it stands for
     trellis  E = alpha V U(gamma)                           of a quadrilateral
-
-An audit looks at all of the fabric, and most of it is whole: there kappa and alpha are one, and
-means plain ones.
 """
 
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.damage_kernels import (
-    edges_in_row,
-    sum_crossing,
-    trellis_intact_fraction,
-    yarn_properties,
-)
-from shellfabric.cloth.membrane_kernels import INTACT, ONE, WARP, WEFT
+from shellfabric.cloth.damage_kernels import trellis_intact_fraction, yarn_properties
+from shellfabric.cloth.membrane_kernels import ONE, WARP, WEFT
 from shellfabric.cloth.table_kernels import potential
 from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
 from shellfabric.jit.compile import kernel
@@ -54,110 +46,104 @@ def stored_energy(const, state, first, last):
     yarns = 0.0
     trellis = 0.0
     for i in range(first, last):
-        whole = row_intact(const, state, i)
-        inner = whole and i > 0
-        yarns += row_energy(const, state, WARP, i, whole)
-        yarns += row_energy(const, state, WEFT, i, inner)
-        trellis += trellis_energy(const, state, i, whole)
+        yarns += row_energy(const, state, WARP, i) + row_energy(const, state, WEFT, i)
+        trellis += trellis_energy(const, state, i)
     # the last row of weft edges may be the rim of the panel
-    inner = row_intact(const, state, last) and 0 < last < const.ni
-    return yarns + row_energy(const, state, WEFT, last, inner), trellis
+    return yarns + row_energy(const, state, WEFT, last), trellis
 
 
-@kernel(_nrt=False)
-def row_intact(const, state, i):
-    """Whether no failed yarn has a part in the energy of row i."""
-    return state.block_damage[min(i, const.ni - 1) // const.rows_per_block] == INTACT
+@kernel()
+def edges_in_row(const, family):
+    """Edges of a family in a row of slots: the last slot has no weft edge."""
+    if family == WARP:
+        return const.row_stride
+    return const.nj
 
 
-@unit("number", whole="flag")
-def row_energy(const, state, family, i, whole):
-    """[J] of the edges (i, 0), (i, 1), ... of a family. whole : none has failed, nor the four that
-    cross each; of warp edges but for those at the ends of the row, which two cross."""
-    s = const.row_stride
+@unit("number")
+def row_energy(const, state, family, i):
+    """[J] of the edges (i, 0), (i, 1), ... of a family."""
+    w, S0, EA = yarn_properties(const, family)
     found = 0.0
     for j in range(edges_in_row(const, family)):
-        k = np.uint64(i * s + j)
+        k = np.uint64(i * const.row_stride + j)
         length = state.yarn_length[family][k]
         if length == 0.0:  # failed
             continue
-        if whole and (family == WEFT or 0 < j < const.nj):
-            per_length = cell_energy(
-                const, state, family, k, mean_crossing(const, state, family, k)
-            )
-        else:
-            per_length = edge_energy(const, state, family, i, j)
-        found += length * per_length
+        own = state.stretch[family][k]
+        crossed, mean = crossing_edges(const, state, family, i, j)
+        stored = 0.0
+        if crossed > 0.0:
+            stored += 0.5 * crossed * cell_energy(const, family, own, mean)
+        if crossed < 1.0:
+            stored += (1.0 - crossed) * yarn_alone(own, w, S0, EA)[1]
+        found += length / (2.0 * w) * stored
     return found
 
 
 @kernel(_nrt=False)
-def mean_crossing(const, state, family, k):
-    """Mean stretch of the four edges that cross the edge at slot k."""
-    s = np.uint64(const.row_stride)
-    other = state.stretch[1 - family]
-    if family == WARP:
-        before = item_or_scalar(const.mean_weight2, k)
-        lines_before = other[k - ONE] + other[k + s - ONE]
-        lines_behind = other[k] + other[k + s]
-    else:
-        before = item_or_scalar(const.mean_weight1, k)
-        lines_before = other[k - s] + other[k - s + ONE]
-        lines_behind = other[k] + other[k + ONE]
-    return 0.5 * (before * lines_before + (1.0 - before) * lines_behind)
+def crossing_edges(const, state, family, i, j):
+    """(crossed fraction kappa, mean stretch of what is left) of the edges that cross edge (i, j):
+    four, or two at the ends of their lines."""
+    s = const.row_stride
+    intact = state.intact_fraction[1 - family]
+    stretch = state.stretch[1 - family]
+    split = const.mean_weight2
+    back = 1
+    far = s
+    begins = j == 0
+    ends = j == const.nj
+    if family == WEFT:
+        split = const.mean_weight1
+        back = s
+        far = 1
+        begins = i == 0
+        ends = i == const.ni
+    crossed = 0.0
+    total = 0.0
+    for end in range(2):
+        at = i * s + j + end * far
+        before = item_or_scalar(split, np.uint64(at))
+        if begins:
+            before = 0.0
+        if ends:
+            before = 1.0
+        for share in (1.0 - before, before):
+            if share > 0.0:
+                part = 0.5 * share * intact[np.uint64(at)]
+                crossed += part
+                total += part * stretch[np.uint64(at)]
+            at -= back
+    if crossed > 0.0:
+        return crossed, total / crossed
+    return 0.0, 1.0
 
 
 @kernel(_nrt=False)
-def cell_energy(const, state, family, k, mean):
-    """[J/m] of crossed yarn of the edge at slot k, whose crossing edges have a mean stretch: W / 4
-    w."""
-    own = state.stretch[family][k]
-    l1 = own
-    l2 = mean
-    w = const.w1
+def cell_energy(const, family, own, mean):
+    """[J] W of a crossover of an edge, whose crossing edges have a mean stretch."""
+    warp = own
+    weft = mean
     if family == WEFT:
-        l1 = mean
-        l2 = own
-        w = const.w2
-    W = potential(
-        l1,
-        l2,
+        warp = mean
+        weft = own
+    return potential(
+        warp,
+        weft,
         const.table_grid,
         const.potential_coefficients,
         const.table_beyond,
         const.potential_constant,
     )
-    return 0.25 / w * W
 
 
-@kernel(_nrt=False)
-def edge_energy(const, state, family, i, j):
-    """[J/m] of yarn of the edge (i, j), where yarns that cross it may have failed."""
-    k = np.uint64(i * const.row_stride + j)
-    other = 1 - family
-    intact = state.intact_fraction[other]
-    count, present, total = sum_crossing(const, family, i, j, intact, state.stretch[other], 0)
-    crossed = present / count
-    found = 0.0
-    if crossed > 0.0:
-        found += crossed * cell_energy(const, state, family, k, total / present)
-    if crossed < 1.0:
-        w, S0, EA = yarn_properties(const, family)
-        alone = yarn_alone(state.stretch[family][k], w, S0, EA)[1]
-        found += (1.0 - crossed) / (2.0 * w) * alone
-    return found
-
-
-@unit("number", whole="flag")
-def trellis_energy(const, state, i, whole):
-    """[J] of the quadrilaterals of row i. whole : no yarn beside them has failed."""
+@unit("number")
+def trellis_energy(const, state, i):
+    """[J] of the quadrilaterals of row i."""
     found = 0.0
     for j in range(const.nj):
         k = np.uint64(i * const.row_stride + j)
-        if whole:
-            left = 1.0
-        else:
-            left = trellis_intact_fraction(const, state, k)
+        left = trellis_intact_fraction(const, state, k)
         if left > 0.0:
             sine = shear_sine(const, state, k)
             V = item_or_scalar(const.trellis_volume, k)

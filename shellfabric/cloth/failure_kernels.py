@@ -27,7 +27,7 @@ which its old force has acted.
 import numpy as np
 
 from shellfabric.cloth import strength_kernels
-from shellfabric.cloth.damage_kernels import edges_in_row
+from shellfabric.cloth.energy_kernels import edges_in_row
 from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT, WEFT_FAILED
 from shellfabric.cloth.table_kernels import max_value
 from shellfabric.jit.compile import kernel

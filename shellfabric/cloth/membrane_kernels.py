@@ -164,9 +164,14 @@ def repeat_rim(const, first, last, x):
 def average_crossing(state, const, work, first, last):
     """Mean stretch of the edges that cross each edge of a block's rows, and each warp edge of the
     row before."""
-    low = max(first - 1, 0)
-    mean_over_weft(const, first, low, last, work.stretch[WEFT], work.mean_stretch[WEFT])
-    mean_over_warp(const, first, last, work.stretch[WARP], work.mean_stretch[WARP])
+    average(const, first, last, work.stretch, work.mean_stretch)
+
+
+@kernel(_nrt=False)
+def average(const, first, last, x, mean):
+    """Means of x of each family over the edges that cross those of the other one."""
+    mean_over_weft(const, first, max(first - 1, 0), last, x[WEFT], mean[WEFT])
+    mean_over_warp(const, first, last, x[WARP], mean[WARP])
 
 
 @kernel(_nrt=False)

@@ -73,9 +73,7 @@ def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
             q = minimum(q, 1.0) + saturated(maximum(q - 1.0, 0.0), reaches[1])[0]
         tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
         store(T, m, tension)
-        if n - j < WIDTH:
-            tension = where(head_mask(n - j), tension, 0.0)
-        greatest = maximum(greatest, tension)
+        greatest = maximum(greatest, where(head_mask(n - j), tension, 0.0))
     return reduce_max(greatest)
 
 
@@ -151,7 +149,6 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
     x0, rx, top1, y0, ry, top2, across = grid
     for start in range(m0, m0 + n, spots.size):
         stop = min(start + spots.size, m0 + n)
-        whole = stop - (stop - start) % WIDTH
         for j in range(start, stop, WIDTH):
             p = maximum((load(l1, j) - x0) * rx, 0.0)
             q = maximum((load(l2, j) - y0) * ry, 0.0)
@@ -160,12 +157,8 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
             store_int32(spots, j - start, to_int32(fma(cell1, across, cell2)))
             store(N1, j, p - cell1)
             store(N2, j, q - cell2)
-            if j < whole:
-                far1 = maximum(far1, p)
-                far2 = maximum(far2, q)
-            else:
-                far1 = maximum(far1, where(head_mask(stop - j), p, 0.0))
-                far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
+            far1 = maximum(far1, where(head_mask(stop - j), p, 0.0))
+            far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
         for j in range(start, stop, WIDTH):
             p = load(N1, j)
             q = load(N2, j)
@@ -177,12 +170,8 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
             force2 = factors[1] * force2
             store(N1, j, force1)
             store(N2, j, force2)
-            if j < whole:
-                high1 = maximum(high1, force1)
-                high2 = maximum(high2, force2)
-            else:
-                high1 = maximum(high1, where(head_mask(stop - j), force1, 0.0))
-                high2 = maximum(high2, where(head_mask(stop - j), force2, 0.0))
+            high1 = maximum(high1, where(head_mask(stop - j), force1, 0.0))
+            high2 = maximum(high2, where(head_mask(stop - j), force2, 0.0))
     return reduce_max(far1), reduce_max(far2), reduce_max(high1), reduce_max(high2)
 
 

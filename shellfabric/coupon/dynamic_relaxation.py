@@ -204,20 +204,11 @@ def relax_path(
 
 def _start(body, x, held, states, load, target, force_floor):
     """(n, d) [m] from where a load step begins: see `relax_path`."""
-    if states:
-        done = states[-1].load
-        last = states[-1].x
-    else:
-        done = 0.0
-        last = np.array(x, float)
+    known = [(0.0, np.array(x, float)), *((state.load, state.x) for state in states)]
+    done, last = known[-1]
     # it carried a load, and so had a definite shape
     if states and states[-1].history[-1, 1] > force_floor:
-        if len(states) > 1:
-            before = states[-2].load
-            earlier = states[-2].x
-        else:
-            before = 0.0
-            earlier = np.array(x, float)
+        before, earlier = known[-2]
         return last + (load - done) / (done - before) * (last - earlier)
     return last + body.spread(np.where(held[:, None], target - last, 0.0), held)
 

@@ -28,7 +28,7 @@ from math import inf
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.friction.pull_out import FRICTION
 from shellfabric.cell.model import CellTable
@@ -81,12 +81,12 @@ class PullOut:
             if not 0 <= value < inf:
                 raise InputError(key=key, value=value, allowed="at least 0")
         if not min(self.bending) >= 0:
-            raise InputError(key="bending", value=self.bending, allowed="at least 0")
+            refuse(self, "bending", "at least 0")
         if self.crossings < 1:
-            raise InputError(key="crossings", value=self.crossings, allowed="at least 1")
+            refuse(self, "crossings", "at least 1")
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
             allowed = "at least 0 and below the strength of the crossing yarns"
-            raise InputError(key="pre_tension", value=self.pre_tension, allowed=allowed)
+            refuse(self, "pre_tension", allowed)
 
     @property
     def spacing(self) -> float:
@@ -171,7 +171,7 @@ class PullOut:
             broken = self.tension(stretch) > strength
             if np.any(broken | np.isclose(stretch, self.table.stretch1[-1], rtol=1e-9)):
                 allowed = f"at most {number} with this friction: the yarn breaks in more"
-                raise InputError(key="crossings", value=self.crossings, allowed=allowed)
+                refuse(self, "crossings", allowed)
 
 
 @dataclass(frozen=True)

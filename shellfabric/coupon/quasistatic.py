@@ -19,7 +19,7 @@ from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon.dynamic_relaxation import State
 from shellfabric.coupon.model import Coupon, mesh_coupon
-from shellfabric.coupon.solver import Result, at_strength, no_fold, run
+from shellfabric.coupon.solver import Result, run
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -99,8 +99,7 @@ def bias_extension(
     def path(load):
         return coupon.points + 0.5 * load * elongation * np.stack([0 * y, np.sign(y)], axis=1)
 
-    hooks = (no_bands, no_fold(coupon), stiff_enough)
-    return run(coupon, grips, path, elongation, steps, hooks, **relaxing)
+    return run(coupon, grips, path, elongation, steps, (no_bands, stiff_enough), **relaxing)
 
 
 def bias_coupon(
@@ -227,7 +226,7 @@ def picture_frame(
         s = np.sin(0.5 * load * shear_angle)
         return np.stack([c * x + s * y, s * x + c * y], axis=1)
 
-    return run(coupon, grips, path, shear_angle, steps, (no_fold(coupon),), **relaxing)
+    return run(coupon, grips, path, shear_angle, steps, **relaxing)
 
 
 def frame_stress(result: Result) -> FloatArray:
@@ -276,10 +275,7 @@ def uniaxial(
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
-    hooks: list[Callable[..., object]] = [no_fold(coupon)]
-    if failure:
-        hooks.append(at_strength(coupon))
-    return run(coupon, grips, path, strain, steps, hooks, **relaxing)
+    return run(coupon, grips, path, strain, steps, failure=failure, **relaxing)
 
 
 def biaxial(
@@ -348,10 +344,7 @@ def biaxial(
             1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
         )
 
-    hooks: list[Callable[..., object]] = [no_fold(coupon)]
-    if failure:
-        hooks.append(at_strength(coupon))
-    return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
+    return run(coupon, grips, path, max(along(1.0)), steps, failure=failure, **relaxing)
 
 
 def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:

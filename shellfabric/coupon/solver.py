@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -58,12 +59,10 @@ def run(
     path: Callable[[float], FloatArray],
     size: float,
     steps: int,
-    hooks: Iterable[Callable[..., object]],
+    hooks: Iterable[Callable[..., object]] = (),
     *,
-    tolerance: float = 1e-4,
-    max_iterations: int = 50_000,
-    progress: Callable[..., object] | None = None,
-    done: Iterable[State] = (),
+    failure: bool = False,
+    **relaxing: Any,
 ) -> Result:
     """Pull a coupon and pack the result.
 
@@ -74,9 +73,9 @@ def run(
     path : path(load) -> (n, 2) [m] where the held nodes shall be at a share of the whole
     size : of what is prescribed, at the end of the path
     steps : of load, all alike
-    hooks, tolerance, max_iterations : see `dynamic_relaxation.relax_path`
-    progress : called as progress(state) after every step that the run goes on from
-    done : states of an interrupted run to go on from
+    hooks : besides that for folds, see `dynamic_relaxation.relax_path`
+    failure : whether the run ends where a yarn reaches its strength
+    relaxing : other keywords of `dynamic_relaxation.relax_path`
 
     Raises
     ------
@@ -85,6 +84,9 @@ def run(
     held = grips > 0
     strength = max(yarn.strength for yarn in coupon.weave.yarns)
     force_floor = FLOOR * strength * sqrt(held.sum())
+    all_hooks = [*hooks, no_fold(coupon)]
+    if failure:
+        all_hooks.append(at_strength(coupon))
 
     def pack(states, outcome):
         return Result(
@@ -103,12 +105,9 @@ def run(
             held,
             path,
             np.arange(1, steps + 1) / steps,
-            tolerance=tolerance,
             force_floor=force_floor,
-            max_iterations=max_iterations,
-            hooks=hooks,
-            progress=progress,
-            done=done,
+            hooks=all_hooks,
+            **relaxing,
         )
     except UnstableError as problem:
         problem.result = pack(problem.states, "unstable")  # type: ignore[attr-defined]

@@ -17,15 +17,15 @@ on with one. No result depends on the number of threads.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, NoReturn, Self, TypeAlias, TypeVar
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.checks import FloatArray, IntArray, positive
+from fabrics.base.errors import UnstableError
 from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
@@ -62,10 +62,10 @@ class ExplicitSolver:
 
     Attributes
     ----------
-    sample_names : of the columns of a sample: "t", those of `observe`, energy_names
+    sample_names : of the columns of a sample: "t", then what `observe` returns
     energy_names : of the energies; the last is the energy error
-    contacts : ((energy, name in messages), ...) of contacts, which can store and lose energy but
-        not give any
+    contacts : {energy: name in messages} of contacts, which can store and lose energy but not give
+        any
     history_columns : number of columns of step_history
     counters : names of the numbers that a checkpoint keeps
     share : modelled part of the whole [-]
@@ -88,7 +88,7 @@ class ExplicitSolver:
 
     sample_names: tuple[str, ...] = ()
     energy_names: tuple[str, ...] = ()
-    contacts: tuple[tuple[str, str], ...] = (("contact", "the contact"),)
+    contacts: Mapping[str, str] = {"contact": "the contact"}
     counters: tuple[str, ...] = ("reason", "wall_time")
     history_columns = 0
     const: Any  # named tuples of the kernels; `const` has the time step dt [s]
@@ -103,17 +103,11 @@ class ExplicitSolver:
         interval: float,
         energy_error_limit: float,
     ) -> None:
-        for key, value in (
-            ("strike_velocity", strike_velocity),
-            ("end_time", end_time),
-            ("interval", interval),
-        ):
-            if not 0 < value < np.inf:
-                raise InputError(key=key, value=value, allowed="above 0")
         self.projectile = projectile
         self.strike_velocity = float(strike_velocity)
         self.end_time = float(end_time)
         self.interval = float(interval)
+        positive(self, "strike_velocity", "end_time", "interval")
         self.energy_error_limit = energy_error_limit
         self.samples: list[FloatArray] = []
         self.step_history: list[FloatArray] = []
@@ -162,9 +156,9 @@ class ExplicitSolver:
         """
         raise NotImplementedError
 
-    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
-        """([...], [...]): the columns of a sample between time and energies; energies [J] of the
-        modelled part, in the order of energy_names but for the error."""
+    def observe(self) -> tuple[dict[str, float], dict[str, float]]:
+        """({name: value}, {name: [J]}): what a sample has besides energies; all energies of the
+        modelled part."""
         raise NotImplementedError
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
@@ -341,14 +335,14 @@ class ExplicitSolver:
     def _sample(self):
         """Take a sample."""
         observed, energies = self.observe()
-        energies = np.array([*energies, 0.0])
-        total = self._sum(energies)
+        total = sum(energies.values())
         if self.energy_at_start is None:
             self.energy_at_start = total
-        energies[-1] = total - self.energy_at_start
-        self.samples.append(np.array([self.time, *observed, *(energies / self.share)]))
-
-    _sum: Callable[..., float] = staticmethod(sum)  # one after the other
+        energies["error"] = total - self.energy_at_start
+        self.energy_names = tuple(energies)
+        self.sample_names = "t", *observed, *energies
+        of_whole = [energy / self.share for energy in energies.values()]
+        self.samples.append(np.array([self.time, *observed.values(), *of_whole]))
 
     def _drop_sample(self):
         """Forget the last sample."""
@@ -368,14 +362,14 @@ class ExplicitSolver:
         excess, speed, *place = max(fastest)
         if self.reason == NOT_FINITE or not np.isfinite(self.samples[-1]).all():
             self.stop("a number is not finite", self.where(*place))
-        for name, contact in self.contacts:
-            message = energy_gain_message(row[name], self.strike_energy)
+        for name, contact in self.contacts.items():
+            message = energy_gain_message(row.get(name, 0.0), self.strike_energy)
             if message:
                 self.stop(f"{contact} {message}", self.where(*place))
         if excess > 1:
             self.stop(f"a node moves at {speed:.3g} m/s", self.where(*place))
         self.guard_model()
-        error = abs(row[self.energy_names[-1]]) / self.strike_energy
+        error = abs(row["error"]) / self.strike_energy
         if error > self.energy_error_limit:
             self.stop(
                 f"the energy balance is off by {100 * error:.2g} % of the strike energy",

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath, FloatArray, positive, refuse
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
@@ -165,10 +165,10 @@ class ImpactSetup:
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
-            raise InputError(
-                key="plies",
-                value=self.plies,
-                allowed=f"{len(self.lay_up)}, as many as the lay-up has",
+            refuse(
+                self,
+                "plies",
+                f"{len(self.lay_up)}, as many as the lay-up has",
             )
         if self.lay_up and self.surface is not None:
             raise InputError(
@@ -176,7 +176,7 @@ class ImpactSetup:
             )
         if self.strength is not None and self.symmetry != "whole":
             allowed = "whole: each yarn has a strength of its own"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=allowed)
+            refuse(self, "symmetry", allowed)
         if self.strength is not None and not self.yarn_failure:
             raise InputError(key="strength", allowed="left out: the yarns do not fail")
 
@@ -230,6 +230,11 @@ class ImpactSetup:
         return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
 
     @property
+    def _oblique_angles(self):
+        """[rad] all angles of plies but right ones."""
+        return {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+
+    @property
     def angled(self) -> bool:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
@@ -251,16 +256,13 @@ class ImpactSetup:
 
     def _held_openings(self):
         """(name of a fabric, `Panel.held_opening`) of plies whose edges follow yarns."""
-        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+        angles = self._oblique_angles
         if not (self.weave_angle or self.round or any(self.impact_point) or angles - {0.0}):
             return
-        used = self.meshed
-        for one in used.kinds:
+        for one in self.meshed.kinds:
             flat = one.panel(one.plain_table())
             for angle in sorted(angles):
-                panel = flat
-                if angle:
-                    panel = at_angle(flat, angle)
+                panel = at_angle(flat, angle)
                 yield panel.fabric.name, np.array(panel.held_opening)
 
     @property
@@ -353,9 +355,8 @@ class ImpactSetup:
             ]
         # the reach does not depend on the values of the table
         plain = [one.panel(one.plain_table()) for one in fine]
-        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         needed = 0
-        for panel, angle in product(plain, angles | {0.0}):
+        for panel, angle in product(plain, self._oblique_angles | {0.0}):
             turned = at_angle(panel, angle)
             for far, path, step, w in zip(
                 turned.reach(), turned.path(), turned.spacing, turned.weave.w
@@ -424,10 +425,8 @@ class ImpactSetup:
         InputError : as CellModel, SurfaceCell and CellTable
         """
         cell = self.cell()
-        if self.surface is not None:
-            return cell.table(self.table_size)
-        if kept:
-            return table_cache.table(cell, self.table_size)  # type: ignore[arg-type]
+        if kept and isinstance(cell, CellModel):
+            return table_cache.table(cell, self.table_size)
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
@@ -652,8 +651,8 @@ def run(
     """
     made = target or setup.target(table)
     memory.check(made.plies, setup.snapshots)
-    if setup.snapshot_interval is not None and not setup.snapshot_interval > 0:
-        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+    if setup.snapshot_interval is not None:
+        positive(setup, "snapshot_interval")
     solver = _solver(setup, made)
     factor = 1.0
     kept = tuple(hooks)
@@ -694,7 +693,7 @@ def _followed(setup, solver, factor, hooks):
     """The result of a solver's run, with what the set-up records."""
     own: list[Hook] = []
     if setup.history:
-        own.append(histories.Recorder([panel for panel, _, _ in solver.parts], setup.history))
+        own.append(histories.Recorder(solver.pack.plies, setup.history))
     if setup.snapshot_interval is not None:
         own.append(Snapshots(setup.snapshot_interval))
     return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
@@ -720,7 +719,7 @@ def collect_result(
     setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
 ) -> ImpactResult:
     """Gather what a run has recorded."""
-    panels = [panel for panel, _, _ in solver.parts]
+    panels = solver.pack.plies
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock = solver.const.dt * np.arange(1, len(fine) + 1)

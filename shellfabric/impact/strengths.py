@@ -23,7 +23,7 @@ from math import gamma, inf
 
 import numpy as np
 
-from fabrics.base.errors import InputError
+from fabrics.base.checks import refuse
 from shellfabric.panel import grading
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
@@ -51,7 +51,7 @@ class YarnStrength:
     def __post_init__(self):
         for key in ("weibull_shape", "gauge_length"):
             if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+                refuse(self, key, "above 0")
 
 
 def draw_strengths(

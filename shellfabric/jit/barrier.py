@@ -61,11 +61,7 @@ def _load_acquire(typing, shared, slot):
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
-        if "typ" in ir.IRBuilder.load_atomic.__code__.co_varnames:
-            more = {"typ": _WORD}
-        else:
-            more = {}
-        return builder.load_atomic(place, "acquire", 8, **more)
+        return builder.load_atomic(place, "acquire", 8)
 
     return types.int64(shared, slot), codegen
 

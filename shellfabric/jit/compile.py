@@ -203,15 +203,9 @@ class Unit:
         """A call: load the address from the cell, and call what is there by numba's own
         convention."""
         symbol = self.cells[sig.args].symbol
-        convention = context.call_conv
-        kind = convention.get_function_type(sig.return_type, sig.args).as_pointer()
+        kind = context.call_conv.get_function_type(sig.return_type, sig.args).as_pointer()
         cell = builder.module.globals.get(symbol) or ir.GlobalVariable(builder.module, kind, symbol)
-        status, found = convention.call_function(
-            builder, builder.load(cell), sig.return_type, sig.args, arguments
-        )
-        with builder.if_then(status.is_error, likely=False):
-            convention.return_status_propagate(builder, status)
-        return found
+        return _call(context, builder, builder.load(cell), sig.return_type, sig.args, arguments)
 
     def __call__(self, *arguments):
         """From Python, as a test calls it."""
@@ -276,19 +270,12 @@ class Cell:
 
     def _way_to_python(self):
         """A function of C's that fills the cell, and goes on to what is there then."""
-        convention = cpu_target.target_context.call_conv
-        kind = convention.get_function_type(self.unit.returns, self.kinds)
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))
 
         def compile_and_call(*arguments):
-            try:
-                self.fill()
-            except BaseException as problem:
-                _raised.append(problem)
-                return FAILED
-            return prototype(self.address.value)(*arguments)
+            self.fill()
+            return type(self.way_to_python)(self.address.value)(*arguments)
 
-        return prototype(compile_and_call)
+        return _code(self.unit.returns, self.kinds, compile_and_call)
 
 
 @intrinsic
@@ -298,15 +285,11 @@ def call_module(typing, cell, own, state, const, first, last, acting):
     kinds = state, const, types.voidptr, *(types.int64,) * 3
 
     def codegen(context, builder, sig, arguments):
-        convention = context.call_conv
-        kind = convention.get_function_type(types.float64, kinds).as_pointer()
+        kind = context.call_conv.get_function_type(types.float64, kinds).as_pointer()
         unit = builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
         own = builder.inttoptr(arguments[1], context.get_value_type(types.voidptr))
         given = [*arguments[2:4], own, *arguments[4:]]
-        status, found = convention.call_function(builder, unit, types.float64, kinds, given)
-        with builder.if_then(status.is_error, likely=False):
-            convention.return_status_propagate(builder, status)
-        return found
+        return _call(context, builder, unit, types.float64, kinds, given)
 
     return types.float64(types.int64, types.int64, state, const, *kinds[3:]), codegen
 
@@ -320,19 +303,38 @@ class PythonCell:
 
     def __init__(self, function: Callable[[], object], state: Row, const: Row) -> None:
         kinds = state._numba_type_, const._numba_type_, types.voidptr, *(types.int64,) * 3
-        kind = cpu_target.target_context.call_conv.get_function_type(types.float64, kinds)
 
         def call(*arguments):
-            try:
-                function()
-            except BaseException as problem:
-                _raised.append(problem)
-                return FAILED
+            function()
             return 0
 
-        self._code = ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))(call)
+        self._code = _code(types.float64, kinds, call)
         self.address = ctypes.cast(self._code, ctypes.c_void_p)
         self.place = ctypes.addressof(self.address)
+
+
+def _call(context, builder, unit, returns, kinds, arguments):
+    """Call machine code by numba's own convention; an exception goes on to the caller."""
+    convention = context.call_conv
+    status, found = convention.call_function(builder, unit, returns, kinds, arguments)
+    with builder.if_then(status.is_error, likely=False):
+        convention.return_status_propagate(builder, status)
+    return found
+
+
+def _code(returns, kinds, function):
+    """A function of C's that calls one of Python's, by numba's convention; what that raises is
+    kept."""
+    kind = cpu_target.target_context.call_conv.get_function_type(returns, kinds)
+
+    def call(*arguments):
+        try:
+            return function(*arguments)
+        except BaseException as problem:
+            _raised.append(problem)
+            return FAILED
+
+    return ctypes.CFUNCTYPE(ctypes.c_int32, *map(_c_type, kind.args))(call)
 
 
 def _c_type(kind):

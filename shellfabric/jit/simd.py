@@ -31,58 +31,40 @@ _INT64X8 = ir.VectorType(_INT, WIDTH)
 _INT32X8 = ir.VectorType(ir.IntType(32), WIDTH)
 
 
-class Float64x8Type(types.Type):
-    """Vector of eight doubles."""
-
-    def __init__(self):
-        super().__init__(name="Lanes")
+class VectorType(types.Type):
+    """Vector of eight numbers or booleans."""
 
 
-class Int32x8Type(types.Type):
-    """Vector of eight int32, row numbers of a table."""
-
-    def __init__(self):
-        super().__init__(name="Cells")
-
-
-class MaskType(types.Type):
-    """Vector of eight booleans."""
-
-    def __init__(self):
-        super().__init__(name="Mask")
+_MODELS = {
+    "Lanes": _FLOAT64X8,
+    "Cells": _INT32X8,
+    "Mask": ir.VectorType(ir.IntType(1), WIDTH),
+}
+FLOAT64X8 = VectorType("Lanes")
+INT32X8 = VectorType("Cells")  # row numbers of a table
+MASK = VectorType("Mask")
 
 
-FLOAT64X8 = Float64x8Type()
-INT32X8 = Int32x8Type()
-MASK = MaskType()
-
-
-@register_model(Float64x8Type)
-class _Float64x8Model(models.PrimitiveModel):
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
-        super().__init__(manager, kind, _FLOAT64X8)
+        super().__init__(manager, kind, _MODELS[kind.name])
 
 
-@register_model(Int32x8Type)
-class _Int32x8Model(models.PrimitiveModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, _INT32X8)
-
-
-@register_model(MaskType)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, ir.VectorType(ir.IntType(1), WIDTH))
-
-
-def _broadcast(builder, value, kind):
-    """Broadcast a float to all lanes; a vector as it is."""
-    if kind is FLOAT64X8:
-        return value
-    one = builder.insert_element(
-        ir.Constant(_FLOAT64X8, ir.Undefined), value, ir.Constant(ir.IntType(32), 0)
-    )
+def _splat(builder, value, vector):
+    """A number in all lanes of a vector."""
+    first = ir.Constant(ir.IntType(32), 0)
+    one = builder.insert_element(ir.Constant(vector, ir.Undefined), value, first)
     return builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
+
+
+def _vectors(builder, arguments, signature):
+    """Arguments as vectors: a float in all lanes, others as they are."""
+    found = list(arguments)
+    for number, kind in enumerate(signature.args):
+        if kind == types.float64:
+            found[number] = _splat(builder, found[number], _FLOAT64X8)
+    return found
 
 
 def _operator(symbol, instruction):
@@ -96,8 +78,7 @@ def _operator(symbol, instruction):
     infer_global(symbol)(Operator)
 
     def codegen(context, builder, signature, arguments):
-        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
-        return getattr(builder, instruction)(a, b)
+        return getattr(builder, instruction)(*_vectors(builder, arguments, signature))
 
     for pair in pairs:
         lower_builtin(symbol, *pair)(codegen)
@@ -120,8 +101,7 @@ def _function(name, count):
             function = _llvm_function(builder, f"llvm.{name}.f64", _DOUBLE, count)
             return builder.call(function, arguments)
         function = _llvm_function(builder, f"llvm.{name}.v{WIDTH}f64", _FLOAT64X8, count)
-        pairs = zip(arguments, signature.args)
-        return builder.call(function, [_broadcast(builder, value, kind) for value, kind in pairs])
+        return builder.call(function, _vectors(builder, arguments, signature))
 
     return codegen
 
@@ -208,7 +188,7 @@ def copysign(typing, a, b):
 
 def _select(symbol):
     def codegen(context, builder, signature, arguments):
-        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+        a, b = _vectors(builder, arguments, signature)
         return builder.select(builder.fcmp_ordered(symbol, a, b), a, b)
 
     return codegen
@@ -231,7 +211,7 @@ def greater(typing, a, b):
     """Mask of a > b."""
 
     def codegen(context, builder, signature, arguments):
-        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+        a, b = _vectors(builder, arguments, signature)
         return builder.fcmp_ordered(">", a, b)
 
     return MASK(a, b), codegen
@@ -277,18 +257,9 @@ def equal_bytes(typing, array, k, value):
     def codegen(context, builder, signature, arguments):
         part = ir.VectorType(ir.IntType(8), WIDTH)
         array, k, value = arguments
-        found = builder.load(
-            _pointer(context, builder, signature.args[0], array, k, part),
-            align=1,
-            **_load_type(part),
-        )
-        one = builder.insert_element(
-            ir.Constant(part, ir.Undefined),
-            builder.trunc(value, ir.IntType(8)),
-            ir.Constant(ir.IntType(32), 0),
-        )
-        every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
-        return builder.icmp_unsigned("==", found, every)
+        found = builder.load(_pointer(context, builder, signature.args[0], array, k, part), align=1)
+        sought = _splat(builder, builder.trunc(value, ir.IntType(8)), part)
+        return builder.icmp_unsigned("==", found, sought)
 
     return MASK(array, k, types.int64), codegen
 
@@ -298,13 +269,8 @@ def head_mask(typing, count):
     """Mask of the first `count` lanes."""
 
     def codegen(context, builder, signature, arguments):
-        one = builder.insert_element(
-            ir.Constant(_INT64X8, ir.Undefined),
-            builder.sext(arguments[0], _INT),
-            ir.Constant(ir.IntType(32), 0),
-        )
-        every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
-        return builder.icmp_signed("<", ir.Constant(_INT64X8, list(range(WIDTH))), every)
+        count = _splat(builder, builder.sext(arguments[0], _INT), _INT64X8)
+        return builder.icmp_signed("<", ir.Constant(_INT64X8, list(range(WIDTH))), count)
 
     return MASK(types.int64), codegen
 
@@ -314,11 +280,7 @@ def where(typing, mask, a, b):
     """a where the mask holds, else b."""
 
     def codegen(context, builder, signature, arguments):
-        a, b = (
-            _broadcast(builder, value, kind)
-            for value, kind in zip(arguments[1:], signature.args[1:])
-        )
-        return builder.select(arguments[0], a, b)
+        return builder.select(*_vectors(builder, arguments, signature))
 
     return FLOAT64X8(mask, a, b), codegen
 
@@ -328,7 +290,7 @@ def broadcast(typing, a):
     """Broadcast a float to all lanes."""
 
     def codegen(context, builder, signature, arguments):
-        return _broadcast(builder, arguments[0], types.float64)
+        return _splat(builder, arguments[0], _FLOAT64X8)
 
     return FLOAT64X8(types.float64), codegen
 
@@ -351,19 +313,12 @@ def load(typing, array, k):
         else:
             part = _FLOAT64X8
         pointer = _pointer(context, builder, kind, *arguments, part)
-        found = builder.load(pointer, align=4 if small else 8, **_load_type(part))
+        found = builder.load(pointer, align=4 if small else 8)
         if small:
             return builder.fpext(found, _FLOAT64X8)
         return found
 
     return FLOAT64X8(array, k), codegen
-
-
-def _load_type(part):
-    """llvmlite of late wants the type of what is loaded."""
-    if "typ" in ir.IRBuilder.load.__code__.co_varnames:
-        return {"typ": part}
-    return {}
 
 
 @intrinsic
@@ -372,8 +327,8 @@ def store(typing, array, k, value):
 
     def codegen(context, builder, signature, arguments):
         kind = signature.args[0]
-        array, k, value = arguments
-        value = _broadcast(builder, value, signature.args[2])
+        array, k, _ = arguments
+        _, _, value = _vectors(builder, arguments, signature)
         small = kind.dtype == types.float32
         part = _FLOAT64X8
         if small:
@@ -474,10 +429,7 @@ def gather8_indexed(typing, table, array, k):
         table, array, k = arguments
         data = context.make_array(signature.args[1])(context, builder, array).data
         numbers = [
-            builder.load(
-                builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]),
-                **_load_type(ir.IntType(32)),
-            )
+            builder.load(builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]))
             for lane in range(WIDTH)
         ]
         found = _numbered_rows(context, builder, signature.args[0], table, numbers, 8)
@@ -497,9 +449,7 @@ def gather(typing, array, cell):
         for lane in range(WIDTH):
             number = ir.Constant(ir.IntType(32), lane)
             place = builder.gep(data, [builder.zext(builder.extract_element(cell, number), _INT)])
-            found = builder.insert_element(
-                found, builder.load(place, **_load_type(_DOUBLE)), number
-            )
+            found = builder.insert_element(found, builder.load(place), number)
         return found
 
     return FLOAT64X8(array, cell), codegen
@@ -534,71 +484,57 @@ def _numbered_rows(context, builder, kind, table, numbers, count):
         row = builder.zext(number, _INT)
         place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, count))])
         pointer = builder.bitcast(place, ir.PointerType(part))
-        found.append(builder.load(pointer, align=8, **_load_type(part)))
+        found.append(builder.load(pointer, align=8))
     return found
 
 
 def _transposed(builder, rows, count):
     """Eight rows of `count` numbers as `count` columns of eight."""
+
+    def shuffle(a, b, lanes):
+        return builder.shuffle_vector(a, b, ir.Constant(_INT32X8, lanes))
+
     if count == 4:  # rows r and r + 4 side by side
-        mask = ir.Constant(_INT32X8, list(range(8)))
-        rows = [builder.shuffle_vector(rows[r], rows[r + 4], mask) for r in range(4)]
-        # each holds (c0 c1 c2 c3) of r, then of r + 4
-        pairs = [
-            builder.shuffle_vector(rows[a], rows[b], ir.Constant(_INT32X8, m))
-            for a, b in ((0, 1), (2, 3))
-            for m in ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15])
-        ]  # (c0 c2) of 0 1; (c1 c3) of 0 1; the same of 2 3
-        low = [0, 1, 8, 9, 4, 5, 12, 13]
-        high = [2, 3, 10, 11, 6, 7, 14, 15]
-        return [
-            builder.shuffle_vector(pairs[p], pairs[p + 2], ir.Constant(_INT32X8, m))
-            for p, m in ((0, low), (1, low), (0, high), (1, high))
-        ]
-    even = [0, 8, 2, 10, 4, 12, 6, 14]
-    odd = [1, 9, 3, 11, 5, 13, 7, 15]
-    shuffle = lambda a, b, m: builder.shuffle_vector(a, b, ir.Constant(_INT32X8, m))  # noqa: E731
-    first = [shuffle(rows[r], rows[r + 1], m) for r in (0, 2, 4, 6) for m in (even, odd)]
-    low = [0, 1, 8, 9, 4, 5, 12, 13]
-    high = [2, 3, 10, 11, 6, 7, 14, 15]
-    second = {}
-    for g in (0, 4):  # rows g .. g + 3
-        for parity in (0, 1):
-            a = first[g + parity]
-            b = first[g + 2 + parity]
-            second[g, parity] = shuffle(a, b, low)
-            second[g, parity + 2] = shuffle(a, b, high)
-    lower = [0, 1, 2, 3, 8, 9, 10, 11]
-    upper = [4, 5, 6, 7, 12, 13, 14, 15]
-    return [shuffle(second[0, m], second[4, m], lower) for m in range(4)] + [
-        shuffle(second[0, m], second[4, m], upper) for m in range(4)
-    ]
+        rows = [shuffle(rows[r], rows[r + 4], list(range(WIDTH))) for r in range(4)]
+    # blocks of one, two, four numbers beside the diagonal change places
+    block = 1
+    while block < count:
+        low = list(range(WIDTH))
+        for lane in range(WIDTH):
+            if lane & block:
+                low[lane] += WIDTH - block
+        high = [lane + block for lane in low]
+        for r in range(count):
+            if not r & block:
+                a = rows[r]
+                b = rows[r + block]
+                rows[r] = shuffle(a, b, low)
+                rows[r + block] = shuffle(a, b, high)
+        block *= 2
+    return rows
 
 
-def _tree_reduction(symbol):
+def _tree_reduction(combine):
+    """Eight lanes to one number: halves are combined, then halves of these."""
+
     @intrinsic
-    def fold(typing, a):
+    def reduced(typing, a):
         def codegen(context, builder, signature, arguments):
-            (vector,) = arguments
-            parts = [
-                builder.extract_element(vector, ir.Constant(ir.IntType(32), lane))
-                for lane in range(WIDTH)
-            ]
+            numbers = (ir.Constant(ir.IntType(32), lane) for lane in range(WIDTH))
+            parts = [builder.extract_element(arguments[0], number) for number in numbers]
             while len(parts) > 1:
                 half = len(parts) // 2
-                if symbol == "+":
-                    parts = [builder.fadd(a, b) for a, b in zip(parts[:half], parts[half:])]
-                else:
-                    parts = [
-                        builder.select(builder.fcmp_ordered(">", a, b), a, b)
-                        for a, b in zip(parts[:half], parts[half:])
-                    ]
+                parts = [combine(builder, *pair) for pair in zip(parts[:half], parts[half:])]
             return parts[0]
 
         return types.float64(a), codegen
 
-    return fold
+    return reduced
 
 
-reduce_add = _tree_reduction("+")
-reduce_max = _tree_reduction(">")
+def _larger(builder, a, b):
+    return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+
+reduce_add = _tree_reduction(ir.IRBuilder.fadd)
+reduce_max = _tree_reduction(_larger)

@@ -267,8 +267,8 @@ class Row:
 
     @classmethod
     def empty(cls) -> Any:
-        """A row of zeros and of arrays without anything in them."""
-        return cls(**{name: _nothing(field.kinds[UNIFORM]) for name, field in cls.fields.items()})
+        """A row of zeros, in which whatever has a length by name has none."""
+        return cls(**{name: _nothing(field) for name, field in cls.fields.items()})
 
     @classmethod
     def kept(cls) -> list[str]:
@@ -311,12 +311,13 @@ def _made(table, values):
     return table(**values)
 
 
-def _nothing(kind):
-    """The least value of a numba type."""
+def _nothing(field):
+    """The least value of a field."""
+    kind = field.kinds[UNIFORM]
+    if kind == array_type(field.shape):
+        return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):
-        return (_nothing(kind.dtype),) * kind.count
-    if isinstance(kind, types.Array):
-        return np.zeros((0,) * kind.ndim, numpy_support.as_dtype(kind.dtype))
+        return (0,) * kind.count
     return numpy_support.as_dtype(kind).type(0)
 
 
@@ -349,9 +350,10 @@ def _grid_of(table, values):
 def _zeros(shape, sizes):
     """Zeros of a shape, or None where one of its sizes is not known."""
     counts, dimensions, kind = parts_of(shape)
-    if [name for name in dimensions if not name.isdigit() and name not in sizes]:
+    known = sizes | {name: int(name) for name in dimensions if name.isdigit()}
+    if not known.keys() >= set(dimensions):
         return None
-    lengths = [int(sizes.get(name, name)) for name in dimensions]
+    lengths = [known[name] for name in dimensions]
     dtype = np.dtype(kind.replace("boolean", "bool"))
     if not counts and dimensions != ["slots"]:
         return np.zeros(lengths, dtype)
@@ -426,13 +428,13 @@ class Rows:
         if len(kinds) != 1:
             raise TypeError(f"{len(kinds)} types in one list: {', '.join(sorted(map(str, kinds)))}")
         self._numba_type_ = RowsType(kinds.pop())
-        self._addresses = np.array([value._address for value in self.values], np.int64)
-        self._address = self._addresses.ctypes.data
-        self._count = len(self.values)
+        addresses = [value._address for value in self.values]
+        self._memory = np.array([len(addresses), *addresses], np.int64)
+        self._address = self._memory.ctypes.data
 
 
 class RowsType(types.Type):
-    """numba type of `Rows`."""
+    """numba type of `Rows`: a pointer to words, their number and their addresses."""
 
     def __init__(self, kind: RowType) -> None:
         self.kind = kind
@@ -444,38 +446,20 @@ class RowsType(types.Type):
 
 
 @register_model(RowType)
-class _RowModel(models.PrimitiveModel):
+@register_model(RowsType)
+class _PointerModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, WORD.as_pointer())
 
 
-@register_model(RowsType)
-class _RowsModel(models.StructModel):
-    def __init__(self, manager, kind):
-        super().__init__(manager, kind, [("address", types.intp), ("count", types.intp)])
-
-
-def _integer_attribute(c, value, name):
-    member = c.pyapi.object_getattr_string(value, name)
-    found = c.unbox(types.intp, member).value
-    c.pyapi.decref(member)
-    return found
-
-
 @unbox(RowType)
+@unbox(RowsType)
 def _unbox_row(kind, value, c):
-    address = _integer_attribute(c, value, "_address")
+    member = c.pyapi.object_getattr_string(value, "_address")
+    address = c.unbox(types.intp, member).value
+    c.pyapi.decref(member)
     failed = cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
     return NativeValue(c.builder.inttoptr(address, WORD.as_pointer()), is_error=failed)
-
-
-@unbox(RowsType)
-def _unbox_rows(kind, value, c):
-    found = cgutils.create_struct_proxy(kind)(c.context, c.builder)
-    found.address = _integer_attribute(c, value, "_address")
-    found.count = _integer_attribute(c, value, "_count")
-    failed = cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
-    return NativeValue(found._getvalue(), is_error=failed)
 
 
 @infer_global(len)
@@ -488,7 +472,7 @@ class _Len(AbstractTemplate):
 
 @lower_builtin(len, RowsType)
 def _len(context, builder, sig, arguments):
-    return cgutils.create_struct_proxy(sig.args[0])(context, builder, value=arguments[0]).count
+    return _load_word(builder, arguments[0], 0)
 
 
 @intrinsic
@@ -496,9 +480,8 @@ def row_of(typing, rows, number):
     """rows[number] of `Rows`; a number out of range is not caught."""
 
     def codegen(context, builder, sig, arguments):
-        given = cgutils.create_struct_proxy(sig.args[0])(context, builder, value=arguments[0])
-        addresses = builder.inttoptr(given.address, WORD.as_pointer())
-        address = builder.load(builder.gep(addresses, [arguments[1]]))
+        pointer, number = arguments
+        address = builder.load(builder.gep(pointer, [builder.add(number, ir.Constant(WORD, 1))]))
         return builder.inttoptr(address, WORD.as_pointer())
 
     return rows.kind(rows, number), codegen

@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
+from shellfabric.panel.slots import by_node
 from shellfabric.projectile.frames import axes
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ EDGES = (
     "weft_high",
     "weft_low",
 )  # at highest and lowest x, at highest and lowest y
-PULL, LIFT = 0, 1
+PULL = 0
+LIFT = 1
 
 
 @dataclass(frozen=True)
@@ -62,23 +64,20 @@ class HistoryRequest:
     plies: tuple[int, ...] | None = None
 
     def __post_init__(self):
-        if not 0 < self.interval < inf:
-            raise InputError(key="interval", value=self.interval, allowed="above 0")
+        positive(self, "interval")
         for family in FAMILIES:
             if not all(abs(distance) < inf for distance in getattr(self, family)):
                 raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
         if self.plies is not None and (
             not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)
         ):
-            raise InputError(
-                key="plies", value=self.plies, allowed="numbers of plies, the first is 1"
-            )
+            refuse(self, "plies", "numbers of plies, the first is 1")
 
     def chosen(self, count: int) -> Sequence[int]:
         """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has
         not."""
         if self.plies is not None and max(self.plies) > count:
-            raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
+            refuse(self, "plies", f"1 to {count}")
         if self.plies is None:
             return range(count)
         return [ply - 1 for ply in self.plies]
@@ -200,22 +199,15 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
 def _record(panel, c, state, chosen, sides, neighbours):
     """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
     tension = yarn_tensions(c, state)
-    u = [
-        component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for component in state.u
-    ]
+    u = [by_node(component, c) for component in state.u]
     parts = []
     for family, element, node in chosen:
-        if family == "warp":
-            along = np.s_[:, node]
-        else:
-            along = np.s_[node, :]
-        if family == "warp":
-            pulled = tension[:, element, 0]
-        else:
-            pulled = tension[element, :, 1]
-        rest = panel.lines()[FAMILIES.index(family)]
-        parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
+        axis = FAMILIES.index(family)
+        across = 1 - axis
+        rest = panel.lines()[axis]
+        parts.append(tension[..., axis].take(element, across))
+        parts.append(rest + u[axis].take(node, across))
+        parts.append(u[2].take(node, across))
     return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import edges
+from shellfabric.panel.slots import by_element, by_node
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -97,28 +98,20 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
     rest."""
     found: list[Snapshot] = []
-    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
+    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.pack.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
-        if found:
-            nose = found[0].projectile_position
-        else:
-            nose = one.projectile_position
-        found.append(
-            replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy())
-        )
+        # the place of the nose is counted from the first ply
+        nose = (found or [one])[0].projectile_position.copy()
+        found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))
     return tuple(found)
 
 
 def failures(c: Any, state: Any) -> BoolArray:
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
     constants."""
-
-    def nodes(slots):
-        return slots[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-
-    warp, weft = (nodes(segments) != 0 for segments in state.failed)
-    eroded = nodes(state.element_flag)[:-1, :-1] & ERODED != 0
+    warp, weft = (by_node(segments, c) != 0 for segments in state.failed)
+    eroded = by_element(state.element_flag, c) & ERODED != 0
     return np.stack(
         [warp[:-1, :-1] | warp[:-1, 1:], weft[:-1, :-1] | weft[1:, :-1], eroded], axis=2
     )
@@ -127,10 +120,7 @@ def failures(c: Any, state: Any) -> BoolArray:
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
     """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
     whole yarn."""
-    warp, weft = (
-        ((failed == 0) * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
-        for failed, T in zip(state.failed, state.T)
-    )
+    warp, weft = (by_node((failed == 0) * T, c) for failed, T in zip(state.failed, state.T))
     return np.stack(
         [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2
     )

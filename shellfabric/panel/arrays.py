@@ -13,6 +13,7 @@ from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import edges, failure, forces, grading
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
+from shellfabric.panel.slots import by_node
 from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, State, Work
 
@@ -49,26 +50,17 @@ def _constants(panel):
     S01, S02 = weave.S0
     warp, weft = weave.yarns
     rx, ry = (1 / step for step in table.steps)
-    if panel.trellis:
-        shear = panel.fabric.shear
-    else:
-        shear = None
-    if shear:
-        G1 = shear.G1
-        G2 = shear.G2
-        gamma1 = shear.gamma1
-        gamma2 = shear.gamma2
-    else:
-        G1 = 0.0
-        G2 = 0.0
-        gamma1 = 0.5
-        gamma2 = 1.0
+    law = {"G1": 0.0, "G2": 0.0, "gamma1": 0.5, "gamma2": 1.0}
+    if panel.trellis and panel.fabric.shear:
+        law = {name: getattr(panel.fabric.shear, name) for name in law}
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
     x0, y0 = panel.origin
     shot = panel.shot
     rim_node, rim_axis, rim = edges.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
+    (bound1, bound_step1), (bound2, bound_step2) = packed_table.ceilings(table)
+    coefficients, constant = packed_table.potential(table)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
     # first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
@@ -81,9 +73,7 @@ def _constants(panel):
     slots |= {"cv1": cv1, "cv2": cv2}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
     if panel.sides is not None:
-        slots = grading.slots(
-            panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros
-        )
+        slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2))
     return Constants(
         ni=ni,
         nj=nj,
@@ -103,18 +93,12 @@ def _constants(panel):
         **slots,
         tension1=table.tension1.reshape(-1, 4),
         tension2=table.tension2.reshape(-1, 4),
-        tension_bound_table1=panel.ceilings[0][0],
-        tension_bound_step1=panel.ceilings[0][1],
-        tension_bound_table2=panel.ceilings[1][0],
-        tension_bound_step2=panel.ceilings[1][1],
-        potential_coefficients=panel.potential[0],
-        potential_constant=panel.potential[1],
-        table_start1=table.stretch1[0],
-        table_scale1=rx,
-        table_last1=table.stretch1.size - 2,
-        table_start2=table.stretch2[0],
-        table_scale2=ry,
-        table_last2=table.stretch2.size - 2,
+        tension_bound_table1=bound1,
+        tension_bound_step1=bound_step1,
+        tension_bound_table2=bound2,
+        tension_bound_step2=bound_step2,
+        potential_coefficients=coefficients,
+        potential_constant=constant,
         table_grid=(
             table.stretch1[0],
             rx,
@@ -128,10 +112,7 @@ def _constants(panel):
         force_per_slope1=rx / (2 * w1),
         force_per_slope2=ry / (2 * w2),
         variational=table.model.cell_formulation == "variational",
-        G1=G1,
-        G2=G2,
-        gamma1=gamma1,
-        gamma2=gamma2,
+        **law,
         w1=w1,
         S01=S01,
         EA1=warp.EA,
@@ -250,7 +231,7 @@ def _bending(panel):
             [n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]
         )
     counts = panel.weave.warp_count, panel.weave.weft_count
-    return grading.bending(panel.sides, counts, panel.bending, aligned_zeros)
+    return grading.bending(panel.sides, counts, panel.bending)
 
 
 def _block(panel):
@@ -287,9 +268,8 @@ def _fill_half_strengths(const, slots):
     warp, weft = (
         np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines)
     )
-    grids = [each[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, -1) for each in slots]
-    grids[0][:] = warp
-    grids[1][:] = weft[:, None]
+    by_node(slots[0], const)[:] = warp
+    by_node(slots[1], const)[:] = weft[:, None]
 
 
 def _near(panel, roaming):

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, TypeAlias
 
+from fabrics.base.checks import not_negative, positive, refuse
 from fabrics.base.errors import InputError
 
 
@@ -42,13 +43,10 @@ class PullIn:
     zone: float = 60e-3
 
     def __post_init__(self):
-        for key in ("length", "zone"):
-            if not 0 < getattr(self, key) < inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if not self.start >= 0:
-            raise InputError(key="start", value=self.start, allowed="at least 0")
+        positive(self, "length", "zone")
+        not_negative(self, "start")
         if not self.start < self.end < inf:
-            raise InputError(key="end", value=self.end, allowed="after the start")
+            refuse(self, "end", "after the start")
 
 
 @dataclass(frozen=True)
@@ -67,8 +65,7 @@ class Grip:
     force: float
 
     def __post_init__(self):
-        if not 0 < self.force < inf:
-            raise InputError(key="force", value=self.force, allowed="above 0")
+        positive(self, "force")
 
 
 Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes

@@ -44,10 +44,10 @@ def element_forces(state, const, block, first, last, work):
 def stretches(state, const, first, last, damaged, work):
     """Stretches of a block's edges, and their means over the edges that cross each."""
     membrane_kernels.stretch_edges(state, const, work, first, last)
-    membrane_kernels.average_crossing(state, const, work, first, last)
     if damaged:
-        damage_kernels.damaged_means(state, const, work, WARP, first, last)
-        damage_kernels.damaged_means(state, const, work, WEFT, first, last)
+        damage_kernels.damaged_means(state, const, work, first, last)
+    else:
+        membrane_kernels.average_crossing(state, const, work, first, last)
 
 
 @kernel(_nrt=False)
@@ -74,8 +74,7 @@ def interpolate_tensions(state, const, block, first, last, damaged, work):
         m, n_weft, mean1, stretch2, const.table_grid, const.tension2, (reach1, np.inf), weft
     )
     if damaged:
-        damage_kernels.damaged_forces(state, const, work, WARP, first, last)
-        damage_kernels.damaged_forces(state, const, work, WEFT, first, last)
+        damage_kernels.damaged_tensions(const, work, first, last)
         most[WARP] = table_kernels.max_value(m, n, warp)
         most[WEFT] = table_kernels.max_value(m, n_weft, weft)
     if const.variational:
@@ -91,9 +90,8 @@ def tension_bound(const, p, q, N, unit, ceiling):
 
     p, q in cells of the table; unit, ceiling : see `crossover_kernels.tension_bound_table`.
     """
-    if not (
-        p <= const.table_last1 + 1 and q <= const.table_last2 + 1 and N < unit * ceiling.shape[0]
-    ):
+    _, _, last1, _, _, last2, _ = const.table_grid
+    if not (p <= last1 + 1.0 and q <= last2 + 1.0 and N < unit * ceiling.shape[0]):
         return np.inf
     step = int(N / unit)
     return max(ceiling[step, 0], N + ceiling[step, 1])
@@ -146,11 +144,10 @@ def potential_gradient(state, const, block, first, last, damaged, work):
         work.dW_crossing[WEFT],
         work.dW_own[WEFT],
     )
-    membrane_kernels.share_forces(state, const, work, first, last)
     if damaged:
-        damage_kernels.damaged_gradient(state, const, work, WARP, first, last)
-        damage_kernels.damaged_gradient(state, const, work, WEFT, first, last)
+        damage_kernels.damaged_gradient(state, const, work, first, last)
         return True
+    membrane_kernels.share_forces(state, const, work, first, last)
     most = state.block_max_tension[block]
     most[WARP] = tension_bound(
         const, p1, q1, high1, const.tension_bound_step1, const.tension_bound_table1

@@ -19,7 +19,7 @@ stands for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import inf
@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
+from shellfabric.jit.aligned import aligned_zeros
 
 MOST_LINES = 8  # elements along a crossover, at most
 _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 0.33 is 1/3
@@ -188,7 +189,6 @@ def slots(
     finest: tuple[float, ...],
     thickness: float,
     viscosity: Sequence[float],
-    room: Callable[..., Any],
 ) -> dict[str, FloatArray]:
     """What is a float of a plain panel and changes from slot to slot of a graded one: {name of
     Constants: (slots,)}.
@@ -202,7 +202,6 @@ def slots(
     finest : (dx, dy) [m] sides of the smallest element
     thickness : [m] of the fabric
     viscosity : (warp, weft) [N] of the smallest element
-    room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """
     a, b = sides
     dx, dy = finest
@@ -213,7 +212,7 @@ def slots(
     def spread(row, column, factor=1.0):
         grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))
         grid = grid[: ni + 1, : nj + 1]
-        flat = room(1, (ni + 2) * (nj + 1) + 32)[0]
+        flat = aligned_zeros(1, (ni + 2) * (nj + 1) + 32)[0]
         flat[:] = factor * grid[0, 0]
         flat[16 : 16 + grid.size] = factor * grid.ravel()
         return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
@@ -235,7 +234,6 @@ def bending(
     sides: Sequence[FloatArray],
     yarns: Sequence[float],
     stiffness: Sequence[float],
-    room: Callable[..., Any],
 ) -> tuple[FloatArray, ...]:
     """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean
     of its two segments.
@@ -245,7 +243,6 @@ def bending(
     sides : ((ni,), (nj,)) [m]
     yarns : (warp, weft) [1/m] yarns per length
     stiffness : (warp, weft) [N m2] EI of a yarn
-    room : as for `slots`
     """
     found = []
     for family, (count, EI) in enumerate(zip(yarns, stiffness)):
@@ -253,7 +250,7 @@ def bending(
         other = sides[1 - family]
         length = 0.5 * (np.append(own, own[-1]) + np.insert(own, 0, own[0]))
         grid = EI * np.multiply.outer(1 / length, count * tributary(other))
-        flat = room(1, (sides[0].size + 2) * (sides[1].size + 1) + 32)[0]
+        flat = aligned_zeros(1, (sides[0].size + 2) * (sides[1].size + 1) + 32)[0]
         if family == 1:
             grid = grid.T
         flat[: grid.size] = grid.ravel()

@@ -29,14 +29,13 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import BoolArray, FloatArray, IntArray
+from fabrics.base.checks import BoolArray, FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
-from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import boundary, forces, grading, time_step
 from shellfabric.panel.boundary import Boundary
@@ -119,24 +118,22 @@ class PanelGrid:
         even = [*map(self.shot.mirrored, (0, 1))]
         fits = [name for name, planes in SYMMETRIES.items() if all(map(ge, even, planes))]
         if self.symmetry not in fits:
-            raise InputError(
-                key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot"
-            )
+            refuse(self, "symmetry", " or ".join(fits) + " for this shot")
         self._check_edges()
         coupling.check(self)
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:
-            raise InputError(
-                key="elements_per_crossover",
-                value=self.elements_per_crossover,
-                allowed="1, 2, 3, ...",
+            refuse(
+                self,
+                "elements_per_crossover",
+                "1, 2, 3, ...",
             )
         if not all(0 <= EI < inf for EI in self.bending):
-            raise InputError(key="bending", value=self.bending, allowed="at least 0")
+            refuse(self, "bending", "at least 0")
         if not 0 < self.packed_area < 1:
-            raise InputError(key="packed_area", value=self.packed_area, allowed="above 0, below 1")
+            refuse(self, "packed_area", "above 0, below 1")
         for family, given, count in zip(
             ("warp", "weft"), self.strength_factors or (), self.yarn_counts
         ):
@@ -161,13 +158,13 @@ class PanelGrid:
         for (low, high), mirrored in zip(self.supports, self.mirrors):
             if mirrored and low != high:
                 allowed = "alike at both ends of mirrored yarns"
-                raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+                refuse(self, "boundary", allowed)
         if any(offset and mirrored for offset, mirrored in zip(self.impact_point, self.mirrors)):
             allowed = "0 across planes of symmetry, or symmetry = whole"
-            raise InputError(key="impact_point", value=self.impact_point, allowed=allowed)
+            refuse(self, "impact_point", allowed)
         if self.round and len(set(self.opening)) > 1:
             allowed = "one diameter of a round opening"
-            raise InputError(key="opening", value=self.opening, allowed=allowed)
+            refuse(self, "opening", allowed)
         if self.stepped and not boundary.is_clamped(self.boundary):
             what = "in a round opening"
             if self.weave_angle:
@@ -175,7 +172,7 @@ class PanelGrid:
             if self.ply_angle:
                 what = "turned in its pack"
             allowed = f"clamped if the weave is {what}"
-            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+            refuse(self, "boundary", allowed)
         room = [0.5 * side - 2 * self.projectile.radius for side in self.opening]
         if self.round:
             inside = np.hypot(*self.impact_point) < room[0]
@@ -183,15 +180,15 @@ class PanelGrid:
             inside = np.all(np.abs(self.impact_point) < room)
         if any(self.impact_point) and not inside:
             allowed = "within the opening, two radii of the projectile from its edge"
-            raise InputError(key="impact_point", value=self.impact_point, allowed=allowed)
+            refuse(self, "impact_point", allowed)
         if not abs(self.weave_angle) < 1.5708:
             allowed = "within a right angle"
-            raise InputError(key="weave_angle", value=self.weave_angle, allowed=allowed)
+            refuse(self, "weave_angle", allowed)
         if self.weave_angle and any(self.mirrors):
             what = "the weave is oblique"
             if self.ply_angle:
                 what = "a ply is turned by another angle than 90 deg"
-            raise InputError(key="symmetry", value=self.symmetry, allowed=f"whole if {what}")
+            refuse(self, "symmetry", f"whole if {what}")
 
     def _check_strength(self):
         if self.rate_dependence and self.fabric.strain_rate is None:
@@ -210,16 +207,16 @@ class PanelGrid:
         gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
-            raise InputError(key="boundary", value=self.boundary, allowed=allowed)
+            refuse(self, "boundary", allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             # and what the smooth surface of the last element has beside it
             least = int(np.ceil(reach / step)) + 1
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
-                raise InputError(
-                    key="grading",
-                    value=self.grading,
-                    allowed=f"{allowed}, all that comes under the nose",
+                refuse(
+                    self,
+                    "grading",
+                    f"{allowed}, all that comes under the nose",
                 )
 
     @property
@@ -276,8 +273,7 @@ class PanelGrid:
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         if self._fills:
-            lengths = self.extent
-            return tuple(length / 2 / n for length, n in zip(lengths, self._half_counts))
+            return tuple(length / 2 / n for length, n in zip(self.extent, self._half_counts))
         return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
 
     @property
@@ -289,8 +285,7 @@ class PanelGrid:
     @cached_property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
-        lengths = self.extent
-        return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
+        return tuple(length / 2 / (2 * w) for length, w in zip(self.extent, self.weave.w))
 
     @cached_property
     def _half_counts(self):
@@ -378,9 +373,8 @@ class PanelGrid:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
-        halves = zip(self._half_counts, self.mirrors)
         found = []
-        for n, mirrored in halves:
+        for n, mirrored in zip(self._half_counts, self.mirrors):
             if not mirrored:
                 n *= 2
             found.append(n)
@@ -437,7 +431,8 @@ class PanelGrid:
     @property
     def time_step(self) -> float:
         """[s] the step that is taken."""
-        return self.step_of_bound * self._pace
+        share = time_step.share(self.table, self.numerics.stretch_viscosity)
+        return self.step_of_bound * share
 
     @property
     def step_of_bound(self) -> float:
@@ -445,10 +440,6 @@ class PanelGrid:
         of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
-
-    @cached_property
-    def _pace(self):
-        return time_step.share(self.table, self.numerics.stretch_viscosity)
 
     def coordinates(self) -> list[FloatArray]:
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
@@ -591,16 +582,6 @@ class PanelGrid:
         return free
 
     @cached_property
-    def potential(self) -> tuple[FloatArray, FloatArray]:
-        """See `packed_table.potential`."""
-        return packed_table.potential(self.table)
-
-    @cached_property
-    def ceilings(self) -> list[tuple[FloatArray, float]]:
-        """See `packed_table.ceilings`."""
-        return packed_table.ceilings(self.table)
-
-    @cached_property
     def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge
         stands for."""
@@ -669,7 +650,8 @@ class PanelGrid:
             longer = yarn.crimp + yarn.failure_strain
             depths.append(0.5 * length * sqrt(longer * (2 + longer)))
         depth = min(depths) + 2 * self.projectile.radius
-        flight, axis = self.shot.flight, self.shot.frame[2]
+        flight = self.shot.flight
+        axis = self.shot.frame[2]
         sideways = np.maximum(np.abs(flight[:2] / flight[2]), np.abs(axis[:2] / axis[2]))
         return tuple(depth * sideways)
 

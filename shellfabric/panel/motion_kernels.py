@@ -20,22 +20,21 @@ AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
 
 
-@unit(dt="number", dt_over_mass="n", f_int="3 x n", f_int_above="3 x n", v="3 x n", u="3 x n")
-def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
-    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int +
+@unit()
+def move_nodes(state, const, begin, end, both):
+    """Central-difference update of the nodes begin .. end - 1: forces f_int [N], or `both` f_int +
     f_int_above."""
-    for j in range(0, n, WIDTH):
-        k = k0 + j
-        left = n - j
-        impulse = load(dt_over_mass, k)
+    for k in range(begin, end, WIDTH):
+        left = end - k
+        impulse = load(state.dt_over_mass, k)
         for c in range(3):
-            force = load(f_int[c], k)
+            force = load(state.f_int[c], k)
             if both:
-                force = force + load(f_int_above[c], k)
-            speed = fma(impulse, force, load(v[c], k))
+                force = force + load(state.f_int_above[c], k)
+            speed = fma(impulse, force, load(state.v[c], k))
             speed = where(greater(fabs(speed), _MIN_VELOCITY), speed, 0.0)
-            masked_store(v[c], k, speed, left)
-            masked_store(u[c], k, fma(speed, dt, load(u[c], k)), left)
+            masked_store(state.v[c], k, speed, left)
+            masked_store(state.u[c], k, fma(speed, const.dt, load(state.u[c], k)), left)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -95,19 +94,7 @@ def move_rows(state, const, first, last):
             end = row + 1
         else:
             end = min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
-        k0 = row * const.row_stride
-        n = (end - row) * const.row_stride
-        move_nodes(
-            k0,
-            n,
-            const.dt,
-            state.dt_over_mass,
-            state.f_int,
-            state.f_int_above,
-            met,
-            state.v,
-            state.u,
-        )
+        move_nodes(state, const, row * const.row_stride, end * const.row_stride, met)
         row = end
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fabrics.base.errors import InputError
+from fabrics.base.checks import not_negative, positive, refuse
 
 
 @dataclass(frozen=True)
@@ -53,15 +53,11 @@ class Numerics:
     threads: int | None = None
 
     def __post_init__(self):
-        for key in ("cfl", "penalty", "widest", "clear_time", "block"):
-            if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        positive(self, "cfl", "penalty", "widest", "clear_time", "block")
+        not_negative(self, "stretch_viscosity", "contact_damping")
         if self.contact_points is not None and self.contact_points < 1:
-            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
-        for key in ("stretch_viscosity", "contact_damping"):
-            if not getattr(self, key) >= 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+            refuse(self, "contact_points", "at least 1")
         if self.threads is not None and self.threads < 1:
-            raise InputError(key="threads", value=self.threads, allowed="at least 1")
+            refuse(self, "threads", "at least 1")
         if self.cfl > 1:
-            raise InputError(key="cfl", value=self.cfl, allowed="at most 1")
+            refuse(self, "cfl", "at most 1")

@@ -9,12 +9,13 @@ are held, and the elements between them; the rest is a plug, and does not count.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics.base.checks import BoolArray
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.panel.slots import by_element, by_node
 from shellfabric.projectile.window_kernels import cloth_ahead_of_nose
 
 if TYPE_CHECKING:
@@ -27,14 +28,12 @@ def held(state: State, const: Constants) -> BoolArray:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    ni = const.ni
-    s = const.row_stride
-    node = np.arange((ni + 1) * s).reshape(ni + 1, s)
-    warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)
+    node = by_node(np.arange(state.mass.size), const)
+    warp, weft = (by_node(intact, const) > 0 for intact in state.intact_fraction)
     near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])
     far = np.concatenate([node[1:][warp[:-1]], node[:, 1:][weft[:, :-1]]])
     joined = coo_matrix((np.ones(near.size, bool), (near, far)), shape=(node.size, node.size))
-    piece = connected_components(joined, directed=False)[1].reshape(ni + 1, s)
+    piece = connected_components(joined, directed=False)[1].reshape(node.shape)
     outer = [piece[-1], piece[:, -1]]
     if not const.mirror_x:
         outer.append(piece[0])
@@ -53,8 +52,3 @@ def passed(state: State, const: Constants, held_elements: BoolArray | None = Non
     flag = state.element_flag.copy()
     by_element(flag, const)[~held_elements] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
-
-
-def by_element(flag: Any, const: Any) -> Any:
-    """(ni, nj) view of an array of the state that has a slot for each element."""
-    return flag[: const.ni * const.row_stride].reshape(const.ni, const.row_stride)[:, :-1]

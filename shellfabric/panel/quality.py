@@ -95,20 +95,13 @@ class Indicator:
         return text
 
     def __str__(self):
-        if self.unit:
-            unit = f" {self.unit}"
-        else:
-            unit = ""
+        unit = f" {self.unit}".rstrip()
+        bounds = f"limit {self.limit:g}{unit}"
         if self.status == NOTED:
-            noted = f"noted above {self.note:g}{unit}, "
-        else:
-            noted = ""
-        if self.doubtful:
-            remedy = REMEDIES.get(self.name)
-        else:
-            remedy = None
-        limit = f"{noted}limit {self.limit:g}{unit}"
-        return f"{self.name} {self.number}{unit} ({'; '.join(filter(None, (limit, remedy)))})"
+            bounds = f"noted above {self.note:g}{unit}, {bounds}"
+        if self.doubtful and self.name in REMEDIES:
+            bounds = f"{bounds}; {REMEDIES[self.name]}"
+        return f"{self.name} {self.number}{unit} ({bounds})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
@@ -120,97 +113,80 @@ def status(indicators: Iterable[Indicator]) -> str:
     return max((one.status for one in indicators), key=(OK, NOTED, DOUBTFUL).index, default=OK)
 
 
-# name: (limit, unit, what the value is)
+# name: (limit, what the value is)
 LIMITS = {
-    "time step": (1.0, "", "time step over the stability limit of the explicit integration"),
-    "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
+    "time step": (1.0, "time step over the stability limit of the explicit integration"),
+    "energy error": (0.005, "largest error of the energy balance over the strike energy"),
     "yarn snap": (
         0.005,
-        "",
         "energy that steps lose while yarns stiffen, over the strike energy",
     ),
     "energy gained in contact": (
         0.008,
-        "",
         "energy that contact forces created, over the strike energy",
     ),
     "viscous energy": (
         0.15,
-        "",
         "energy dissipated by viscosity over the energy absorbed, until a yarn first fails",
     ),
     "formulation energy": (
         0.1,
-        "",
         "work of the cell's forces that no potential stores, over the energy absorbed",
     ),
     "tension oscillation": (
         0.07,
-        "",
         "rms oscillation of the tension from node to node over the rms tension",
     ),
     "nose penetration": (
         1.8,
-        "",
         "largest penetration of the projectile into the fabric over its edge radius",
     ),
     "contact point spacing": (
         1.2,
-        "",
         "spacing of the contact points over the projectile's edge radius",
     ),
-    "element side": (1.0, "", "longest element side over the projectile's radius"),
+    "element side": (1.0, "longest element side over the projectile's radius"),
     "element over failure length": (
         2.0,
-        "",
         "if yarns fail: element side over the failure length",
     ),
     "path over fine mesh": (
         1.0,
-        "",
         "distance from the impact point to the furthest fabric under the projectile at the end, over the half width of "
         "the fine mesh, beyond which fabric does not touch the projectile",
     ),
-    "yarns an element": (1.0, "", "yarns per element side under the projectile"),
+    "yarns an element": (1.0, "yarns per element side under the projectile"),
     "tension over cell table": (
         1.0,
-        "",
         "peak tension over the largest tension tabulated for the unit cell",
     ),
     "tension over sampled surface": (
         1.0,
-        "",
         "peak tension over the largest tension sampled for the response surface",
     ),
     "contact force over fitted range": (
         1.0,
-        "",
         "force between yarns over the largest that the law was fitted to",
     ),
     "swelling under contact": (
         1e-3,
-        "",
         "growth of a yarn's thickness under a light contact force over its thickness",
     ),
-    "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
+    "relaxation residual": (1.0, "out-of-balance force over the tolerance of the relaxation"),
     "node alternation": (
         0.01,
-        "",
         "displacements that alternate from node to node over the yarn's thickness",
     ),
     "ply penetration": (
         0.75,
-        "",
         "largest loaded penetration of a ply into the next over the ply's thickness",
     ),
     "ply collisions": (
         0.1,
-        "",
         "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
     ),
     "slip at the rim": (
         0.15,
-        "",
         "slip of a resolved yarn beside the rim of its zone, in crossovers",
     ),
 }
@@ -226,8 +202,8 @@ REMEDIES = {
 
 def indicator(name: str, value: float) -> Indicator:
     """The Indicator of LIMITS with a value."""
-    limit, unit, meaning = LIMITS[name]
-    return Indicator(name, float(value), limit, unit, meaning, NOTES.get(name))
+    limit, meaning = LIMITS[name]
+    return Indicator(name, float(value), limit, meaning=meaning, note=NOTES.get(name))
 
 
 class Monitor:
@@ -249,7 +225,7 @@ class Monitor:
 
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.parts), 3))
-        plies = [panel for panel, _, _ in solver.parts]
+        plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
@@ -258,17 +234,15 @@ class Monitor:
         from shellfabric.panel.motion_kernels import FAILURES
         from shellfabric.panel.quality_kernels import sample
 
-        parts = solver.parts
         if solver.zone is not None:
             return  # about the nose there are yarns in the place of the panel's edges
-        if len(solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
+        if len(solver.samples) % EVERY or any(state.counter[FAILURES] for state in solver.states):
             return
         for (_, const, state), row, (i, j), light in zip(
-            parts, self.found, self._places, self._light
+            solver.parts, self.found, self._places, self._light
         ):
             sample(state, const, i, j, *light, row)
-        if len(parts) > 1:
-            self.found[:-1, -1] = solver.deepest
+        self.found[:-1, -1] = solver.deepest
 
     @property
     def oscillation(self) -> float:
@@ -311,29 +285,25 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 
     panel = solver.panel
     const = solver.const
-    shot = solver.panel.projectile
+    shot = panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
     cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     broken = float(cut_yarns[-1] > 0 and solver.zone is None)
-    depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
+    depth = max(float(state.contact_energy[MAX_PENETRATION]) for state in solver.states)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
-    given = max(
-        float(np.max(-energies[name]))
-        for name in ("contact", "ply_contact", "ply_collisions", "backing_damped")
-        if name in energies
-    )
+    largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}
+    contacts = {"contact", "ply_contact", "ply_collisions", "backing_damped"} & energies.keys()
+    given = max(-float(energies[name].min()) for name in contacts)
     found = [
         indicator("time step", const.dt / bound),
-        indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
-        indicator("yarn snap", float(np.max(np.abs(energies["yarn_snap"]))) / strike),
+        indicator("energy error", largest["error"] / strike),
+        indicator("yarn snap", largest["yarn_snap"] / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
         indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
-        indicator(
-            "formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed
-        ),
+        indicator("formulation energy", largest["formulation_residual"] / absorbed),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
         indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
@@ -367,7 +337,7 @@ def _path(solver):
 
 def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
-    peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
+    peaks = np.max([state.peak_tension for state in solver.states], axis=0)
     table = solver.panel.table
     found = []
     if not solver.panel.yarn_failure:
@@ -398,10 +368,8 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
     if known:
         found.append(indicator("contact force over fitted range", force / min(known)))
-    light = values["F"][values["F"] > 0]
-    if light.size:
-        least = float(light.min())
-    else:
+    least = float(values["F"].min(where=values["F"] > 0, initial=np.inf))
+    if least == np.inf:
         least = 0.0
     swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))
     found.append(indicator("swelling under contact", swelling))
@@ -410,10 +378,9 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
 
 def _swelling(law, force, height):
     """[-] by which a yarn grows thicker under a light contact force, over its height."""
+    shift = 0.0
     if law.form == "regularised":
         shift = law.F0
-    else:
-        shift = 0.0
     if force + shift > 0:
         return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height
     return 0.0

@@ -96,15 +96,10 @@ class Pack:
                 key="laws", value=len(self.laws), allowed=f"{len(self.gaps)} of them, or none"
             )
         first = self.plies[0]
-        for key in ("symmetry", "projectile", "opening", "round", "impact_point"):
+        for key in ("symmetry", "projectile", "opening", "round", "impact_point", "grading"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
                 raise InputError(f"the plies of a pack must have one {key}")
-        if any(ply.grading != first.grading for ply in self.plies):
-            raise InputError("the plies of a pack must have one grading")
-        if (
-            len({ply.table.model.cell_formulation for ply in self.plies}) > 1
-            or len({ply.trellis for ply in self.plies}) > 1
-        ):
+        if len({(ply.table.model.cell_formulation, ply.trellis) for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
         if len(self.plies) > 1 and any(isinstance(ply, YarnPanel) for ply in self.plies):
             raise InputError(key="crossovers", value="yarns", allowed="pinned in a pack")
@@ -113,10 +108,8 @@ class Pack:
     def at_shorter_step(self, factor: float) -> Pack:
         """The pack with a time step that is `factor` times as long."""
 
-        def of(ply):
-            return replace(ply, numerics=replace(ply.numerics, cfl=factor * ply.numerics.cfl))
-
-        return replace(self, plies=self._each(of))
+        shorter = self._each(lambda ply: _with_courant(ply, factor * ply.numerics.cfl))
+        return replace(self, plies=shorter)
 
     @classmethod
     def stacked(
@@ -149,21 +142,18 @@ class Pack:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
-        if law is None and plies > 1:
-            law = ply_laws.default(ply.fabric)
+        contact = contact or PlyContact()
+        if plies == 1:
+            return cls((ply,), contact=contact, friction=friction)
+        law = law or ply_laws.default(ply.fabric)
         if gap is None:
-            gap = 0.0
-            if plies > 1:
-                gap = ply_gap(ply.fabric, law).value
+            gap = ply_gap(ply.fabric, law).value
         both = ply, ply
-        if stacking == "alternating" and plies > 1:
+        if stacking == "alternating":
             both = ply, turned(ply)
-        if law:
-            laws = (law,) * (plies - 1)
-        else:
-            laws = ()
         stack = tuple(both[n % 2] for n in range(plies))
-        return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
+        between = plies - 1
+        return cls(stack, (gap,) * between, contact, friction, (law,) * between)
 
     @classmethod
     def laid_up(
@@ -187,10 +177,8 @@ class Pack:
         ------
         InputError : as Pack and `turned`
         """
-        made: dict[tuple[int, float], Panel] = {}
-        for panel, angle in plies:
-            if (id(panel), angle) not in made:
-                made[id(panel), angle] = at_angle(panel, angle)
+        kinds = {(id(panel), angle): panel for panel, angle in plies}
+        made = {kind: at_angle(panel, kind[1]) for kind, panel in kinds.items()}
         chosen = []
         for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:]):
             if gap is None:
@@ -306,11 +294,14 @@ class Pack:
 
     def _each(self, function):
         """(plies,) what a function makes of each ply, once of plies that are one object."""
-        made = {key: function(ply) for key, ply in {id(ply): ply for ply in self.plies}.items()}
+        kinds = {id(ply): ply for ply in self.plies}
+        made = {kind: function(ply) for kind, ply in kinds.items()}
         return tuple(made[id(ply)] for ply in self.plies)
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
-        """The contact between the plies, at rest."""
+        """The contact between the plies, at rest; of a single ply one without points."""
+        if len(self.plies) == 1:
+            return PackContact.empty()
         rest = []
         points = self.contact.points
         for ply, z in zip(self.plies, self.places):
@@ -356,7 +347,7 @@ class Pack:
         """A ply with the Courant factor that gives it the pack's time step."""
         if ply.time_step == self.time_step:
             return ply
-        return _slower(ply, self.time_step)
+        return _with_courant(ply, ply.numerics.cfl * self.time_step / ply.time_step)
 
     def _stick_damping(self, mass):
         """[N s/m] of a contact point."""
@@ -416,10 +407,9 @@ class Pack:
         ) / np.prod(front.spacing)
 
 
-def _slower(ply, step):
-    """A ply with the Courant factor that gives it a time step [s]."""
-    cfl = ply.numerics.cfl * step / ply.time_step
-    return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
+def _with_courant(ply, factor):
+    """A ply with another Courant factor."""
+    return replace(ply, numerics=replace(ply.numerics, cfl=factor))
 
 
 def turned(panel: Panel) -> Panel:

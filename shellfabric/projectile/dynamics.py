@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
 
 RIGID = ("z", "v", "force")  # columns of the step history, `solver.stack_kernels.record_step`
+ENERGIES = "kinetic_projectile", "elastic_projectile", "plastic_projectile"
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 
 
@@ -115,7 +116,7 @@ def body_of(row: BarRow, graded: bool) -> Body:
     )
 
 
-def audit(state: Any, const: Any, force: FloatArray, bar: Any) -> tuple[float, ...]:
+def audit(state: Any, const: Any, force: FloatArray, bar: Any) -> tuple[dict[str, float], float]:
     """Energies of the projectile at the present whole step.
 
     A rigid body's velocity stands half a step back, and so does a bar's across its axis.
@@ -127,24 +128,23 @@ def audit(state: Any, const: Any, force: FloatArray, bar: Any) -> tuple[float, .
 
     Returns
     -------
-    kinetic, elastic and plastic energy [J] of the modelled part, velocity along the normal [m/s]
+    {name: energy [J]} of the modelled part, velocity along the normal [m/s]
     """
+    energies = dict.fromkeys(ENERGIES, 0.0)
     kick = const.dt * force * const.free_dofs / const.projectile_mass
     speed = state.projectile_velocity
     if bar is None:
-        kinetic = 0.5 * const.projectile_mass * float(speed @ (speed + kick))
-        return kinetic, 0.0, 0.0, float(speed[2] + 0.5 * kick[2])
+        energies["kinetic_projectile"] = 0.5 * const.projectile_mass * float(speed @ (speed + kick))
+        return energies, float(speed[2] + 0.5 * kick[2])
     axis = const.frame[2]
     across = speed - axis * (axis @ speed)
     pushed = kick - axis * (axis @ kick)
     beside = 0.5 * const.projectile_mass * float(across @ (across + pushed))
     velocity = across[2] + 0.5 * pushed[2] + axis[2] * bar.motion[bar_kernels.CENTRE]
-    return (
-        bar_kernels.kinetic_energy(bar) + beside,
-        bar_kernels.elastic_energy(bar),
-        float(bar.energy[bar_kernels.PLASTIC]),
-        float(velocity),
-    )
+    energies["kinetic_projectile"] = bar_kernels.kinetic_energy(bar) + beside
+    energies["elastic_projectile"] = bar_kernels.elastic_energy(bar)
+    energies["plastic_projectile"] = float(bar.energy[bar_kernels.PLASTIC])
+    return energies, float(velocity)
 
 
 def velocity(state: Any, const: Any, bar: Any) -> FloatArray:

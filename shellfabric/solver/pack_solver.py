@@ -8,7 +8,7 @@ the plies of a pack; the results are the same to the last bit with any number of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -31,29 +31,22 @@ from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.solver import compile_ahead, loop, ply_audit
-from shellfabric.state import Constants, PackContact
+from shellfabric.state import Constants
 from shellfabric.yarns import model as yarns
 
-_OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
-ENERGIES = (
-    ply_audit.ENERGIES[0],
-    *_OF_PROJECTILE,
-    *ply_audit.ENERGIES[1:],
-    *coupling.NAMES,
-)  # of any panel
-BETWEEN_PLIES = (
-    "ply_contact",
-    "ply_contact_lost",
-    "ply_friction",
-    "ply_collisions",
-)  # of several plies
-_ALONE = PackContact.empty()  # of a single ply
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
     near_kernels.NO_ROOM: "has no room for more facets that are near each other",
     near_kernels.CROSSED: "has found facets that cross",
 }
-OBSERVED = ("t", "v", "z", "cut_yarns", "reaction_warp", "reaction_weft")
+# a contact can store and lose energy, but not give any
+CONTACTS = {
+    "contact": "the contact with the nose",
+    "ply_contact": "the contact between plies",
+    "ply_friction": "the friction between plies",
+    "ply_collisions": "the guard between plies",
+    "backing_damped": "the contact with the block",
+}
 PLY_SAMPLES = (
     "cut_yarns",
     "reaction_warp",
@@ -81,8 +74,8 @@ class PackSolver(ExplicitSolver):
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile
         meets them
     panel, const, state : of the first ply
-    states, consts, stack, contact : what the kernels work on; contact is a PackContact, or None of
-        a single ply
+    states, consts, stack, contact : what the kernels work on; of a single ply the contact between
+        plies has no points
     bar : state.BarRow of a projectile that is a bar, or None
     zone : state.Zone of resolved yarns about the nose, or None
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
@@ -99,7 +92,6 @@ class PackSolver(ExplicitSolver):
     monitor : quality.Monitor, what the quality indicators need besides the result
     perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
         run
-    after_stop : [s] for which the run goes on before a block after the projectile has turned back
 
     Raises
     ------
@@ -107,6 +99,7 @@ class PackSolver(ExplicitSolver):
         memory holds
     """
 
+    contacts = CONTACTS
     counters = (*ExplicitSolver.counters, "perforated_samples")
     module = "shellfabric.impact.simulation"  # whose code determines a run
 
@@ -137,11 +130,7 @@ class PackSolver(ExplicitSolver):
         self.bar = self._make_bar()
         self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
         self.zone = yarns.zone_of(self.modules[0])
-        several = len(pack.plies) > 1
-        self.contact = None
-        if several:
-            self.contact = pack.plies_contact(self.consts, self.states)
-        self._name_energies(several)
+        self.contact = pack.plies_contact(self.consts, self.states)
         self._begin_run()
 
     def _make_bar(self):
@@ -153,22 +142,6 @@ class PackSolver(ExplicitSolver):
         bar = dynamics.make_row(projectile.bar, self.panel.share, self.const.dt, along)
         self.stack = self.stack._replace(body=dynamics.body_of(bar, self._graded))
         return bar
-
-    def _name_energies(self, several):
-        further = ply_audit.further_names(self.modules[0])
-        between = ()
-        if several:
-            between = BETWEEN_PLIES
-        self.energy_names = (*ENERGIES, *further, *between, "error")
-        self.sample_names = (*OBSERVED, *self.energy_names)
-        if several:
-            self.contacts = (
-                ("contact", "the contact with the nose"),
-                ("ply_contact", "the contact between plies"),
-                ("ply_friction", "the friction between plies"),
-                ("ply_collisions", "the guard between plies"),
-            )
-            self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
@@ -188,43 +161,27 @@ class PackSolver(ExplicitSolver):
         self.backing = None
         self.perforated_samples = 0
         # the forces at rest
-        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)
+        self._run_thread(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 0, 1, np.inf)
         if self.panel.backing is not None:
-            self.after_stop = self.panel.backing.after_stop
+            self.stack.after_stop[0] = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
             self._behind = PythonCell(partial(self.backing.step, state), state, const)
             state.modules.behind[0] = self._behind.place
-            self.contacts += (("backing_damped", "the contact with the block"),)
         self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
-        self._ends = [edges.ends(panel) for panel, _, _ in self.parts]
+        self._ends = [edges.ends(panel) for panel in pack.plies]
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
 
     @property
-    def after_stop(self) -> float:
-        """[s]"""
-        return float(self.stack.after_stop[0])
-
-    @after_stop.setter
-    def after_stop(self, duration: float) -> None:
-        self.stack.after_stop[0] = duration
-
-    @property
-    def places(self) -> FloatArray:
-        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
-        return self.pack.places
-
-    @property
     def deepest(self) -> FloatArray:
         """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean
         thickness of two."""
-        if self.contact is None:
-            return np.zeros(0)
-        means = np.convolve(self.contact.thickness, (0.5, 0.5), "valid")
-        return self.contact.energy[:-1, pressure_kernels.DEEPEST] / means
+        thickness = self.contact.thickness
+        closed = self.contact.energy[:-1, pressure_kernels.DEEPEST]
+        return closed / (0.5 * (thickness[1:] + thickness[:-1]))
 
     @property
     def step_loss(self) -> float:
@@ -243,27 +200,19 @@ class PackSolver(ExplicitSolver):
     @property
     def held_apart(self) -> int:
         """[-] impulses that kept plies from passing through each other."""
-        if self.contact:
-            return int(self.contact.guard[near_kernels.IMPULSES])
-        return 0
+        return int(self.contact.guard[near_kernels.IMPULSES])
 
     @property
     def steps(self) -> int:
         """Steps made."""
         return int(self.stack.counter[STEP])
 
-    def run_steps(
-        self, history: FloatArray, shared: IntArray, count: int, allowed: float
-    ) -> tuple[int, int]:
-        """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
-        return self._run_thread(history, shared, 0, count, allowed)
-
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
         self._run_thread(self._rows(0), shared, me, self.threads, np.inf)
 
     def _run_thread(self, history, shared, me, count, allowed):
-        ply_arrays = (*self._plies, self.contact or _ALONE, self.stack, self._works[me])
+        ply_arrays = (*self._plies, self.contact, self.stack, self._works[me])
         try:
             with compiling_units():
                 return loop.advance(*ply_arrays, history, shared, me, count, allowed)
@@ -274,16 +223,16 @@ class PackSolver(ExplicitSolver):
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of
         a single ply."""
-        if self.contact:
-            return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
-        return []
+        if len(self.parts) == 1:
+            return []
+        return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it:
         of the projectile; of several plies, or before a block, also of what is in front, and of
         what is behind.
         """
-        state = self.parts[ply][2]
+        state = self.states[ply]
         nose = state.f_contact[2]
         front = 0 * nose
         rear = 0 * nose
@@ -299,61 +248,55 @@ class PackSolver(ExplicitSolver):
 
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
-        state = self.parts[ply][2]
+        state = self.states[ply]
         neighbours = self.neighbour_forces(ply)
         if not neighbours:
             return state
-        total = [force.copy() for force in state.f_contact]
-        for pushes in neighbours:
-            for whole, force in zip(total, pushes):
-                whole += force
-        return state._replace(f_contact=tuple(total))
+        return state._replace(f_contact=np.array(state.f_contact) + sum(neighbours))
 
-    def contact_energies(self) -> tuple[float, ...]:
-        """[J] taken in by the contact between plies, of which it holds or damps the first and has
-        lost the second with dropped elements; by the friction there and by collisions of plies, in
-        the guard; () of a single ply."""
-        if self.contact is None:
-            return ()
+    def _contact_energies(self):
+        """{name: [J]} taken in by the contact between plies, of which it holds or damps the first
+        and has lost the second with dropped elements; by the friction there and by collisions of
+        plies, in the guard."""
         rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
         lost = float(self.contact.energy[:, pressure_kernels.LOST].sum())
-        return (
-            float(self.contact.work.sum()) - rubbed - lost,
-            lost,
-            rubbed,
-            float(self.contact.guard[near_kernels.WORK]),
-        )
+        return {
+            "ply_contact": float(self.contact.work.sum()) - rubbed - lost,
+            "ply_contact_lost": lost,
+            "ply_friction": rubbed,
+            "ply_collisions": float(self.contact.guard[near_kernels.WORK]),
+        }
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver."""
-        return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
+        return self._run_thread(history, self._shared, 0, self.threads, self.allowed_exchange)
 
-    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
+    def observe(self) -> tuple[dict[str, float], dict[str, float]]:
         """See ExplicitSolver."""
-        plies = np.array(
-            [
-                ply_audit.energies(self.consts[ply], self._loaded_state(ply), rest)
-                for ply, rest in enumerate(self._rest)
-            ]
-        )
-        pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
+        plies = [
+            ply_audit.energies(const, self._loaded_state(ply), self._rest[ply])
+            for ply, const in enumerate(self.consts)
+        ]
+        pushes = np.array([state.f_contact_nose for state in self.states])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
-        force += self._of_first(-1, self.parts[-1][2].f_block_nose)
-        *projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
+        force += self._of_first(-1, self.states[-1].f_block_nose)
         if self.zone is not None:
             yarns.show(self.zone, self.state)
-        total = plies.sum(axis=0)
+        projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
+        energies = projectile | {name: sum(one[name] for one in plies) for name in plies[0]}
         if self.backing:
-            block = self.backing.energies()
+            energies |= self.backing.energies()
         else:
-            block = np.zeros(len(coupling.NAMES))
-        own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
+            energies |= dict.fromkeys(coupling.NAMES, 0.0)
+        if len(plies) > 1:
+            energies |= self._contact_energies()
+        own = self._observe_plies([sum(one.values()) for one in plies], pushes[:, 2])
         self.ply_samples.append(own)
-        z = self.state.projectile_position[2] + self.const.foremost_offset
-        usual, further = np.split(total, [len(ply_audit.ENERGIES)])
-        energies = [usual[0], *projectile, *usual[1:], *block, *further]
-        energies += self.contact_energies()
-        return [speed, z, *own[:, :3].sum(axis=0)], energies
+        observed = {
+            "v": speed,
+            "z": self.state.projectile_position[2] + self.const.foremost_offset,
+        }
+        return observed | dict(zip(PLY_SAMPLES[:3], own[:, :3].sum(axis=0))), energies
 
     def _of_first(self, ply, vector):
         """A vector (3,) of the frame of a ply in that of the first."""
@@ -441,14 +384,14 @@ class PackSolver(ExplicitSolver):
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
         self.monitor.sampled(self)
-        if self.contact:
-            self.contact.count[near_kernels.REMAKE] = 1
+        self.contact.count[near_kernels.REMAKE] = 1
         turned = self.stack.counter[TURNED]
         if turned and (
-            self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step
+            self.time - turned * self.const.dt >= self.stack.after_stop[0]
+            or self.steps >= self.last_step
         ):
             self.reason = STOPPED
-        failed = any(state.counter[FAILURES] for _, _, state in self.parts)
+        failed = any(state.counter[FAILURES] for state in self.states)
         ends = self.reason != RUNNING or self.zone is not None
         if ends or not failed or self.backing is not None:
             return
@@ -457,7 +400,7 @@ class PackSolver(ExplicitSolver):
             for (_, const, state), held_elements in zip(self.parts, self._held)
         )
         if through:
-            self.perforated_samples = self.perforated_samples + 1
+            self.perforated_samples += 1
         else:
             self.perforated_samples = 0
         if self.perforated_samples == 2:
@@ -473,11 +416,9 @@ class PackSolver(ExplicitSolver):
                 "the projectile leaves the zone of resolved yarns",
                 f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
             )
-        if self.contact and self.contact.guard[near_kernels.FAILED]:
-            self.stop(
-                f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}",
-                "the pack",
-            )
+        fault = int(self.contact.guard[near_kernels.FAILED])
+        if fault:
+            self.stop(f"the guard between plies {FAULTS[fault]}", "the pack")
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -504,11 +445,13 @@ class PackSolver(ExplicitSolver):
         for p, modules in enumerate(self.modules):
             rows = {module.energy: module.own for module in modules if module.own}
             found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
-        if self.contact:
-            found["contact"] = self.contact
         if self.bar:
             found["bar"] = self.bar
-        return found | {"stack": self.stack, "monitor": self.monitor.found}
+        return found | {
+            "contact": self.contact,
+            "stack": self.stack,
+            "monitor": self.monitor.found,
+        }
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
         """See ExplicitSolver."""

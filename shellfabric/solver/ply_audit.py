@@ -9,7 +9,6 @@ both.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +16,9 @@ import numpy as np
 from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
 from shellfabric.cloth.membrane_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
-from shellfabric.panel import forces, grading, perforation
+from shellfabric.panel import forces, grading
 from shellfabric.panel.motion_kernels import STEP
+from shellfabric.panel.slots import by_element, by_node
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels
 
@@ -26,26 +26,9 @@ if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
     from shellfabric.state import Constants, State
 
-ENERGIES = (
-    "kinetic_fabric",
-    "yarn_strain",
-    "formulation_residual",
-    "yarn_snap",
-    "shear",
-    "bending",
-    "packing",
-    "viscous",
-    "contact",
-    "friction",
-    "failure_dissipation",
-    "clamp_friction",
-    "boundary_work",
-)
 
-
-def energies(const: Constants, state: State, rest: float) -> FloatArray:
-    """(13 + n,) [J] of the modelled part of a ply, in the order of ENERGIES, then of
-    `further_names`.
+def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
+    """{name: [J]} of the modelled part of a ply, with those of its force modules.
 
     Parameters
     ----------
@@ -54,49 +37,35 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
     """
     out = audited(const, state)
     sums = state.energy_sums.sum(axis=0)
-    # work of the forces that is neither stored nor lost, of either form
-    unstored = np.zeros(2)
-    unstored[int(const.variational)] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
     contact = state.contact_energy
     slip = state.slip_energy
-    found = np.array(
-        [
-            out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
-            out[kernels.STORED],
-            *unstored,
-            out[kernels.SHEAR],
-            out[kernels.BENDING],
-            out[kernels.PACKING],
-            sums[VISCOUS],
-            contact[contact_kernels.CONTACT],
-            contact[contact_kernels.FRICTION],
-            sums[LOST_YARN] + sums[LOST_TRELLIS],
-            slip[boundary_kernels.CLAMP_FRICTION],
-            slip[boundary_kernels.BOUNDARY_WORK],
-            *out[kernels.PACKING + 1 :],
-        ]
-    )
-    for name, energy in _books(forces.modules_of(state.modules)):
-        if name in ENERGIES:
-            found[ENERGIES.index(name)] += energy
-        else:
-            found = np.append(found, energy)
-    return found
-
-
-def further_names(modules: Iterable[forces.Module]) -> list[str]:
-    """Names of the energies that a ply with these modules has besides ENERGIES."""
-    names = [module.energy for module in modules]
-    names += [name for name, _ in _books(modules)]
-    return [name for name in names if name not in ENERGIES]
-
-
-def _books(modules):
-    """(name, [J]) of what modules have in their rows besides the energy that their unit returns."""
-    found = []
+    found = {
+        "kinetic_fabric": out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
+        "yarn_strain": out[kernels.STORED],
+        "formulation_residual": 0.0,
+        "yarn_snap": 0.0,
+        "shear": out[kernels.SHEAR],
+        "bending": 0.0,
+        "packing": 0.0,
+        "viscous": sums[VISCOUS],
+        "contact": contact[contact_kernels.CONTACT],
+        "friction": contact[contact_kernels.FRICTION],
+        "failure_dissipation": sums[LOST_YARN] + sums[LOST_TRELLIS],
+        "clamp_friction": slip[boundary_kernels.CLAMP_FRICTION],
+        "boundary_work": slip[boundary_kernels.BOUNDARY_WORK],
+    }
+    # work of the forces that is neither stored nor lost, of either form
+    form = "formulation_residual"
+    if const.variational:
+        form = "yarn_snap"
+    found[form] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    modules = forces.modules_of(state.modules)
+    for module, stored in zip(modules, out[kernels.BENDING :]):
+        found[module.energy] = found.get(module.energy, 0.0) + stored
     for module in modules:
         if module.books is not None:
-            found += module.books(module.own).items()
+            for name, energy in module.books(module.own).items():
+                found[name] = found.get(name, 0.0) + energy
     return found
 
 
@@ -119,13 +88,10 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn
     makes no second one of it, a plane along it does.
     """
-    shape = (const.ni + 1, const.row_stride)
     total = 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
-        broken = state.failed[family] != 0
-        edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[
-            :-1
-        ]  # along the family, lines
+        broken = by_node(state.failed[family], const) != 0
+        edges = np.moveaxis(broken, family, 0)[:-1]  # along the family, lines
         yarns = (
             count
             * grading.tributary(np.diff(panel.lines()[1 - family]))
@@ -159,10 +125,10 @@ def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
 
     held : `perforation.held`, or None where no yarn has failed
     """
-    z = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+    z = by_node(state.u[2], const)
     if held is None:
         return float(z.max(initial=0.0))
-    whole = held & (perforation.by_element(state.element_flag, const) == 0)
+    whole = held & (by_element(state.element_flag, const) == 0)
     return float(z[:-1, :-1].max(initial=0.0, where=whole))
 
 

@@ -5,6 +5,7 @@ from panels import rest, set_nodal
 
 from shellfabric.jit.compile import entry
 from shellfabric.jit.table import Rows, row_of
+from shellfabric.panel.slots import by_node
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
@@ -72,7 +73,7 @@ def node_forces(panel, state):
 
 def grid(const, flat):
     """(ni+1, nj+1) view of a flat array of the state."""
-    return flat[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+    return by_node(flat, const)
 
 
 class Interrupted(Exception):

@@ -22,7 +22,7 @@ from shellfabric.output.hooks import Snapshots
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import BETWEEN_PLIES, PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.state import Body, ModuleTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))
@@ -68,7 +68,6 @@ APART = {
     "kinetic_projectile",
     "elastic_projectile",
     "plastic_projectile",
-    *BETWEEN_PLIES,
 }
 
 
@@ -176,7 +175,7 @@ def begun(kind, struck=None):
     request = HistoryRequest(2e-6)
     solver = PackSolver(struck or target(kind), setup.strike_velocity, setup.end_time)
     solver.history_request = request
-    return solver, (Recorder([panel for panel, _, _ in solver.parts], request), Snapshots(6e-6))
+    return solver, (Recorder(solver.pack.plies, request), Snapshots(6e-6))
 
 
 @cache
@@ -246,7 +245,7 @@ def energy(kind):
     for name in LOST.intersection(run.energy_names):
         assert np.diff(run.sample(name)).min() > -1e-6 * E
     apart = APART.intersection(run.energy_names) | {
-        name for name in run.energy_names if name.startswith("backing")
+        name for name in run.energy_names if name.startswith(("backing", "ply_"))
     }
     whole = run.ply_sample("energy").sum(axis=1) + sum(run.sample(name) for name in apart)
     assert_allclose(whole - run.sample("error"), E, rtol=1e-12)

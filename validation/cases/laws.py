@@ -106,7 +106,7 @@ def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
     width)}
     """
     ranges = inputs.table("range")
-    bounds = [[1 - entry.value, 1 + entry.up] for entry in ranges.values()]
+    bounds = [[1 - entry.low, 1 + entry.high] for entry in ranges.values()]
     problem = {"num_vars": len(bounds), "names": list(ranges), "bounds": bounds}
     factors = sample(problem, samples, calc_second_order=False, seed=1)
     indices = {}

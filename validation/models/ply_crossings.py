@@ -43,7 +43,7 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
     for p, (panel, c, state) in enumerate(march.parts):
         shape = (c.ni + 1, c.row_stride)
         size = (c.ni + 1) * c.row_stride
-        rest = np.stack([*panel.coordinates(), np.full(shape, march.places[p])], axis=-1)
+        rest = np.stack([*panel.coordinates(), np.full(shape, march.pack.places[p])], -1)
         now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
         warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
         flag = state.element_flag[:size].reshape(shape)[:-1, :-1]

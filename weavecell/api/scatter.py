@@ -317,7 +317,10 @@ class V50Result(StudyResult):
         curves = {}
         for link, curve in study.curves.items():
             curves[link] = asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
-        given = (*inputs.table("weibull").values(), *inputs.table("spread").values())
+        given = []
+        for name, entry in (inputs.table("weibull") | inputs.table("spread")).items():
+            numbers = {"name": name, "value": entry.value}
+            given.append(numbers | {"source": entry.source, "status": entry.status})
         content = {
             **study.summary(),
             "plies": self.target.setup.plies,
@@ -331,7 +334,7 @@ class V50Result(StudyResult):
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
             "curves": curves,
-            "inputs": [asdict(entry) for entry in given],
+            "inputs": given,
             "wall_time": self.wall_time,
         }
         return {

@@ -374,7 +374,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
 
     def shot_at(target):
         solver = PackSolver(target, velocity, UNDECIDED, interval=_AUDIT)
-        solver.after_stop = 0.0
+        solver.stack.after_stop[0] = 0.0
         return solver.run((hook,))
 
     solver = shot_at(panel)
@@ -385,7 +385,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         raise UndecidedError(
             f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity"
         )
-    peaks = np.array([state.peak_tension[:2] for _, _, state in solver.parts])
+    peaks = np.array([state.peak_tension for state in solver.states])
     return Shot(
         strike_velocity=float(velocity),
         residual_velocity=solver.residual_velocity,

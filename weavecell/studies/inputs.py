@@ -15,25 +15,10 @@ from typing import Any
 from fabrics import data_sheet, families, variants
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
-from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from shellfabric.impact.simulation import ImpactSetup
 
-STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")
 _PATH = Path(__file__).with_suffix(".toml")
-FILE = _PATH.name
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A number of inputs.toml in SI, with where it comes from; of a range its width below, and
-    `up`, that above."""
-
-    name: str
-    value: float
-    source: str
-    status: str
-    up: float
 
 
 @dataclass(frozen=True)
@@ -64,20 +49,9 @@ class Scatter:
 
 
 @cache
-def table(section: str) -> dict[str, Entry]:
-    """Entries of a section, by name; InputError where one lacks source or status."""
-    entries = {}
-    for name, row in read_data(_PATH)[section].items():
-        if row.get("status") not in STATUSES or not row.get("source"):
-            raise InputError(
-                file=FILE, key=f"{section}.{name}", allowed="a value with its source and status"
-            )
-        value = si(row["value"], "m" if name == "gauge_length" else "", file=FILE, key=name)
-        up = value
-        if "up" in row:
-            up = si(row["up"], "", file=FILE, key=name)
-        entries[name] = Entry(name, value, row["source"], row["status"], up)
-    return entries
+def table(section: str) -> dict[str, families.Entry]:
+    """Entries of a section, by name."""
+    return families.entries(read_data(_PATH)[section])
 
 
 @cache
@@ -86,12 +60,10 @@ def ranges() -> dict[str, families.Entry]:
     from shellfabric.yarns.model import DATA
 
     of_sheet = data_sheet.entries()
-    rows = read_data(_PATH)["assumed"] | {
-        "friction of crossovers": DATA["crossover_friction"],
-        "lateral stiffness of yarns": DATA["lateral_stiffness"],
-    }
-    assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS}
-    assumed |= {name: families.entry(row, "") for name, row in rows.items()}
+    assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS} | table("assumed")
+    of_yarns = families.entries(DATA)
+    assumed["friction of crossovers"] = of_yarns["crossover_friction"]
+    assumed["lateral stiffness of yarns"] = of_yarns["lateral_stiffness"]
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 

@@ -151,7 +151,7 @@ def test_forces_tell_what_tensions_cannot_exceed(name):
         assert np.all(T[:n] <= bounds)
         taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
         assert np.all(bounds[taut] < 1.06 * N[taut] + 0.01 * yarn.strength)
-        top = const.table_last1 + 1.0
+        top = const.table_grid[2] + 1.0
         assert element_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
         assert element_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
         assert element_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf

@@ -38,8 +38,6 @@ ENERGY = 0.5 * MASS * V0**2
 class Oscillator(ExplicitSolver):
     """A mass on a spring; `disturb` is called before every step with the solver."""
 
-    energy_names = ("kinetic", "spring", "contact", "error")
-    sample_names = ("t", "v", "z", *energy_names)
     history_columns = 2
 
     def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True):
@@ -79,8 +77,9 @@ class Oscillator(ExplicitSolver):
 
     def observe(self):
         after = self.v[0] - DT * STIFFNESS / MASS * self.x[0]
-        energies = [0.5 * MASS * self.v[0] * after, self.spring, self.contact[0]]
-        return [0.5 * (self.v[0] + after), self.x[0]], energies
+        kinetic = 0.5 * MASS * self.v[0] * after
+        energies = {"kinetic": kinetic, "spring": self.spring, "contact": self.contact[0]}
+        return {"v": 0.5 * (self.v[0] + after), "z": self.x[0]}, energies
 
     def node_speeds(self):
         return [(abs(self.v), self.node_limit)]

@@ -231,7 +231,7 @@ def crumpled(ply, plies, seed=7):
     march = solver(replace(ply, boundary="free"), plies)
     rng = np.random.default_rng(seed)
     const = march.const
-    apart = march.places[1]
+    apart = march.pack.places[1]
     nodes = (const.ni + 1) * const.row_stride
     for p, state in enumerate(march.states):
         for c in range(3):
@@ -352,7 +352,7 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply):
         march = solver(ply, 3)
         const = march.const
         states = march.states
-        apart = march.places[1]
+        apart = march.pack.places[1]
         k = 6 * const.row_stride + 5
         corners = k + np.array([0, 1, const.row_stride, const.row_stride + 1])
         if hole:
@@ -362,7 +362,7 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply):
             advance(march, 1)
             assert not plies_cross(march)
         before, middle, behind = (
-            z + state.u[2][corners].mean() for z, state in zip(march.places, states)
+            z + state.u[2][corners].mean() for z, state in zip(march.pack.places, states)
         )
         assert 2.0 * apart < before < behind
         assert (middle < before) == hole
