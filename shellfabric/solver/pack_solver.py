@@ -421,7 +421,7 @@ class PackSolver(ExplicitSolver):
             for panel, _, state in self.parts
         ]
         if self.zone is not None:
-            found.append((np.sqrt((self.zone.v**2).sum(axis=1)), limit(self.panel)))
+            found.append((np.sqrt((self.zone.v**2).sum(axis=0)), limit(self.panel)))
         return found
 
     def where(self, part: int, node: int) -> str:

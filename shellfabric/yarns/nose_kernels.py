@@ -8,15 +8,14 @@ and in the middle of the segments, a quarter of a crossover apart; with the sign
 """
 
 from shellfabric.cloth.spline_kernels import to_projectile_frame
-from shellfabric.cloth.vector_kernels import add_scaled, scaled
+from shellfabric.cloth.vector_kernels import add_scaled, column, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.contact_kernels import to_panel_frame
-from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
-from shellfabric.yarns.curve_kernels import gather, row, scatter
+from shellfabric.yarns.chain_kernels import AHEAD, FAILED, NOSE, NOSE_FRICTION
+from shellfabric.yarns.curve_kernels import gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
-AHEAD = 0  # of zone.counter
 NODE_WEIGHTS = (0.125, 0.75, 0.125)
 MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
 
@@ -44,7 +43,7 @@ def nose_forces(zone, state, const):
 @kernel(_nrt=False)
 def is_far(zone, state, const, n):
     """Whether a node is farther from the line of flight than the nose, and a segment, reach."""
-    place = add_scaled(row(zone.x, n), -1.0, state.projectile_position)
+    place = add_scaled(column(zone.x, 0, n), -1.0, state.projectile_position)
     x, y, _ = to_projectile_frame(const, place)
     reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
     return x * x + y * y > reach * reach
