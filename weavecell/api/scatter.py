@@ -62,7 +62,7 @@ def v50(
     run.checkpoint_interval, run.outputs; [history] and [accuracy] are rejected.
 
     The folder then holds report.html, v50.csv, .json, .png, shots.csv, scene.toml, and runs/, a
-    file for each shot.
+    file for each shot. Of resolved yarns shots.csv has the drawn impact points too.
 
     Parameters
     ----------
@@ -210,11 +210,12 @@ class V50Result(StudyResult):
             "balance",
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        weakest = {
-            "weakest_warp": [shot.weakest[0] for shot in shots],
-            "weakest_weft": [shot.weakest[1] for shot in shots],
-        }
-        return columns | weakest
+        columns["weakest_warp"] = [shot.weakest[0] for shot in shots]
+        columns["weakest_weft"] = [shot.weakest[1] for shot in shots]
+        if self.target.setup.crossovers is not None:  # resolved yarns, whose aims are drawn
+            columns["impact_point_x_m"] = [shot.impact_point[0] for shot in shots]
+            columns["impact_point_y_m"] = [shot.impact_point[1] for shot in shots]
+        return columns
 
     @property
     def headline(self) -> tuple[str, str]:
