@@ -34,7 +34,9 @@ ROUNDING = 1e-12  # strain below which a segment counts as at rest
 def move(zone):
     """Move the nodes by one step; those that are tied or led have no mobility, and go on at their velocity."""
     for c in range(3):
-        x, v, f = zone.x[c], zone.v[c], zone.f[c]
+        x = zone.x[c]
+        v = zone.v[c]
+        f = zone.f[c]
         for n in range(x.size):
             v[n] += zone.dt * zone.inverse_mass[n] * f[n]
             x[n] += zone.dt * v[n]
@@ -112,14 +114,14 @@ def stretch_segments(zone, family, first, count):
         rate = opening * per_length
         rest = rest_length[n]
         strain = length / rest - 1.0
-        bears = whole[n] & (strain > ROUNDING)
-        taut = stiffness * strain if bears else 0.0
-        damping = max(drag * rate, -taut) if bears else 0.0
+        bears = float(whole[n] & (strain > ROUNDING))
+        taut = bears * stiffness * strain
+        damping = bears * max(drag * rate, -taut)
         energy = 0.5 * taut * strain * rest
         before = tension[n]
         released = 0.5 * before * before / stiffness * rest
         snap = rate * (before + taut) * (0.5 * zone.dt) - energy + released
-        snapped += snap if (before == 0.0) != (taut == 0.0) else 0.0
+        snapped += float((before == 0.0) != (taut == 0.0)) * snap
         damped += (viscous_force[n] + damping) * rate
         stored += energy
         tension[n] = taut
@@ -143,7 +145,9 @@ def parts_of(vectors, begin, count):
 @kernel(_nrt=False)
 def pull_nodes(pull, f):
     """Forces f of the nodes between segments that pull, of one component."""
-    before, behind, inner = pull[:-1], pull[1:], f[1:]
+    before = pull[:-1]
+    behind = pull[1:]
+    inner = f[1:]
     for n in range(inner.size):
         inner[n] = behind[n] - before[n]
 

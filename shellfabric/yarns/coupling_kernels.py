@@ -89,7 +89,8 @@ def count_outer_forces(zone, state, share):
 @kernel(_nrt=False)
 def give_outer_forces(zone, state, ahead):
     """Add the mean forces, extrapolated `ahead` [steps], to those of the membrane's nodes; give the nose its own."""
-    present, before = zone.outer_force[PRESENT], zone.outer_force[BEFORE]
+    present = zone.outer_force[PRESENT]
+    before = zone.outer_force[BEFORE]
     for c in range(3):
         for t in range(present.shape[0]):
             force = present[t, c] + ahead * (present[t, c] - before[t, c])

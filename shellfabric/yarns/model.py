@@ -35,6 +35,8 @@ DRAWN = (
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 3  # of the yarns in a step of the membrane
+HOLDING = 2.8  # friction that holds yarns over (V / c)^(2/3); 2.0 to 3.0 in runs of the zone
+WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 REACH = 2.0  # spacings between the nose and the rim at least
 # energies of a zone that a ply without one does not have
 ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
@@ -316,6 +318,23 @@ def identity(panel: Panel) -> tuple[Any, ...]:
         return ()
     patch = panel.patch
     return panel.resolved, patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
+
+
+def friction_to_hold(panel: Panel, velocity: float) -> float | None:
+    """[-] friction between yarns with which a ply stops a nose of this velocity [m/s]; less lets it push yarns aside.
+
+    Per tension T a nose pushes on a yarn with 2 sin(a), a the angle of its kink, and crossings hold it with the
+    friction mu times forces in proportion to T. So mu over sin(a)^2 decides, which is 2^(2/3) (V / c)^(2/3) of a yarn
+    that is struck across (Smith, McCrackin and Schiefer 1958). The factor is of runs of the zone
+    (docs/reports/resolved-yarns.md), on the side of too much friction.
+
+    None of what these runs say nothing of: wider noses, several plies, a backing.
+    """
+    spacing = 2 * min(panel.weave.w)
+    if panel.backing is not None or panel.projectile.radius > WIDEST * spacing:
+        return None
+    wave = np.mean([yarn.wave_speed for yarn in panel.weave.yarns])
+    return float(HOLDING * (velocity / wave) ** (2 / 3))
 
 
 def slip_at_rim(zone: Zone) -> float:
