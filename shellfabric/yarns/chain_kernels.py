@@ -42,6 +42,19 @@ def move(zone):
             x[n] += zone.dt * v[n]
 
 
+@kernel()
+def nodes_of(zone, family):
+    """First node of a family, and that after its last one."""
+    first = zone.first[family]
+    return first, first + zone.yarns[family] * zone.nodes[family]
+
+
+@kernel()
+def yarn_of(zone, family, n):
+    """Number of the yarn, in its family, of a node."""
+    return (n - zone.first[family]) // zone.nodes[family]
+
+
 @kernel(_nrt=False)
 def chain_forces(zone):
     """Forces of all segments, in place of what zone.f has."""
@@ -49,8 +62,8 @@ def chain_forces(zone):
         break_segments(zone)
     zone.books[STORED] = 0.0
     for family in range(2):
-        count = zone.yarns[family] * zone.nodes[family] - 1
-        stretch_segments(zone, family, zone.first[family], count)
+        first, last = nodes_of(zone, family)
+        stretch_segments(zone, family, first, last - first - 1)
     for c in range(3):
         zone.f[c, 0] = zone.pull[c, 0]
         pull_nodes(zone.pull[c], zone.f[c])
@@ -64,21 +77,19 @@ def break_segments(zone):
     """
     zone.counter[BREAKING] = 0
     for family in range(2):
-        for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start, start + zone.nodes[family] - 1):
-                if zone.breaking[n] and zone.whole[n]:
-                    side = subtract(column(zone.x, 0, n + 1), column(zone.x, 0, n))
-                    velocity = subtract(column(zone.v, 0, n + 1), column(zone.v, 0, n))
-                    way = 0.5 * zone.dt * dot(velocity, side) / math.sqrt(dot(side, side))
-                    strain = zone.tension[n] / zone.stiffness[family]
-                    stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
-                    zone.books[FAILED] += stored + zone.tension[n] * way
-                    zone.books[VISCOUS] += zone.viscous_force[n] * way
-                    zone.books[TORN] += 1.0
-                    zone.whole[n] = False
-                    zone.tension[n] = zone.viscous_force[n] = 0.0
-                    zone.torn[family, yarn] = True
+        for n in range(*nodes_of(zone, family)):
+            if zone.breaking[n] and zone.whole[n]:
+                side = subtract(column(zone.x, 0, n + 1), column(zone.x, 0, n))
+                velocity = subtract(column(zone.v, 0, n + 1), column(zone.v, 0, n))
+                way = 0.5 * zone.dt * dot(velocity, side) / math.sqrt(dot(side, side))
+                strain = zone.tension[n] / zone.stiffness[family]
+                stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
+                zone.books[FAILED] += stored + zone.tension[n] * way
+                zone.books[VISCOUS] += zone.viscous_force[n] * way
+                zone.books[TORN] += 1.0
+                zone.whole[n] = False
+                zone.tension[n] = zone.viscous_force[n] = 0.0
+                zone.torn[family, yarn_of(zone, family, n)] = True
 
 
 @kernel(_nrt=False, fastmath=SUM)
@@ -114,14 +125,14 @@ def stretch_segments(zone, family, first, count):
         rate = opening * per_length
         rest = rest_length[n]
         strain = length / rest - 1.0
-        bears = float(whole[n] & (strain > ROUNDING))
+        bears = 1.0 * (whole[n] & (strain > ROUNDING))
         taut = bears * stiffness * strain
         damping = bears * max(drag * rate, -taut)
         energy = 0.5 * taut * strain * rest
         before = tension[n]
         released = 0.5 * before * before / stiffness * rest
         snap = rate * (before + taut) * (0.5 * zone.dt) - energy + released
-        snapped += float((before == 0.0) != (taut == 0.0)) * snap
+        snapped += snap * ((before == 0.0) != (taut == 0.0))
         damped += (viscous_force[n] + damping) * rate
         stored += energy
         tension[n] = taut
@@ -156,20 +167,18 @@ def pull_nodes(pull, f):
 def follow_tensions(zone):
     """Let F of each segment follow its M, and mark the segments that break; keep the highest tension."""
     for family in range(2):
-        for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start, start + zone.nodes[family] - 1):
-                half = zone.half_strength[n]
-                near = zone.tension[n] > min(zone.peak_tension[family], half)
-                if zone.whole[n] and (near or zone.filtered[n] > half):
-                    follow_segment(zone, family, yarn, n)
+        for n in range(*nodes_of(zone, family)):
+            half = zone.half_strength[n]
+            near = zone.tension[n] > min(zone.peak_tension[family], half)
+            if zone.whole[n] and (near or zone.filtered[n] > half):
+                follow_segment(zone, family, n)
 
 
 @kernel(_nrt=False)
-def follow_segment(zone, family, yarn, n):
+def follow_segment(zone, family, n):
     """F of one segment, and whether it breaks."""
     half = zone.half_strength[n]
-    mean = mean_tension(zone, family, yarn, n)
+    mean = mean_tension(zone, family, n)
     if max(mean, zone.filtered[n]) > half:
         followed = zone.filtered[n] + zone.filter_factor[family] * (mean - zone.filtered[n])
         zone.filtered[n] = max(half, followed)
@@ -187,10 +196,11 @@ def follow_segment(zone, family, yarn, n):
 
 
 @kernel(_nrt=False)
-def mean_tension(zone, family, yarn, n):
+def mean_tension(zone, family, n):
     """M [N] of a segment: mean over the whole segments beside it, by the weights of their yarns."""
     total = 0.0
     weight = 0.0
+    yarn = yarn_of(zone, family, n)
     number = yarn + family * zone.yarns[0]
     for m in range(zone.mean_weights.shape[1]):
         if zone.mean_weights[number, m] == 0.0:

@@ -22,7 +22,6 @@ from shellfabric.projectile import contact_kernels
 from shellfabric.state import Zone, unit
 from shellfabric.yarns.chain_kernels import (
     AHEAD,
-    BOOKS,
     COUNTED,
     CROSSINGS,
     NOSE,
@@ -30,6 +29,7 @@ from shellfabric.yarns.chain_kernels import (
     STEPS,
     TORN,
     move,
+    nodes_of,
 )
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.zone_kernels import inner_forces
@@ -105,9 +105,7 @@ def give_outer_forces(zone, state, ahead):
 def tell_ply(zone, state):
     """What the ply keeps of the zone: its work, energies of the contact with the nose, peak tensions, torn yarns."""
     state.yarns_ahead[0] = zone.counter[AHEAD]
-    state.yarn_work[0] = 0.0
-    for n in range(BOOKS - 2):
-        state.yarn_work[0] += zone.books[n]
+    state.yarn_work[0] = zone.books[:TORN].sum()
     state.contact_energy[contact_kernels.CONTACT] = zone.books[NOSE]
     state.contact_energy[contact_kernels.SPRING] = zone.books[NOSE]
     state.contact_energy[contact_kernels.FRICTION] = zone.books[NOSE_FRICTION]
@@ -119,8 +117,7 @@ def tell_ply(zone, state):
     if zone.books[TORN] > zone.counter[COUNTED]:
         zone.counter[COUNTED] = int(zone.books[TORN])
         for family in range(2):
-            last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
-            for n in range(zone.first[family], last):
+            for n in range(*nodes_of(zone, family)):
                 k = edge_of(zone, family, n)
                 if zone.breaking[n] and not zone.whole[n] and state.failed[family][k] == 0:
                     state.failed[family][k] = 1

@@ -14,6 +14,7 @@ from shellfabric.cloth.spline_kernels import quadratic_weights
 from shellfabric.cloth.vector_kernels import add, column, scaled
 from shellfabric.jit.compile import kernel
 
+FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
 ONE = np.uint64(1)  # numba asks of a signed index whether it is negative
 
 

@@ -21,13 +21,12 @@ from shellfabric.cloth.vector_kernels import dot, scaled, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.chain_kernels import FAILED, NEIGHBOURS, SLACK
 from shellfabric.yarns.crossing_kernels import CLOSE, moved
-from shellfabric.yarns.curve_kernels import gather, scatter, spline
+from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 
 # of zone.foot: index on the next yarn (below 0: torn), energy [J], distance [m] at which contact begins (below 0:
 # slack), steps until it is looked at again
 PLACE, ENERGY, ONSET, WAIT = 0, 1, 2, 3
 TOUCH, SOFT, CLOSEST, HARD = 0, 1, 2, 3  # of zone.beside, of each family: w1 [m], k1 [N/m], w2, k2
-FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
 RUNS = 0.02  # of an index a step: the closest point runs along a loop
 FAR = 1.2  # w1^2, beyond which a foot is not sought to the end
 LONGEST_WAIT = 8.0  # steps

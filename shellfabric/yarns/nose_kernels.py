@@ -12,11 +12,10 @@ from shellfabric.cloth.vector_kernels import add_scaled, column, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.contact_kernels import to_panel_frame
-from shellfabric.yarns.chain_kernels import AHEAD, FAILED, NOSE, NOSE_FRICTION
-from shellfabric.yarns.curve_kernels import gather, scatter
+from shellfabric.yarns.chain_kernels import AHEAD, FAILED, NOSE, NOSE_FRICTION, nodes_of, yarn_of
+from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
-NODE_WEIGHTS = (0.125, 0.75, 0.125)
 MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
 
 
@@ -28,16 +27,14 @@ def nose_forces(zone, state, const):
     zone.books[NOSE] = 0.0
     zone.counter[AHEAD] = 0
     for family in range(2):
-        for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start + 1, start + zone.nodes[family] - 1):
-                if is_far(zone, state, const, n):
-                    continue
-                before = zone.whole[n - 1]
-                after = zone.whole[n]
-                held = not zone.torn[family, yarn]
-                nose_point(zone, state, const, n, AT_NODE, NODE_WEIGHTS, before and after, held)
-                nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+        for n in range(*nodes_of(zone, family)):
+            if zone.inverse_mass[n] == 0.0 or is_far(zone, state, const, n):
+                continue
+            after = zone.whole[n]
+            both = zone.whole[n - 1] and after
+            held = not zone.torn[family, yarn_of(zone, family, n)]
+            nose_point(zone, state, const, n, AT_NODE, FIXED, both, held)
+            nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
 
 
 @kernel(_nrt=False)
