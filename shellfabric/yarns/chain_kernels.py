@@ -62,8 +62,7 @@ def chain_forces(zone):
         break_segments(zone)
     zone.books[STORED] = 0.0
     for family in range(2):
-        first, last = nodes_of(zone, family)
-        stretch_segments(zone, family, first, last - first - 1)
+        stretch_segments(zone, family, *nodes_of(zone, family))
     for c in range(3):
         zone.f[c, 0] = zone.pull[c, 0]
         pull_nodes(zone.pull[c], zone.f[c])
@@ -93,12 +92,13 @@ def break_segments(zone):
 
 
 @kernel(_nrt=False, fastmath=SUM)
-def stretch_segments(zone, family, first, count):
-    """Tensions of `count` segments of a family, and their forces on the nodes before them, into zone.pull.
+def stretch_segments(zone, family, first, last):
+    """Tensions of the segments of a family, whose nodes are first .. last - 1; their forces on the nodes before them.
 
     A loop over all of them, which LLVM turns into vector instructions. What lies between the end of a yarn and the
-    next one is not whole.
+    next one is not whole. The forces go into zone.pull.
     """
+    count = last - first - 1
     x, y, z = parts_of(zone.x, first, count)
     next_x, next_y, next_z = parts_of(zone.x, first + 1, count)
     u, v, w = parts_of(zone.v, first, count)

@@ -34,7 +34,8 @@ from shellfabric.yarns.chain_kernels import (
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.zone_kernels import inner_forces
 
-PRESENT, BEFORE = 0, 1  # of zone.outer_force
+PRESENT = 0  # of zone.outer_force
+BEFORE = 1
 
 
 @unit("number", later=True, own=Zone)

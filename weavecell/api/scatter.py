@@ -210,11 +210,11 @@ class V50Result(StudyResult):
             "balance",
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        columns["weakest_warp"] = [shot.weakest[0] for shot in shots]
-        columns["weakest_weft"] = [shot.weakest[1] for shot in shots]
+        for family, name in enumerate(("warp", "weft")):
+            columns[f"weakest_{name}"] = [shot.weakest[family] for shot in shots]
         if self.target.setup.crossovers is not None:  # resolved yarns, whose aims are drawn
-            columns["impact_point_x_m"] = [shot.impact_point[0] for shot in shots]
-            columns["impact_point_y_m"] = [shot.impact_point[1] for shot in shots]
+            for axis, name in enumerate("xy"):
+                columns[f"impact_point_{name}_m"] = [shot.impact_point[axis] for shot in shots]
         return columns
 
     @property

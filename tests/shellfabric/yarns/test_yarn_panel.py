@@ -53,7 +53,9 @@ def test_nose_membrane_and_zone_keep_their_momentum(table):
     """Of a free panel, to what rim and nose take ahead of the mean force of the last step."""
     solver = PackSolver(replace(SETUP, boundary="free").target(table), 60.0, 40e-6)
     solver.run()
-    zone, state, const = solver.zone, solver.state, solver.const
+    zone = solver.zone
+    state = solver.state
+    const = solver.const
     assert zone.counter[STEPS] == 3
     given = SPHERE.mass * 60.0
     kept = SPHERE.mass * solver.stack.projectile_velocity[2]
