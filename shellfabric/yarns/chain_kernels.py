@@ -26,7 +26,11 @@ STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
 VISCOUS, FRICTION, FAILED, SLACK, NOSE_FRICTION, SNAP = 4, 5, 6, 7, 8, 9
 TORN, TANGLED = 10, 11
 BOOKS = 12
-AHEAD, COUNTED, BREAKING, STEPS = 0, 1, 2, 3  # of zone.counter
+# of zone.counter
+AHEAD = 0
+COUNTED = 1
+BREAKING = 2
+STEPS = 3
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 
@@ -103,7 +107,9 @@ def stretch_segments(zone, family, first, last):
     next_x, next_y, next_z = parts_of(zone.x, first + 1, count)
     u, v, w = parts_of(zone.v, first, count)
     next_u, next_v, next_w = parts_of(zone.v, first + 1, count)
-    pull_x, pull_y, pull_z = parts_of(zone.pull, first, count)
+    pull_x = zone.pull[0, first : first + count]
+    pull_y = zone.pull[1, first : first + count]
+    pull_z = zone.pull[2, first : first + count]
     tension = zone.tension[first : first + count]
     viscous_force = zone.viscous_force[first : first + count]
     rest_length = zone.rest_length[first : first + count]
