@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from fabrics.base.errors import InputError
-from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
+from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, OF_SHOTS, crimps, entries
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES, OF_YARNS
 from fabrics.families import Family, list_families
@@ -249,16 +249,15 @@ def _scaled(fabric, name, ratios):
     return fabric.with_yarns(**values)
 
 
-def given(fabric: Fabric, table: str) -> Fabric:
-    """The fabric that no longer counts one table as assumed, such as "solid" after a fit; its value
-    stays."""
+def given(fabric: Fabric, *names: str) -> Fabric:
+    """The fabric that no longer counts these as assumed, such as "solid" after a fit; their values
+    stay."""
     ranges = {}
     for key, ratios in fabric.ranges.items():
-        if key.partition(".")[0] != table:
+        if key.partition(".")[0] not in names:
             ranges[key] = ratios
-    return replace(
-        fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges
-    )
+    kept = [name for name in fabric.assumed if name not in names]
+    return replace(fabric, assumed=tuple(kept), ranges=ranges)
 
 
 def family_of(fabric: Fabric) -> Family | None:
@@ -273,9 +272,14 @@ def family_of(fabric: Fabric) -> Family | None:
     return named.for_other_yarns()
 
 
+def laws(fabric: Fabric) -> list[str]:
+    """The lines of `lines` that a quasi-static result follows from."""
+    return lines(given(fabric, "failure_length", *OF_SHOTS))
+
+
 def lines(fabric: Fabric) -> list[str]:
-    """One line for each table that was assumed, for crimp computed from the thickness, and for the
-    failure length."""
+    """One line for each table that was assumed, for crimp computed from the thickness, for the
+    failure length and for what no data sheet gives."""
     family = family_of(fabric)
     name = "unknown"
     if family is not None:
@@ -285,9 +289,11 @@ def lines(fabric: Fabric) -> list[str]:
         wider = ", with wider ranges for another fibre"
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
-    words["failure_length"] = f"failure length {entries()['failure_length'].written}"
+    for key in ("failure_length", *OF_SHOTS):
+        words[key] = f"{key.replace('_', ' ')} {entries()[key].written}"
     lines = []
-    for key in fabric.assumed:
+    # what is of a shot comes last
+    for key in sorted(fabric.assumed, key=OF_SHOTS.__contains__):
         line = f"assumed: {words.get(key)}, because {fabric.name} gives none"
         if key == "crimp":
             line = _crimp_line(fabric)

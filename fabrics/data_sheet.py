@@ -30,6 +30,11 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
+# names of `data_sheet.toml`: numbers that no fabric file has, for shots with fabrics that are not of the catalogue
+STRENGTH_AFTER_WEAVING = "strength after weaving"
+FRICTION_OF_PROJECTILE = "friction of the projectile"
+FRICTION_BETWEEN_PLIES = "friction between plies"
+OF_SHOTS = (STRENGTH_AFTER_WEAVING, FRICTION_OF_PROJECTILE, FRICTION_BETWEEN_PLIES)
 # if closest packed fibres are so many times thicker than the sheet, the mass of the yarn has
 # another unit
 TOO_THICK = 3.0

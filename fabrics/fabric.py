@@ -41,8 +41,8 @@ class Fabric:
         E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "failure_length", "shear", "solid" and "strain_rate" what the data file
-        does not give (see `fabrics.assumed`)
+    assumed : of "crimp", "failure_length", "shear", "solid", "strain_rate" and
+        `data_sheet.OF_SHOTS` what the data file does not give (see `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None if not known
     thickness : [m] of the data sheet, or None
     yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each

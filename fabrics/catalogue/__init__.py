@@ -148,6 +148,10 @@ def _fabric(file, data, sources, path):
             "source": length.source,
             "status": length.status,
         }
+    names = ("crimp",) * computed + ("failure_length",) * (own_length is None)
+    # the fabrics of the thesis are shot as in the thesis
+    if path.parent != _FOLDER:
+        names += data_sheet.OF_SHOTS
     ranges = {}
     guessed = []
     for key, datum in data.items():
@@ -171,7 +175,7 @@ def _fabric(file, data, sources, path):
             family: _values(table) for family, table in file.micrograph or () if table is not None
         },
         sources=sources | ({} if rate_law is None else rate_law.sources()),
-        assumed=("crimp",) * computed + ("failure_length",) * (own_length is None),
+        assumed=names,
         failure_length=(own_length or length).value,
         yarn_width=(_value(file.warp.width), _value(file.weft.width)),
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),

@@ -106,7 +106,7 @@ def compare(
             raise InputError(key=key, allowed="left out if nothing is shot at")
         with out_folder.held(how.out) as folder:
             return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = targets.of(target, keys, honoured.LIMITS)
+    panel = targets.of(target, keys, honoured.LIMITS, function="compare")
     with (
         out_folder.held(how.out) as folder,
         limits.kept_shots(panel, folder) as ended,

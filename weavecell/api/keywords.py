@@ -103,7 +103,8 @@ class Keywords(TypedDict, total=False):
     ply_contact : pack: law of pressure against closure between two plies; if not given the law in
         the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
-    ply_friction : pack: Coulomb coefficient between plies; a number from 0 to 2
+    ply_friction : pack: Coulomb coefficient between plies; if not given 0 of a fabric of the
+        catalogue, else assumed; a number from 0 to 2
     yarn_failure : whether a yarn fails at its strength; true or false
     strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
     rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
@@ -153,7 +154,7 @@ class Keywords(TypedDict, total=False):
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
     ply_contact: PlyLaw | FilePath | None
-    ply_friction: Number
+    ply_friction: Number | None
     yarn_failure: bool
     strength: Mapping[str, Quantity] | None
     rate_dependence: bool
@@ -202,7 +203,7 @@ def tables() -> dict[str, str]:
 
 
 def scene(
-    fabric: str | None, velocity: object, options: Mapping[str, Any]
+    fabric: str | None, velocity: object, options: Mapping[str, Any], function: str
 ) -> tuple[Scene, dict[str, Any]]:
     """The checked scene of a call, and its table.
 
@@ -211,6 +212,7 @@ def scene(
     fabric : its name, for messages; None if every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
     **options : of `Keywords`
+    function : that was called with them, for messages
 
     Raises
     ------
@@ -225,7 +227,7 @@ def scene(
         DEFAULTS | {key: value for key, value in options.items() if value is not None}
     ).items():
         if key not in known:
-            raise _unknown(key, value, known)
+            raise _unknown(key, value, known, function)
         if isinstance(value, tuple) and key == "law":
             of_file = value
         else:
@@ -342,15 +344,17 @@ def _text(value, entry):
     return f"{value!r} {unit}"
 
 
-def _unknown(key, value, known):
-    """The error of a keyword that is none."""
+def _unknown(key, value, known, function):
+    """The error of a keyword that the function does not have."""
     from weavecell.scenes.impact import Scene
     from weavecell.scenes.panel import PanelTable
 
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(
-                f'is not a keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
+                f'is not a keyword of {function}, did you mean {group}={{"{key}": ...}}?',
+                key=key,
+                value=value,
             )
     message, allowed = PanelTable.unknown(key, None)
     if message is None:
@@ -360,7 +364,7 @@ def _unknown(key, value, known):
     if near:
         hint = f", did you mean {near}?"
     return InputError(
-        f"is not a keyword{hint} keywords: {', '.join(Keywords.__annotations__)}",
+        f"is not a keyword of {function}{hint} keywords: {', '.join(Keywords.__annotations__)}",
         key=key,
         value=value,
     )

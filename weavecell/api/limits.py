@@ -140,7 +140,7 @@ def critical_velocity(
     if not scan:
         around = None
     how, keys = Execution.split(options, ExecutionKeywords)
-    panel = targets.of(target, keys, honoured.LIMITS)
+    panel = targets.of(target, keys, honoured.LIMITS, function="critical_velocity")
     over = ranges.with_ends(panel.setup, assumed_range)
     if check:
         fired = residual_shots

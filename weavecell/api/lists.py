@@ -278,7 +278,6 @@ def _assumptions(plain, whole):
     from shellfabric.plies import gap as ply_gap
 
     rows = []
-    entries = data_sheet.entries()
     if "crimp" in whole.assumed:
         ends = assumed.crimp_ends(whole).values()
         for k, family in enumerate(data_sheet.FAMILIES):
@@ -288,26 +287,17 @@ def _assumptions(plain, whole):
             if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
-        rows.append(
-            ("thickness, factor", entries["thickness"].written, entries["thickness"].source)
-        )
-        rows.append(
-            (
-                "warp share of the heights",
-                entries["warp_share"].written,
-                entries["warp_share"].source,
-            )
-        )
-    if "failure_length" in whole.assumed:
-        rows.append(
-            ("failure_length", entries["failure_length"].written, entries["failure_length"].source)
-        )
+        rows += [("thickness, factor", *_written("thickness"))]
+        rows += [("warp share of the heights", *_written("warp_share"))]
+    for name in ("failure_length", *data_sheet.OF_SHOTS):
+        if name in whole.assumed:
+            rows.append((name, *_written(name)))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)
     if gap.high > gap.low:
         span = f"{1e3 * gap.value:.3g} mm ({1e3 * gap.low:.3g} .. {1e3 * gap.high:.3g} mm)"
-        rows.append(("interlayer_gap", span, f"{gap.source}; {entries['ply_gap'].source}"))
+        rows.append(("interlayer_gap", span, f"{gap.source}; {_written('ply_gap')[1]}"))
     if plain.section is None:
         rows.append(
             (
@@ -317,6 +307,12 @@ def _assumptions(plain, whole):
             )
         )
     return rows
+
+
+def _written(name):
+    """(value with its range, source) of an entry of data_sheet.toml."""
+    entry = data_sheet.entries()[name]
+    return entry.written, entry.source
 
 
 def _copy(name, folder):

@@ -64,15 +64,18 @@ class Result:
     @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name what is assumed of the fabric that the result is about."""
+        return self._lines_of(assumed.lines)
+
+    def _lines_of(self, lines):
+        """What a function of the result's fabric says of it, if it has one."""
         fabric = getattr(self, "fabric", None)
         if fabric is None:
             return ()
-        return tuple(assumed.lines(fabric))
+        return tuple(lines(fabric))
 
     def _assumed_laws(self) -> list[str]:
-        """The lines of `assumed` that a quasi-static result follows from: all but that of the
-        failure length."""
-        return [line for line in self.assumed if "failure length" not in line]
+        """The lines of `assumed` that a quasi-static result follows from."""
+        return list(self._lines_of(assumed.laws))
 
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""

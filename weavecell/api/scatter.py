@@ -112,7 +112,7 @@ def v50(
         inputs.published(), **{key: value for key, value in own.items() if value is not None}
     )
     how, keys = Execution.split(options)
-    panel = targets.of(target, keys, honoured.V50)
+    panel = targets.of(target, keys, honoured.V50, function="v50")
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0

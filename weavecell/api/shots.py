@@ -118,7 +118,7 @@ def impact(
     """
     from weavecell.studies import inputs
 
-    panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
+    panel = targets.of(target, options, honoured.IMPACT, velocity, function="impact", one_shot=True)
     accuracy = panel.case and panel.case.scene.accuracy
     if accuracy and uncertainty:
         raise InputError(
@@ -331,7 +331,7 @@ class ShotResult(ImpactRecord, Result):
         return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
-        laws = [line for line in self.assumed if "failure length" not in line]
+        laws = self._assumed_laws()
         more = ""
         if laws:
             more = f", assumed: {len(laws)} laws"

@@ -42,6 +42,7 @@ def of(
     refused: Keys,
     velocity: float | str | None = None,
     *,
+    function: str = "setup",
     one_shot: bool = False,
 ) -> Target:
     """The target of a study.
@@ -52,6 +53,7 @@ def of(
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
     refused : keys of an input file that the study does not honour
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
+    function : that was called, for messages
     one_shot : whether what is computed is a shot, to which strike velocity and [history] mean
         something
 
@@ -89,14 +91,17 @@ def of(
         raise InputError(
             "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
         )
-    panel = made(target, STRIKE if velocity is None else velocity, chosen)
+    panel = made(target, STRIKE if velocity is None else velocity, chosen, function)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
         targets.build.LOG.info(line)
     return panel
 
 
 def made(
-    fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]
+    fabric: Fabric | FilePath | None,
+    velocity: float | str,
+    options: Mapping[str, Any],
+    function: str = "setup",
 ) -> Target:
     """What `weavecell.setup` describes, with the input file that says the same if one can. Its
     notes are warnings.
@@ -104,6 +109,7 @@ def made(
     Parameters
     ----------
     fabric, velocity, options : arguments of `weavecell.setup`
+    function : that was called with them, for messages
 
     Raises
     ------
@@ -114,7 +120,7 @@ def made(
     own = None
     if fabric is not None:
         own = as_fabric(fabric)
-    scene, written = keywords.scene(None if own is None else own.name, velocity, options)
+    scene, written = keywords.scene(None if own is None else own.name, velocity, options, function)
     try:
         case = build.build(scene, None, "", own)
         ply = build.setup(case, None)

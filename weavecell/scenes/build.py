@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue, ply_laws
+from fabrics import assumed, catalogue, data_sheet, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
@@ -137,6 +137,7 @@ def material(
     fabric = plain = _fabric(table, key, file) if given is None else given
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
+        fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
     panel = getattr(scene, "panel", None)
     if panel is not None and panel.rate_dependence:
         try:
@@ -149,9 +150,16 @@ def material(
         fails = getattr(getattr(scene, "test_table", None), "failure", False)
     else:
         fails = panel.yarn_failure
-    fabric = (
-        fabric if fails else assumed.given(fabric, "failure_length")
-    )  # which is of no use without failure
+    # of no use without failure
+    if not fails:
+        fabric = assumed.given(fabric, "failure_length", data_sheet.STRENGTH_AFTER_WEAVING)
+    # the fabric of another set-up has been weakened already
+    woven = "weaving_damage.strength" in fabric.sources
+    if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed and not woven:
+        entry = data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING]
+        damage = WeavingDamage(1.0, entry.value, entry.source, entry.status)
+        fabric = fabric.with_weaving_damage(damage)
+    fabric = _of_given_friction(fabric, getattr(scene, "projectile", None), panel)
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
     # a response surface stands in place of the compression law
     if table.surface is not None:
@@ -181,6 +189,15 @@ def _fabric(table, key, file):
         allowed = f"one of {', '.join(catalogue.list_names())}"
         raise catalogue.unknown(table.name, allowed, key=f"{key}.name", file=file)
     return with_linear_density(fabric, table.linear_density)
+
+
+def _of_given_friction(fabric, shot, panel):
+    """The fabric that counts no friction as assumed which the scene gives or has no contact for."""
+    if shot is None or shot.friction is not None:
+        fabric = assumed.given(fabric, data_sheet.FRICTION_OF_PROJECTILE)
+    if panel is None or panel.plies == 1 or panel.ply_friction is not None:
+        fabric = assumed.given(fabric, data_sheet.FRICTION_BETWEEN_PLIES)
+    return fabric
 
 
 def _sheared(fabric, need, file):
@@ -353,7 +370,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "surface": case.surface,
             "lay_up": case.lay_up,
             "strike_velocity": scene.projectile.strike_velocity,
-            "projectile": _projectile(scene.projectile),
+            "projectile": _projectile(scene.projectile, case.fabric),
             "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
             "backing": _backing(scene.backing),
@@ -362,6 +379,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             and HistoryRequest(**_given(scene.history, "report_positions")),
             "numerics": Numerics(**_given(scene.numerics)),
         }
+        if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
+            given["ply_friction"] = data_sheet.entries()[data_sheet.FRICTION_BETWEEN_PLIES].value
         given["crossovers"] = _resolved(panel)
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
@@ -389,10 +408,13 @@ def _resolved(table):
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 
-def _projectile(table):
+def _projectile(table, fabric):
+    """The Projectile of a table, with the friction that is assumed of the fabric."""
     from shellfabric.projectile.projectile import Projectile
 
     given = _given(table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density")
+    if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
+        given["friction"] = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE].value
     # a body of any shape has its radius and length from its surface
     if table.shape != "stl":
         return Projectile(radius=table.diameter / 2, **given)

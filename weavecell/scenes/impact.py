@@ -116,7 +116,12 @@ class ProjectileTable(Table):
     ) = 0.0
     yaw: angle("angle between axis and line of flight", -75, 75, "5 deg") = 0.0
     roll: angle("rotation about the axis", -360, 360, "45 deg") = 0.0
-    friction: number("Coulomb coefficient between projectile and fabric", 0.2, ge=0.0, le=2.0) = 0.0
+    friction: number(
+        "Coulomb coefficient between projectile and fabric; if not given 0 of a fabric of the catalogue, else assumed",
+        0.2,
+        ge=0.0,
+        le=2.0,
+    ) = None
     body: one_of(
         "rigid body, or elastic-plastic steel bar along the axis (one-dimensional waves)",
         "rigid",

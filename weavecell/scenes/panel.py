@@ -325,7 +325,12 @@ class PanelTable(Table):
             _PLY_CONTACT,
         ),
     ] = None
-    ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
+    ply_friction: number(
+        "pack: Coulomb coefficient between plies; if not given 0 of a fabric of the catalogue, else assumed",
+        0.3,
+        ge=0.0,
+        le=2.0,
+    ) = None
     yarn_failure: flag("whether a yarn fails at its strength") = True
     strength: Annotated[
         StrengthTable | None, Field(description="a table { weibull_shape = 14.3, seed = 1 }")

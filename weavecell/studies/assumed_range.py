@@ -20,9 +20,8 @@ from dataclasses import astuple, dataclass, replace
 from functools import partial, reduce
 from typing import Any
 
-from fabrics import assumed
+from fabrics import assumed, data_sheet
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
-from fabrics.yarn import WeavingDamage
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import quality
@@ -163,7 +162,7 @@ def changes(setup: ImpactSetup) -> Ends:
     for name, entry in inputs.ranges().items():
         own = {}
         for end in (entry.low, entry.high):
-            if end != entry.value and _of_setup(setup, name, end) != setup:
+            if _of_setup(setup, name, end) != setup:
                 own[f"{name} {end:g}"] = partial(_of_setup, name=name, value=end)
         if own:
             ends_of[name] = own
@@ -193,11 +192,11 @@ def _with_laws(ply, end):
 def _of_setup(setup, name, value):
     """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
     match name:
-        case "strength after weaving" if setup.yarn_failure and not setup.surface:
+        case data_sheet.STRENGTH_AFTER_WEAVING if setup.yarn_failure and not setup.surface:
             return _of_each_ply(_with_woven_strength, value, setup)
-        case "friction of the projectile":
+        case data_sheet.FRICTION_OF_PROJECTILE:
             return replace(setup, projectile=replace(setup.projectile, friction=value))
-        case "friction between plies" if setup.plies > 1:
+        case data_sheet.FRICTION_BETWEEN_PLIES if setup.plies > 1:
             return replace(setup, ply_friction=value)
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
@@ -213,10 +212,13 @@ def _of_setup(setup, name, value):
 def _with_woven_strength(ply, value):
     """A ply whose yarns have this share of their strength after weaving, unless its fabric says
     what they have."""
-    if "weaving_damage.strength" in ply.fabric.sources:
+    fabric = ply.fabric
+    if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed:
+        value /= data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING].value
+    elif "weaving_damage.strength" in fabric.sources:
         return ply
-    damage = WeavingDamage(1.0, value, "range of a limit")
-    return replace(ply, fabric=ply.fabric.with_weaving_damage(damage))
+    strains = [value * yarn.failure_strain for yarn in fabric.weave.yarns]
+    return replace(ply, fabric=fabric.with_yarns(failure_strain=strains))
 
 
 def _gripped(edge, factor):

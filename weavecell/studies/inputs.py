@@ -85,12 +85,14 @@ def ranges() -> dict[str, families.Entry]:
     """Entries of [assumed], of resolved yarns and of the area of packed fabric, by name."""
     from shellfabric.yarns.model import DATA
 
+    of_sheet = data_sheet.entries()
     rows = read_data(_PATH)["assumed"] | {
         "friction of crossovers": DATA["crossover_friction"],
         "lateral stiffness of yarns": DATA["lateral_stiffness"],
     }
-    assumed = {name: families.entry(row, "") for name, row in rows.items()}
-    return assumed | {"area of packed fabric": data_sheet.entries()["packed_area"]}
+    assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS}
+    assumed |= {name: families.entry(row, "") for name, row in rows.items()}
+    return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 
 def published() -> Scatter:

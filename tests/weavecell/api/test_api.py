@@ -160,11 +160,17 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     assert wc.setup("S-728", 100.0, law=replace(law, fabric="")).laws[0].a == 4e-5
 
 
+SHOTS = Path(__file__).with_name("shots.csv")
+
+
 REFUSED = [  # keywords of a set-up
     ({"velocity": "3 kg"}, "velocity = '3 kg'"),
-    ({"plie": 3}, "plie = 3: is not a keyword, did you mean plies?"),
-    ({"edge": "free"}, "edge = 'free': is not a keyword; keywords: weaving_damage, law, "),
-    ({"edge_radius": 1.0}, "edge_radius = 1.0: is not a keyword, did you mean projectile="),
+    ({"plie": 3}, "plie = 3: is not a keyword of setup, did you mean plies?"),
+    ({"edge": "free"}, "edge = 'free': is not a keyword of setup; keywords: weaving_damage, law, "),
+    (
+        {"edge_radius": 1.0},
+        "edge_radius = 1.0: is not a keyword of setup, did you mean projectile=",
+    ),
     ({"projectile": CUT}, "projectile.edge_radius: is missing"),
     ({"ply_gap": 1e-4}, "ply_gap = 0.0001: must be left out for a single ply"),
     ({"law": (1,)}, "law = (1,): must be a CompressionLaw"),
@@ -172,6 +178,12 @@ REFUSED = [  # keywords of a set-up
     ({"crossovers": "sliding"}, 'crossovers = \'sliding\': must be one of "pinned", "yarns"'),
 ]
 REFUSED = [(lambda given=given: wc.setup(**GIVEN | given), told) for given, told in REFUSED]
+REFUSED += [
+    (lambda: wc.impact("S-720", 100.0, plie=3), "plie = 3: is not a keyword of impact, did you"),
+    (lambda: wc.critical_velocity("S-720", plie=3), "plie = 3: is not a keyword of critical_veloc"),
+    (lambda: wc.v50("S-720", plie=3), "plie = 3: is not a keyword of v50, did you mean plies?"),
+    (lambda: wc.compare(SHOTS, "S-720", plie=3), "plie = 3: is not a keyword of compare, did you"),
+]
 REFUSED += [
     (lambda: wc.fabric("S-720", linear_density="o"), "linear_density = 'o': must be effective or"),
     (lambda: wc.coupon("S-720", "shear"), "test = 'shear': must be one of bias_extension"),

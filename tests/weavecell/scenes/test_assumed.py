@@ -10,12 +10,13 @@ import pytest
 from scipy.optimize import brentq
 
 import weavecell as wc
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, data_sheet
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
+from weavecell.api import targets
 from weavecell.scenes import build, impact
 from weavecell.studies import assumed_range
 from weavecell.studies.assumed_range import AssumedRange, Row
@@ -29,7 +30,10 @@ CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .
 LENGTH = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm), because mine gives none"
 LENGTH_ENDS = ["failure length 0.375 mm", "failure length 1.5 mm"]
 PACKED = "area of packed fabric"
-SET_UP_ENDS = ["strength after weaving 0.88", "friction of the projectile 0.2"]
+WOVEN = "assumed: strength after weaving 0.94 (0.88 .. 1.0), because mine gives none"
+NOSE = "assumed: friction of the projectile 0.1 (0.0 .. 0.2), because mine gives none"
+SET_UP_ENDS = ["strength after weaving 0.88", "strength after weaving 1"]
+SET_UP_ENDS += ["friction of the projectile 0", "friction of the projectile 0.2"]
 CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
 
 
@@ -58,8 +62,8 @@ def own(succeed, tmp_path):
 
 def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
     out, told = own()
-    assert out[:3] == [CRIMP, LENGTH, SHEAR]
-    assert told["provenance"]["assumed"] == f"{CRIMP}; {LENGTH}; {SHEAR}"
+    assert out[:5] == [CRIMP, LENGTH, SHEAR, WOVEN, NOSE]
+    assert told["provenance"]["assumed"] == "; ".join(out[:5])
     around = told["assumed_range"]
     named = ["nominal", *CRIMP_ENDS, "trellis soft", "trellis stiff", *LENGTH_ENDS, *SET_UP_ENDS]
     assert [run["laws"] for run in around["runs"]][: len(named)] == named
@@ -87,12 +91,47 @@ def test_nothing_is_assumed_of_what_is_given(own):
         ("\nthickness =", "\nfailure_length = '1 mm'\nthickness ="),
         options=["--assumed-range"],
     )
-    assert not [line for line in out if line.startswith("assumed: ")]
+    assert [line for line in out if line.startswith("assumed: ")] == [WOVEN, NOSE]
     assert set(told["assumed_range"]["shares"]) == {
         "strength after weaving",
         "friction of the projectile",
     }
-    assert "assumed" not in told["provenance"]
+
+
+def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates():
+    """0.94 of the strength, friction of 0.1 and, in a pack, 0.2; what the scene gives replaces them. The range is about
+    them. A fabric of the catalogue has its strength and no friction."""
+    mine = catalogue.load(MINE)
+    more = {"law": LAW, "opening": "40 mm"}
+    pack = wc.setup(mine, "90 m/s", plies=2, **more)
+    strength = mine.weave.warp.strength
+    assert pack.fabric.weave.warp.strength == pytest.approx(0.94 * strength)
+    assert (pack.projectile.friction, pack.ply_friction) == (0.1, 0.2)
+    again = wc.setup(pack.fabric, "90 m/s", plies=2, **more)  # not weakened twice
+    assert again.fabric.weave.warp.strength == pack.fabric.weave.warp.strength
+    ends = assumed_range.changes(pack)
+    woven = [
+        end(pack).fabric.weave.warp.strength for end in ends["strength after weaving"].values()
+    ]
+    assert woven == pytest.approx([0.88 * strength, strength])
+    assert [end(pack).ply_friction for end in ends["friction between plies"].values()] == [
+        0.15,
+        0.25,
+    ]
+    assert "friction between plies" not in wc.setup(mine, "90 m/s", **more).fabric.assumed
+    damage = {"strength": 0.9, "source": "tests of drawn yarns"}
+    shot = {"mass": "1 g", "diameter": "5 mm", "edge_radius": "0.3 mm", "friction": 0.0}
+    given = wc.setup(
+        mine, "90 m/s", plies=2, ply_friction=0.0, weaving_damage=damage, projectile=shot, **more
+    )
+    assert given.fabric.weave.warp.strength == pytest.approx(0.9 * strength)
+    assert (given.projectile.friction, given.ply_friction) == (0.0, 0.0)
+    assert not set(given.fabric.assumed) & set(data_sheet.OF_SHOTS)
+    published = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm")
+    assert published.fabric.weave.warp.strength == pytest.approx(
+        targets.as_fabric("S-720").weave.warp.strength
+    )
+    assert (published.projectile.friction, published.ply_friction) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("asked", [False, True])
@@ -100,7 +139,7 @@ def test_the_ends_of_the_failure_length_are_run_where_they_are_asked_for(own, as
     out, told = own(*GIVEN, options=["--assumed-range"] * asked)
     assert out[0] == LENGTH
     runs = told["assumed_range"]["runs"] if asked else []
-    assert [run["laws"] for run in runs][:5] == ["nominal", *LENGTH_ENDS, *SET_UP_ENDS][: 5 * asked]
+    assert [run["laws"] for run in runs][:7] == ["nominal", *LENGTH_ENDS, *SET_UP_ENDS][: 7 * asked]
 
 
 def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():

@@ -5,6 +5,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fabrics import catalogue
+from fabrics.data_sheet import OF_SHOTS
 from fabrics.trellis import TrellisShear
 from weavecell.cli import app
 
@@ -80,7 +81,7 @@ TYPED = """data sheet
 
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
     fabric = prompted(tmp_path, TYPED)
-    assert fabric.assumed == ("crimp", "failure_length")
+    assert fabric.assumed == ("crimp", "failure_length", *OF_SHOTS)
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 
