@@ -35,7 +35,7 @@ DRAWN = (
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 3  # of the yarns in a step of the membrane
-HOLDING = 2.8  # friction that holds yarns over (V / c)^(2/3); 2.0 to 3.0 in runs of the zone
+HOLDING = 2.8  # friction that holds yarns over (V / c)^(2/3); 1.9 to 3.1 in runs of the zone
 WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 REACH = 2.0  # spacings between the nose and the rim at least
 # energies of a zone that a ply without one does not have
