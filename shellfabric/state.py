@@ -820,9 +820,9 @@ class Zone(Row):
     first = array("2 int64", "-", "first node of the warp yarns, of the weft yarns")
     yarns = array("2 int64", "-", "number of warp yarns, of weft yarns")
     nodes = array("2 int64", "-", "nodes of a warp yarn, of a weft yarn")
-    x = array("all nodes, 3", "m", "places of the nodes of all chains, yarn after yarn", kept=True)
-    v = array("all nodes, 3", "m/s", "velocities, half a step behind", kept=True)
-    f = array("all nodes, 3", "N", "forces", kept=True)
+    x = array("3, all nodes", "m", "places of the nodes of all chains, yarn after yarn", kept=True)
+    v = array("3, all nodes", "m/s", "velocities, half a step behind", kept=True)
+    f = array("3, all nodes", "N", "forces", kept=True)
     mass = array("all nodes", "kg", "lumped masses of the chains")
     inverse_mass = array("all nodes", "1/kg", "0 of nodes that are tied to the membrane or led")
     rest_length = array("all nodes", "m", "of the segment from a node to the next")
@@ -832,6 +832,7 @@ class Zone(Row):
         "whether the segment bears; false at the end of a chain",
         kept=True,
     )
+    pull = array("3, all nodes", "N", "force of the segment on its node")
     breaking = array(
         "all nodes boolean", "-", "whether the segment breaks in the next step", kept=True
     )
@@ -906,14 +907,21 @@ class Zone(Row):
         kept=True,
     )
     counter = array(
-        "2 int64",
+        "4 int64",
         "-",
-        "points of whole yarns ahead of the nose, torn segments that the ply knows of",
+        "points of whole yarns ahead of the nose, torn segments that the ply knows of, segments to break, "
+        "steps in a step of the ply",
         kept=True,
     )
     tied_node = array("ends int64", "-", "ends of the chains")
     tied_slot = array("ends int64", "-", "slots of the membrane's nodes that they are")
     tied_rest = array("ends, 3", "m", "their places at rest")
+    outer_force = array(
+        "2, n, 3",
+        "N",
+        "on these and the nose, mean over this and the last step of the ply",
+        kept=True,
+    )
     books = array("12", "J, -", "energies, works and counts (yarns.chain_kernels)", kept=True)
 
 

@@ -189,14 +189,26 @@ LIMITS = {
         0.15,
         "slip of a resolved yarn beside the rim of its zone, in crossovers",
     ),
+    "friction to hold yarns": (
+        0.25,
+        "",
+        "least friction between yarns with which one ply stops this projectile; with less, it pushes them aside and "
+        'passes, which crossovers = "yarns" computes',
+    ),
 }
 # name: value above which the indicator is noted
-NOTES = {"viscous energy": 0.1, "element over failure length": 0.5, "ply collisions": 0.05}
+NOTES = {
+    "viscous energy": 0.1,
+    "element over failure length": 0.5,
+    "ply collisions": 0.05,
+    "friction to hold yarns": 0.15,
+}
 
 
 REMEDIES = {
     "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
+    "friction to hold yarns": 'compare with crossovers = "yarns"',
 }  # name: what to do beyond the limit
 
 
@@ -316,8 +328,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         *_path(solver),
         *_extrapolation(solver),
     ]
-    if solver.zone is not None:
-        found.append(solver.rim_indicator)
+    found += solver.yarn_indicators
     if len(solver.parts) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         collided = float(energies["ply_collisions"][-1])

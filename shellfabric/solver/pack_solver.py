@@ -194,11 +194,18 @@ class PackSolver(ExplicitSolver):
         return float(np.abs(both).max() / self.strike_energy)
 
     @property
-    def rim_indicator(self) -> quality.Indicator:
-        """Slip of the resolved yarns beside the rim of their zone, where there is one."""
-        assert self.zone is not None
-        found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
-        return replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}")
+    def yarn_indicators(self) -> tuple[quality.Indicator, ...]:
+        """Slip of the resolved yarns beside the rim of their zone; of one ply of pinned yarns that has stopped the
+        projectile, the friction that yarns which may slip would need to stop it."""
+        if self.zone is not None:
+            found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
+            return (replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}"),)
+        if len(self.parts) > 1 or self.reason != STOPPED:
+            return ()
+        needed = yarns.friction_to_hold(self.panel, self.strike_velocity)
+        if needed is None:
+            return ()
+        return (quality.indicator("friction to hold yarns", needed),)
 
     @property
     def held_apart(self) -> int:
@@ -367,7 +374,7 @@ class PackSolver(ExplicitSolver):
             for panel, _, state in self.parts
         ]
         if self.zone is not None:
-            found.append((np.sqrt((self.zone.v**2).sum(axis=1)), limit(self.panel)))
+            found.append((np.sqrt((self.zone.v**2).sum(axis=0)), limit(self.panel)))
         return found
 
     def where(self, part: int, node: int) -> str:

@@ -17,99 +17,174 @@ segment that snaps taut or goes slack within the step: SNAP has the rest, as "ya
 import math
 
 from shellfabric.cloth import strength_kernels
-from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled
+from shellfabric.cloth.membrane_kernels import SUM
+from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.yarns.curve_kernels import row
 
 # of zone.books [J]: energies at present, then works so far, then counts
 STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
 VISCOUS, FRICTION, FAILED, SLACK, NOSE_FRICTION, SNAP = 4, 5, 6, 7, 8, 9
 TORN, TANGLED = 10, 11
 BOOKS = 12
+# of zone.counter
+AHEAD = 0
+COUNTED = 1
+BREAKING = 2
+STEPS = 3
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 
 @entry(_nrt=False)
 def move(zone):
     """Move the nodes by one step; those that are tied or led have no mobility, and go on at their velocity."""
-    for n in range(zone.x.shape[0]):
-        for c in range(3):
-            zone.v[n, c] += zone.dt * zone.inverse_mass[n] * zone.f[n, c]
-            zone.x[n, c] += zone.dt * zone.v[n, c]
-            zone.f[n, c] = 0.0
+    for c in range(3):
+        x = zone.x[c]
+        v = zone.v[c]
+        f = zone.f[c]
+        for n in range(x.size):
+            v[n] += zone.dt * zone.inverse_mass[n] * f[n]
+            x[n] += zone.dt * v[n]
+
+
+@kernel()
+def nodes_of(zone, family):
+    """First node of a family, and that after its last one."""
+    first = zone.first[family]
+    return first, first + zone.yarns[family] * zone.nodes[family]
+
+
+@kernel()
+def yarn_of(zone, family, n):
+    """Number of the yarn, in its family, of a node."""
+    return (n - zone.first[family]) // zone.nodes[family]
 
 
 @kernel(_nrt=False)
 def chain_forces(zone):
-    """Forces of all segments, into zone.f."""
-    stored = 0.0
-    damped = 0.0
+    """Forces of all segments, in place of what zone.f has."""
+    if zone.counter[BREAKING] > 0:
+        break_segments(zone)
+    zone.books[STORED] = 0.0
     for family in range(2):
-        for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start, start + zone.nodes[family] - 1):
-                if not zone.whole[n]:
-                    continue
-                if zone.breaking[n]:
-                    zone.torn[family, yarn] = True
-                energy, work = segment_force(zone, family, n)
-                stored += energy
-                damped += work
-    zone.books[STORED] = stored
-    zone.books[VISCOUS] += damped
+        stretch_segments(zone, family, *nodes_of(zone, family))
+    for c in range(3):
+        zone.f[c, 0] = zone.pull[c, 0]
+        pull_nodes(zone.pull[c], zone.f[c])
 
 
 @kernel(_nrt=False)
-def segment_force(zone, family, n):
-    """Force of a segment; the energy [J] that it stores, and what its viscosity takes in the step."""
-    side = add_scaled(row(zone.x, n + 1), -1.0, row(zone.x, n))
-    length = math.sqrt(dot(side, side))
-    along = scaled(1.0 / length, side)
-    rate = dot(add_scaled(row(zone.v, n + 1), -1.0, row(zone.v, n)), along)
-    damping = zone.viscous_force[n]
-    zone.viscous_force[n] = 0.0
-    strain = length / zone.rest_length[n] - 1.0
-    before = zone.tension[n]
-    zone.tension[n] = zone.stiffness[family] * strain if strain > ROUNDING else 0.0
-    stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
-    if zone.breaking[n]:
-        zone.whole[n] = False
-        zone.tension[n] = 0.0
-        zone.books[FAILED] += stored
-        zone.books[TORN] += 1.0
-        return 0.0, 0.5 * zone.dt * damping * rate
-    if (before == 0.0) != (zone.tension[n] == 0.0):
-        released = 0.5 * before * before / zone.stiffness[family] * zone.rest_length[n]
-        work = 0.5 * zone.dt * rate * (before + zone.tension[n])
-        zone.books[SNAP] += work - stored + released
-    if zone.tension[n] == 0.0:
-        return 0.0, 0.5 * zone.dt * damping * rate
-    zone.viscous_force[n] = max(zone.drag[family] * rate, -zone.tension[n])
-    pull = zone.tension[n] + zone.viscous_force[n]
-    for c in range(3):
-        zone.f[n, c] += pull * along[c]
-        zone.f[n + 1, c] -= pull * along[c]
-    return stored, 0.5 * zone.dt * (damping + zone.viscous_force[n]) * rate
+def break_segments(zone):
+    """Take out the segments that are to break.
+
+    Half of the work of a step is that of the force at its begin: their tension does it for the last time.
+    """
+    zone.counter[BREAKING] = 0
+    for family in range(2):
+        for n in range(*nodes_of(zone, family)):
+            if zone.breaking[n] and zone.whole[n]:
+                side = subtract(column(zone.x, 0, n + 1), column(zone.x, 0, n))
+                velocity = subtract(column(zone.v, 0, n + 1), column(zone.v, 0, n))
+                way = 0.5 * zone.dt * dot(velocity, side) / math.sqrt(dot(side, side))
+                strain = zone.tension[n] / zone.stiffness[family]
+                stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
+                zone.books[FAILED] += stored + zone.tension[n] * way
+                zone.books[VISCOUS] += zone.viscous_force[n] * way
+                zone.books[TORN] += 1.0
+                zone.whole[n] = False
+                zone.tension[n] = zone.viscous_force[n] = 0.0
+                zone.torn[family, yarn_of(zone, family, n)] = True
+
+
+@kernel(_nrt=False, fastmath=SUM)
+def stretch_segments(zone, family, first, last):
+    """Tensions of the segments of a family, whose nodes are first .. last - 1; their forces on the nodes before them.
+
+    A loop over all of them, which LLVM turns into vector instructions. What lies between the end of a yarn and the
+    next one is not whole. The forces go into zone.pull.
+    """
+    count = last - first - 1
+    x, y, z = parts_of(zone.x, first, count)
+    next_x, next_y, next_z = parts_of(zone.x, first + 1, count)
+    u, v, w = parts_of(zone.v, first, count)
+    next_u, next_v, next_w = parts_of(zone.v, first + 1, count)
+    pull_x = zone.pull[0, first : first + count]
+    pull_y = zone.pull[1, first : first + count]
+    pull_z = zone.pull[2, first : first + count]
+    tension = zone.tension[first : first + count]
+    viscous_force = zone.viscous_force[first : first + count]
+    rest_length = zone.rest_length[first : first + count]
+    whole = zone.whole[first : first + count]
+    stiffness = zone.stiffness[family]
+    drag = zone.drag[family]
+    stored = 0.0
+    damped = 0.0
+    snapped = 0.0
+    for n in range(count):
+        side_x = next_x[n] - x[n]
+        side_y = next_y[n] - y[n]
+        side_z = next_z[n] - z[n]
+        length = math.sqrt(side_x * side_x + side_y * side_y + side_z * side_z)
+        per_length = 1.0 / length
+        opening = (next_u[n] - u[n]) * side_x
+        opening += (next_v[n] - v[n]) * side_y
+        opening += (next_w[n] - w[n]) * side_z
+        rate = opening * per_length
+        rest = rest_length[n]
+        strain = length / rest - 1.0
+        bears = 1.0 * (whole[n] & (strain > ROUNDING))
+        taut = bears * stiffness * strain
+        damping = bears * max(drag * rate, -taut)
+        energy = 0.5 * taut * strain * rest
+        before = tension[n]
+        released = 0.5 * before * before / stiffness * rest
+        snap = rate * (before + taut) * (0.5 * zone.dt) - energy + released
+        snapped += snap * ((before == 0.0) != (taut == 0.0))
+        damped += (viscous_force[n] + damping) * rate
+        stored += energy
+        tension[n] = taut
+        viscous_force[n] = damping
+        force = (taut + damping) * per_length
+        pull_x[n] = force * side_x
+        pull_y[n] = force * side_y
+        pull_z[n] = force * side_z
+    zone.books[STORED] += stored
+    zone.books[VISCOUS] += 0.5 * zone.dt * damped
+    zone.books[SNAP] += snapped
+
+
+@kernel(_nrt=False, inline="always")
+def parts_of(vectors, begin, count):
+    """`count` entries from `begin` on, of each of the three rows of an array."""
+    end = begin + count
+    return vectors[0, begin:end], vectors[1, begin:end], vectors[2, begin:end]
+
+
+@kernel(_nrt=False)
+def pull_nodes(pull, f):
+    """Forces f of the nodes between segments that pull, of one component."""
+    before = pull[:-1]
+    behind = pull[1:]
+    inner = f[1:]
+    for n in range(inner.size):
+        inner[n] = behind[n] - before[n]
 
 
 @kernel(_nrt=False)
 def follow_tensions(zone):
     """Let F of each segment follow its M, and mark the segments that break; keep the highest tension."""
     for family in range(2):
-        for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start, start + zone.nodes[family] - 1):
-                half = zone.half_strength[n]
-                near = zone.tension[n] > min(zone.peak_tension[family], half)
-                if zone.whole[n] and (near or zone.filtered[n] > half):
-                    follow_segment(zone, family, yarn, n)
+        for n in range(*nodes_of(zone, family)):
+            half = zone.half_strength[n]
+            near = zone.tension[n] > min(zone.peak_tension[family], half)
+            if zone.whole[n] and (near or zone.filtered[n] > half):
+                follow_segment(zone, family, n)
 
 
 @kernel(_nrt=False)
-def follow_segment(zone, family, yarn, n):
+def follow_segment(zone, family, n):
     """F of one segment, and whether it breaks."""
     half = zone.half_strength[n]
-    mean = mean_tension(zone, family, yarn, n)
+    mean = mean_tension(zone, family, n)
     if max(mean, zone.filtered[n]) > half:
         followed = zone.filtered[n] + zone.filter_factor[family] * (mean - zone.filtered[n])
         zone.filtered[n] = max(half, followed)
@@ -122,13 +197,16 @@ def follow_segment(zone, family, yarn, n):
     damage = strength_kernels.damage(zone.rate_law, family, zone.dt, zone.rate_damage, n, load)
     strength_kernels.keep_damage(zone.rate_law, zone.rate_damage, n, damage)
     zone.breaking[n] = load > strength_kernels.highest_load(zone.rate_law) or damage >= 1.0
+    if zone.breaking[n]:
+        zone.counter[BREAKING] += 1
 
 
 @kernel(_nrt=False)
-def mean_tension(zone, family, yarn, n):
+def mean_tension(zone, family, n):
     """M [N] of a segment: mean over the whole segments beside it, by the weights of their yarns."""
     total = 0.0
     weight = 0.0
+    yarn = yarn_of(zone, family, n)
     number = yarn + family * zone.yarns[0]
     for m in range(zone.mean_weights.shape[1]):
         if zone.mean_weights[number, m] == 0.0:

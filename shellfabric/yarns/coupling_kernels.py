@@ -1,73 +1,112 @@
 """A zone of yarns in the step of its ply: a force module, and what the nose meets. The one file that knows both.
 
 The last node of a chain IS the membrane's node of the rim crossing: one place, one velocity, one
-mass, the sum of both forces. Nothing is interpolated, so that momentum and energy are those of one
+mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are those of one
 system. Yarn does not pass the rim.
 
-Inside the rim the membrane has no edges and no mass. In a step the membrane's nodes have moved and
-have their own forces when the zone moves, takes place and velocity of its rim from them, and adds its
-forces to theirs.
+Inside the rim the membrane has no edges and no mass. In a step the membrane's nodes and the nose have moved, and the
+membrane has its own forces, when the zone moves. It makes m steps in one of the membrane, in which rim and nose go on
+at their velocities. The mean F of its forces on them over these steps is late by
+(m - 1) / (2 m) steps of the membrane, which would make energy. Rim and nose therefore take
+
+    F(n) + (m - 1) / (2 m) (F(n) - F(n - 1))
+
+whose sum over all steps is that of F.
 """
 
 import numpy as np
 
+from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import Zone, unit
-from shellfabric.yarns.chain_kernels import BOOKS, CROSSINGS, NOSE, NOSE_FRICTION, TORN, move
-from shellfabric.yarns.nose_kernels import AHEAD, nose_forces
+from shellfabric.yarns.chain_kernels import (
+    AHEAD,
+    COUNTED,
+    CROSSINGS,
+    NOSE,
+    NOSE_FRICTION,
+    STEPS,
+    TORN,
+    move,
+    nodes_of,
+)
+from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.zone_kernels import inner_forces
 
-COUNTED = 1  # of zone.counter: torn segments that the ply knows of
+PRESENT = 0  # of zone.outer_force
+BEFORE = 1
 
 
 @unit("number", later=True, own=Zone)
 def yarn_forces(state, const, own, first, last, acting):
-    """[J] that the crossings of a zone store; if `acting`, moves the zone and finds its inner forces."""
-    if acting:
-        move(own)
-        follow_rim(own, state)
-        inner_forces(own)
+    """[J] that the crossings of a zone store; it acts where the nose does."""
     return own.books[CROSSINGS]
 
 
 @unit("number", later=True, own=Zone)
-def meet_nose(state, const, own, first, last, acting):
-    """[J] that the contact of the nose with a zone stores; its forces, which complete those that the rim takes over."""
-    nose_forces(own, state, const)
-    pull_rim(own, state)
+def march_zone(state, const, own, first, last, acting):
+    """[J] that the contact of the nose with a zone stores; moves the zone through a step of its ply."""
+    steps = own.counter[STEPS]
+    end = three(state.projectile_position, 0)
+    own.outer_force[PRESENT] = 0.0
+    for k in range(1, steps + 1):
+        left = (steps - k) * own.dt
+        for c in range(3):
+            state.projectile_position[c] = end[c] - left * state.projectile_velocity[c]
+        move(own)
+        follow_rim(own, state, left)
+        inner_forces(own)
+        nose_forces(own, state, const)
+        count_outer_forces(own, state, 1.0 / steps)
+    for c in range(3):
+        state.projectile_position[c] = end[c]
+    give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
     tell_ply(own, state)
     return own.books[NOSE]
 
 
 @kernel(_nrt=False)
-def follow_rim(zone, state):
-    """Places and velocities of the tied nodes from the membrane's."""
+def follow_rim(zone, state, left):
+    """Places and velocities of the tied nodes, the time `left` [s] before the membrane's."""
     for t in range(zone.tied_node.size):
         n = zone.tied_node[t]
         k = np.uint64(zone.tied_slot[t])
         for c in range(3):
-            zone.x[n, c] = zone.tied_rest[t, c] + state.u[c][k]
-            zone.v[n, c] = state.v[c][k]
+            zone.v[c, n] = state.v[c][k]
+            zone.x[c, n] = zone.tied_rest[t, c] + state.u[c][k] - left * state.v[c][k]
 
 
 @kernel(_nrt=False)
-def pull_rim(zone, state):
-    """Add the forces on the tied nodes to the membrane's."""
-    for t in range(zone.tied_node.size):
-        n = zone.tied_node[t]
-        k = np.uint64(zone.tied_slot[t])
-        for c in range(3):
-            state.f_int[c][k] += zone.f[n, c]
+def count_outer_forces(zone, state, share):
+    """Add a share of the forces on the tied nodes and, after them, on the nose to their means."""
+    mean = zone.outer_force[PRESENT]
+    for c in range(3):
+        for t in range(zone.tied_node.size):
+            mean[t, c] += share * zone.f[c, zone.tied_node[t]]
+        mean[-1, c] += share * state.f_contact_nose[c]
+
+
+@kernel(_nrt=False)
+def give_outer_forces(zone, state, ahead):
+    """Add the mean forces, extrapolated `ahead` [steps], to those of the membrane's nodes; give the nose its own."""
+    present = zone.outer_force[PRESENT]
+    before = zone.outer_force[BEFORE]
+    for c in range(3):
+        for t in range(present.shape[0]):
+            force = present[t, c] + ahead * (present[t, c] - before[t, c])
+            before[t, c] = present[t, c]
+            if t < zone.tied_slot.size:
+                state.f_int[c][np.uint64(zone.tied_slot[t])] += force
+            else:
+                state.f_contact_nose[c] = force
 
 
 @kernel(_nrt=False)
 def tell_ply(zone, state):
     """What the ply keeps of the zone: its work, energies of the contact with the nose, peak tensions, torn yarns."""
     state.yarns_ahead[0] = zone.counter[AHEAD]
-    state.yarn_work[0] = 0.0
-    for n in range(BOOKS - 2):
-        state.yarn_work[0] += zone.books[n]
+    state.yarn_work[0] = zone.books[:TORN].sum()
     state.contact_energy[contact_kernels.CONTACT] = zone.books[NOSE]
     state.contact_energy[contact_kernels.SPRING] = zone.books[NOSE]
     state.contact_energy[contact_kernels.FRICTION] = zone.books[NOSE_FRICTION]
@@ -79,8 +118,7 @@ def tell_ply(zone, state):
     if zone.books[TORN] > zone.counter[COUNTED]:
         zone.counter[COUNTED] = int(zone.books[TORN])
         for family in range(2):
-            last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
-            for n in range(zone.first[family], last):
+            for n in range(*nodes_of(zone, family)):
                 k = edge_of(zone, family, n)
                 if zone.breaking[n] and not zone.whole[n] and state.failed[family][k] == 0:
                     state.failed[family][k] = 1

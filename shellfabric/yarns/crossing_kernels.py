@@ -16,10 +16,18 @@ apart, up to h: coming back does no work. A yarn leaves a crossing for good at i
 
 import math
 
-from shellfabric.cloth.vector_kernels import across, add_scaled, cross, dot, scaled
+from shellfabric.cloth.vector_kernels import (
+    across,
+    add_scaled,
+    cross,
+    dot,
+    scaled,
+    subtract,
+    three,
+)
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.chain_kernels import CROSSINGS, FAILED, FRICTION, SLACK, TANGLED, VISCOUS
-from shellfabric.yarns.curve_kernels import gather, row, scatter, spline
+from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
 # of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
 FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
@@ -66,7 +74,7 @@ def common_perpendicular(zone, i, j):
         k_b, weights_b, slopes_b = spline(s_b, zone.nodes[1])
         n_a = first_a + k_a
         n_b = first_b + k_b
-        apart = add_scaled(gather(zone.x, n_a, weights_a), -1.0, gather(zone.x, n_b, weights_b))
+        apart = subtract(gather(zone.x, n_a, weights_a), gather(zone.x, n_b, weights_b))
         tangent_a = gather(zone.x, n_a, slopes_a)
         tangent_b = gather(zone.x, n_b, slopes_b)
         aa = dot(tangent_a, tangent_a)
@@ -83,9 +91,9 @@ def common_perpendicular(zone, i, j):
             bb += 0.2 * rest_b
         a = -dot(apart, tangent_a)
         b = dot(apart, tangent_b)
-        determinant = aa * bb - ab * ab
-        step_a = (bb * a - ab * b) / determinant
-        step_b = (aa * b - ab * a) / determinant
+        over = 1.0 / (aa * bb - ab * ab)
+        step_a = over * (bb * a - ab * b)
+        step_b = over * (aa * b - ab * a)
         s_a = moved(s_a, step_a, zone.nodes[0])
         s_b = moved(s_b, step_b, zone.nodes[1])
         if abs(step_a) < CLOSE and abs(step_b) < CLOSE:
@@ -135,12 +143,12 @@ def crossing_force(zone, i, j):
     if slack or not whole:
         drop(zone, i, j, whole)
         return 0.0
-    velocity = add_scaled(gather(zone.v, n_a, weights_a), -1.0, gather(zone.v, n_b, weights_b))
+    velocity = subtract(gather(zone.v, n_a, weights_a), gather(zone.v, n_b, weights_b))
     push = normal_force(zone, contact, distance, dot(velocity, normal))
     stored = contact[ENERGY] + slide(
         zone, i, j, across(velocity, normal), normal, zone.friction * push
     )
-    slider = row(zone.slider[i], j)
+    slider = three(zone.slider[i, j], 0)
     force = add_scaled(scaled(push, normal), -zone.friction_stiffness, slider)
     scatter(zone.f, n_a, weights_a, force)
     scatter(zone.f, n_b, weights_b, scaled(-1.0, force))
@@ -188,11 +196,12 @@ def slide(zone, i, j, velocity, normal, limit):
     A pinned crossing holds any force.
     """
     k = zone.friction_stiffness
-    before = row(zone.slider[i], j)
+    before = three(zone.slider[i, j], 0)
     after = across(add_scaled(before, zone.dt, velocity), normal)
-    size = k * math.sqrt(dot(after, after))
-    if size > limit and not zone.pinned[i, j]:
-        after = scaled(limit / size, after)
+    most = limit / k
+    square = dot(after, after)
+    if square > most * most and not zone.pinned[i, j]:
+        after = scaled(most / math.sqrt(square), after)
     stored = 0.5 * k * dot(after, after)
     work = 0.5 * k * zone.dt * dot(add_scaled(before, 1.0, after), velocity)
     zone.books[FRICTION] += work - stored + 0.5 * k * dot(before, before)

@@ -8,18 +8,17 @@ tangent: at the index s, with k the nearest node and u = s - k,
 A force at s goes to the three nodes by the same weights, so that force, moment and work are those at the point.
 """
 
+import numpy as np
+
 from shellfabric.cloth.surface_kernels import quadratic_weights
-from shellfabric.cloth.vector_kernels import add_scaled, scaled
+from shellfabric.cloth.vector_kernels import add, column, scaled
 from shellfabric.jit.compile import kernel
 
-
-@kernel()
-def row(x, n):
-    """Row n of an array (nodes, 3)."""
-    return x[n, 0], x[n, 1], x[n, 2]
+FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
+ONE = np.uint64(1)  # numba asks of a signed index whether it is negative
 
 
-@kernel()
+@kernel(_nrt=False, forceinline=True)
 def spline(s, count):
     """(nearest inner node, its three weights, their slopes) at the index s of a chain of `count` nodes."""
     k = min(max(int(s + 0.5), 1), count - 2)
@@ -27,18 +26,20 @@ def spline(s, count):
     return k, quadratic_weights(u), (u - 0.5, -2.0 * u, u + 0.5)
 
 
-@kernel()
+@kernel(_nrt=False, forceinline=True)
 def gather(x, n, weights):
-    """Sum of the rows n - 1, n, n + 1 times their weights."""
-    found = scaled(weights[0], row(x, n - 1))
-    found = add_scaled(found, weights[1], row(x, n))
-    return add_scaled(found, weights[2], row(x, n + 1))
+    """Sum of the nodes n - 1, n, n + 1 of x (3, nodes) times their weights."""
+    n = np.uint64(n)
+    before = scaled(weights[0], column(x, 0, n - ONE))
+    found = add(before, scaled(weights[1], column(x, 0, n)))
+    return add(found, scaled(weights[2], column(x, 0, n + ONE)))
 
 
-@kernel()
+@kernel(_nrt=False, forceinline=True)
 def scatter(f, n, weights, force):
-    """Add a force to the nodes n - 1, n, n + 1 by their weights."""
+    """Add a force to the nodes n - 1, n, n + 1 of f (3, nodes) by their weights."""
+    n = np.uint64(n)
     for c in range(3):
-        f[n - 1, c] += weights[0] * force[c]
-        f[n, c] += weights[1] * force[c]
-        f[n + 1, c] += weights[2] * force[c]
+        f[c, n - ONE] += weights[0] * force[c]
+        f[c, n] += weights[1] * force[c]
+        f[c, n + ONE] += weights[2] * force[c]

@@ -1,7 +1,7 @@
 """A panel with a zone of resolved yarns about the nose.
 
-Outside the zone the panel is the membrane, with one node a crossover; the two are tied at the rim (`coupling_kernels`).
-All take one time step, the smaller of the two.
+Outside the zone the panel is the membrane, with one node a crossover; the two are tied at the rim, and each
+has its own time step (`coupling_kernels`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,9 @@ DRAWN = (
 )
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
+MOST_STEPS = 3  # of the yarns in a step of the membrane
+HOLDING = 2.8  # friction that holds yarns over (V / c)^(2/3); 1.9 to 3.1 in runs of the zone
+WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 REACH = 2.0  # spacings between the nose and the rim at least
 # energies of a zone that a ply without one does not have
 ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
@@ -182,8 +185,13 @@ class YarnPanel(Panel):
 
     @property
     def time_step(self) -> float:
-        """[s] the step that is taken, of the membrane or of the yarns."""
-        return min(super().time_step, self.numerics.cfl * self.patch.critical_step)
+        """[s] step of the membrane, of which the yarns make a whole number."""
+        return min(super().time_step, MOST_STEPS * self._longest_step)
+
+    @property
+    def _longest_step(self):
+        """[s] that the yarns can take."""
+        return self.numerics.cfl * self.patch.critical_step
 
     def constants(self) -> Constants:
         """As of Panel; no element of the membrane touches the nose."""
@@ -200,7 +208,7 @@ class YarnPanel(Panel):
             ENERGIES[0],
             coupling_kernels.yarn_forces,
             self.zone(),
-            nose=coupling_kernels.meet_nose,
+            nose=coupling_kernels.march_zone,
             books=audit,
         )
         return *super().force_modules(), own
@@ -265,8 +273,9 @@ class YarnPanel(Panel):
     def zone(self) -> Zone:
         """The arrays of the zone at rest."""
         (i0, _), (j0, _) = self.rim_rows
+        steps = ceil(self.time_step / self._longest_step * (1 - 1e-9))
         return self.patch.arrays(
-            self.time_step, (i0, j0), self.counts[1] + 1, self.projectile.friction
+            self.time_step / steps, steps, (i0, j0), self.counts[1] + 1, self.projectile.friction
         )
 
 
@@ -311,6 +320,23 @@ def identity(panel: Panel) -> tuple[Any, ...]:
     return panel.resolved, patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
 
 
+def friction_to_hold(panel: Panel, velocity: float) -> float | None:
+    """[-] friction between yarns with which a ply stops a nose of this velocity [m/s]; less lets it push yarns aside.
+
+    Per tension T a nose pushes on a yarn with 2 sin(a), a the angle of its kink, and crossings hold it with the
+    friction mu times forces in proportion to T. So mu over sin(a)^2 decides, which is 2^(2/3) (V / c)^(2/3) of a yarn
+    that is struck across (Smith, McCrackin and Schiefer 1958). The factor is of runs of the zone
+    (docs/reports/resolved-yarns.md), on the side of too much friction.
+
+    None of what these runs say nothing of: wider noses, several plies, a backing.
+    """
+    spacing = 2 * min(panel.weave.w)
+    if panel.backing is not None or panel.projectile.radius > WIDEST * spacing:
+        return None
+    wave = np.mean([yarn.wave_speed for yarn in panel.weave.yarns])
+    return float(HOLDING * (velocity / wave) ** (2 / 3))
+
+
 def slip_at_rim(zone: Zone) -> float:
     """[crossings] longest way of a yarn through a crossing of the rows beside the pinned ones."""
     row = RIM_ROWS
@@ -349,7 +375,7 @@ def show(zone: Zone, state: State) -> None:
         last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
         own = slice(zone.first[family], last)
         shape = (int(zone.yarns[family]), int(zone.nodes[family]))
-        place = zone.x[own].reshape(*shape, 3)[:, 2:-2:2]
+        place = zone.x[:, own].T.reshape(*shape, 3)[:, 2:-2:2]
         whole = np.broadcast_to(~zone.torn[family, : shape[0], None], place.shape[:2])
         if family == 1:
             place, whole = place.swapaxes(0, 1), whole.swapaxes(0, 1)

@@ -9,24 +9,28 @@ w1 is where they touch, w2 the closest. The closest point moves at right angles 
 between two crossings, which run along both yarns, would make energy (docs/theory-panel.md).
 
 A closest point that runs along a loop of a slack yarn carries no force and comes back as a crossing does.
+
+A point that is farther away than w1 is looked at again when it can have come to w1 at twice its present velocity, after
+LONGEST_WAIT steps at the latest. Where it is then found below w1, contact begins at that distance, so that being late
+makes no energy.
 """
 
 import math
 
-from shellfabric.cloth.vector_kernels import add_scaled, dot, scaled
+from shellfabric.cloth.vector_kernels import dot, scaled, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.chain_kernels import FAILED, NEIGHBOURS, SLACK
 from shellfabric.yarns.crossing_kernels import CLOSE, moved
-from shellfabric.yarns.curve_kernels import gather, scatter, spline
+from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 
 # of zone.foot: index on the next yarn (below 0: torn), energy [J], distance [m] at which contact begins (below 0:
 # slack), steps until it is looked at again
 PLACE, ENERGY, ONSET, WAIT = 0, 1, 2, 3
 TOUCH, SOFT, CLOSEST, HARD = 0, 1, 2, 3  # of zone.beside, of each family: w1 [m], k1 [N/m], w2, k2
-FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
 RUNS = 0.02  # of an index a step: the closest point runs along a loop
-FAR = 1.2  # w1^2, beyond which a point is looked at every fourth step
-REST = 3.0  # steps of such a point
+FAR = 1.2  # w1^2, beyond which a foot is not sought to the end
+LONGEST_WAIT = 8.0  # steps
+FASTER = 2.0  # than they do now: how fast two yarns may come closer while a point waits
 
 
 @kernel(_nrt=False)
@@ -58,7 +62,7 @@ def closest_point(zone, family, start, n):
     for turn in range(4):
         k, weights, slopes = spline(s, count)
         m = start + count + k
-        d = add_scaled(gather(zone.x, m, weights), -1.0, point)
+        d = subtract(gather(zone.x, m, weights), point)
         tangent = gather(zone.x, m, slopes)
         square = dot(d, d)
         step = -dot(d, tangent) / max(dot(tangent, tangent), 0.25 * zone.rest_length[m] ** 2)
@@ -91,8 +95,11 @@ def neighbour_force(zone, family, start, n):
     if square >= touch * touch:
         foot[ENERGY] = 0.0
         foot[ONSET] = touch
-        if square > FAR * touch * touch:
-            foot[WAIT] = REST
+        velocity = subtract(gather(zone.v, m, weights), gather(zone.v, n, FIXED))
+        way = FASTER * zone.dt * math.sqrt(dot(velocity, velocity))
+        foot[WAIT] = int(min((math.sqrt(square) - touch) / max(way, 1e-30), LONGEST_WAIT))
+        if foot[WAIT] > 0.0:
+            foot[ONSET] = -1.0
         return 0.0
     distance = math.sqrt(square)
     force = lateral_force(zone.beside[family], foot, distance)

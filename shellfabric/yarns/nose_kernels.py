@@ -7,15 +7,24 @@ and in the middle of the segments, a quarter of a crossover apart; with the sign
     f = k <r - D> n,   U = k <r - D>^2 / 2
 """
 
-from shellfabric.cloth.vector_kernels import add_scaled, combined, components, scaled
+import math
+
+from shellfabric.cloth.vector_kernels import (
+    add_scaled,
+    column,
+    combined,
+    components,
+    scaled,
+    subtract,
+    three,
+)
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
-from shellfabric.yarns.chain_kernels import FAILED, NOSE, NOSE_FRICTION
-from shellfabric.yarns.curve_kernels import gather, row, scatter
+from shellfabric.yarns.chain_kernels import AHEAD, FAILED, NOSE, NOSE_FRICTION
+from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
-AHEAD = 0  # of zone.counter
-NODE_WEIGHTS = (0.125, 0.75, 0.125)
+MOST_STRETCH = 1.5  # of a whole segment
 MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
 
 
@@ -28,24 +37,29 @@ def nose_forces(zone, state, const):
     zone.counter[AHEAD] = 0
     for family in range(2):
         for yarn in range(zone.yarns[family]):
-            start = zone.first[family] + yarn * zone.nodes[family]
-            for n in range(start + 1, start + zone.nodes[family] - 1):
-                if is_far(zone, state, const, n):
-                    continue
-                before = zone.whole[n - 1]
-                after = zone.whole[n]
-                held = not zone.torn[family, yarn]
-                nose_point(zone, state, const, n, AT_NODE, NODE_WEIGHTS, before and after, held)
-                nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+            n = zone.first[family] + yarn * zone.nodes[family] + 1
+            last = n + zone.nodes[family] - 2
+            held = not zone.torn[family, yarn]
+            while n < last:
+                far = beyond_reach(zone, state, const, n)
+                if far > 0.0:
+                    if held:  # no node of a whole yarn is nearer than that
+                        n += int(far / (MOST_STRETCH * zone.rest_length[n]))
+                else:
+                    after = zone.whole[n]
+                    both = zone.whole[n - 1] and after
+                    nose_point(zone, state, const, n, AT_NODE, FIXED, both, held)
+                    nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+                n += 1
 
 
 @kernel(_nrt=False)
-def is_far(zone, state, const, n):
-    """Whether a node is farther from the line of flight than the nose, and a segment, reach."""
-    place = add_scaled(row(zone.x, n), -1.0, state.projectile_position)
+def beyond_reach(zone, state, const, n):
+    """[m] by which a node is farther from the line of flight than the nose, and a segment, reach."""
+    place = subtract(column(zone.x, 0, n), three(state.projectile_position, 0))
     x, y, _ = components(const.frame, place)
     reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
-    return x * x + y * y > reach * reach
+    return math.sqrt(x * x + y * y) - reach
 
 
 @kernel(_nrt=False)

@@ -199,7 +199,7 @@ class YarnPatch:
         """Arrays of the chains at rest, by name."""
         _, yarns, nodes = self.layout
         size = int(yarns @ nodes)
-        x = np.zeros((size, 3))
+        x = np.zeros((3, size))
         mass = np.zeros(size)
         inverse = np.ones(size)
         rest = np.ones(size)
@@ -220,7 +220,7 @@ class YarnPatch:
             own = np.zeros(shape)
             own[:, :-1] += 0.5 * yarn.linear_density * length
             own[:, 1:] += 0.5 * yarn.linear_density * length
-            x[span] = place.reshape(-1, 3)
+            x[:, span] = place.reshape(-1, 3).T
             mass[span] = own.ravel()
             rest[span].reshape(shape)[:, :-1] = length
             whole[span].reshape(shape)[:, :-1] = True
@@ -319,6 +319,7 @@ class YarnPatch:
     def arrays(
         self,
         dt: float,
+        steps: int = 1,
         corner: tuple[int, int] = (0, 0),
         row_stride: int = 0,
         nose_friction: float = 0.0,
@@ -328,6 +329,7 @@ class YarnPatch:
         Parameters
         ----------
         dt : [s] time step
+        steps : in a step of the ply
         corner : (row, column) of the panel's node at the corner of the rim
         row_stride : slots of a row of the panel
         nose_friction : of the projectile, whose springs need room
@@ -354,8 +356,9 @@ class YarnPatch:
             first=first,
             yarns=yarns,
             nodes=nodes,
-            v=np.zeros((size, 3)),
-            f=np.zeros((size, 3)),
+            v=np.zeros((3, size)),
+            f=np.zeros((3, size)),
+            pull=np.zeros((3, size)),
             breaking=np.zeros(size, np.bool_),
             torn=np.zeros((2, int(yarns.max())), np.bool_),
             stiffness=np.array([yarn.EA for yarn in self.weave.yarns]),
@@ -374,9 +377,10 @@ class YarnPatch:
             nose_stiffness=NOSE * unit,
             nose_energy=np.zeros((size, 2)),
             rubbed=np.zeros((size if nose_friction > 0 else 0, 2, 6)),
-            counter=np.zeros(2, np.int64),
+            counter=np.array([0, 0, 0, steps]),
+            outer_force=np.zeros((2, chains["tied_node"].size + 1, 3)),
             tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),
-            tied_rest=chains["x"][chains["tied_node"]],
+            tied_rest=chains["x"][:, chains["tied_node"]].T,
             books=np.zeros(chain_kernels.BOOKS),
         )
 
@@ -391,9 +395,9 @@ def _side_by_side(weights):
 
 def kinetic_energy(zone: Zone) -> float:
     """[J] of the chains' own nodes at the present whole step, m v(n-1/2) v(n+1/2) / 2."""
-    after = zone.v + zone.dt * zone.inverse_mass[:, None] * zone.f
+    after = zone.v + zone.dt * zone.inverse_mass * zone.f
     own = zone.inverse_mass > 0
-    return 0.5 * float((zone.mass[own, None] * zone.v[own] * after[own]).sum())
+    return 0.5 * float((zone.mass * zone.v * after)[:, own].sum())
 
 
 def slipped(zone: Zone) -> FloatArray:

@@ -61,7 +61,7 @@ def v50(
     [accuracy] are rejected.
 
     The folder `out` then has report.html, v50.csv, v50.json, v50.png, shots.csv, scene.toml, and
-    runs/ with a file for each shot.
+    runs/ with a file for each shot. If yarns are resolved, shots.csv has the drawn impact points.
 
     Parameters
     ----------
@@ -207,11 +207,12 @@ class V50Result(StudyResult):
             "balance",
         )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        weakest = {
-            "weakest_warp": [shot.weakest[0] for shot in shots],
-            "weakest_weft": [shot.weakest[1] for shot in shots],
-        }
-        return columns | weakest
+        for family, name in enumerate(("warp", "weft")):
+            columns[f"weakest_{name}"] = [shot.weakest[family] for shot in shots]
+        if self.target.setup.crossovers is not None:  # resolved yarns, whose aims are drawn
+            for axis, name in enumerate("xy"):
+                columns[f"impact_point_{name}_m"] = [shot.impact_point[axis] for shot in shots]
+        return columns
 
     @property
     def headline(self) -> tuple[str, str]:

@@ -69,6 +69,7 @@ class Shot:
     perforated : bool
     modulus, crimp_warp, crimp_weft : [-] factors of the panel
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn
+    impact_point : (x, y) [m] from the middle of the opening; drawn where yarns are resolved
     balance : [-] error of the energy balance over the strike energy
     doubtful : names of the quality checks of the shot that are beyond their limits
     failure : why the shot has no outcome, or ""
@@ -82,6 +83,7 @@ class Shot:
     crimp_warp: float
     crimp_weft: float
     weakest: tuple[float, float]
+    impact_point: tuple[float, float]
     balance: float
     doubtful: tuple[str, ...] = ()
     failure: str = ""
@@ -163,6 +165,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     """The shot of a number at its drawn panel."""
     drawn = strengths.drawn(setup, scatter, seed, number)
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
+    panel["impact_point"] = drawn.pack.plies[0].impact_point
     try:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     # the study goes on without this shot, and counts it

@@ -20,8 +20,8 @@ def struck_chain(way):
     yarn = made.weave.warp
     middle = nodes[nodes.size // 2]
     zone.inverse_mass[middle] = 0.0
-    zone.v[middle, 2] = striking_velocity(yarn.wave_speed, STRAIN)
-    half = zone.x[nodes[-1], 0] - zone.x[middle, 0]
+    zone.v[2, middle] = striking_velocity(yarn.wave_speed, STRAIN)
+    half = zone.x[0, nodes[-1]] - zone.x[0, middle]
     steps = int(way * half / (yarn.wave_speed * zone.dt))
     march(zone, steps)
     return zone, nodes, middle, yarn.wave_speed, steps * zone.dt
@@ -30,15 +30,15 @@ def struck_chain(way):
 def test_a_struck_yarn_has_the_strain_and_the_kink_of_smith():
     """Strain behind the front, and the kink at c (sqrt(e (1 + e)) - e) (Smith, McCrackin and Schiefer 1958)."""
     zone, nodes, middle, c, time = struck_chain(0.8)
-    place = zone.x[nodes]
-    along = place[:, 0] - place[middle, 0]
+    place = zone.x[:, nodes]
+    along = place[0] - place[0, middle]
     kink = c * (np.sqrt(STRAIN * (1 + STRAIN)) - STRAIN) * time
     behind = (along[:-1] > 1.5 * kink) & (along[:-1] < 0.8 * c * time)
     strain = zone.tension[nodes[:-1]][behind] / zone.stiffness[0]
     assert behind.sum() > 30
     assert strain.mean() == pytest.approx(STRAIN, rel=2e-3)
     # the yarn is a straight line from the struck node to the kink, level beyond
-    height = place[:, 2]
+    height = place[2]
     near = (along > 0) & (along < 0.7 * kink)
     slope = np.polyfit(along[near], height[near], 1)[0]
     assert along[middle] - height[middle] / slope == pytest.approx(kink, rel=5e-3)
@@ -47,17 +47,17 @@ def test_a_struck_yarn_has_the_strain_and_the_kink_of_smith():
 def test_a_chain_keeps_energy_and_momentum():
     zone, nodes, *_ = struck_chain(0.3)
     zone.inverse_mass[:] = 1 / zone.mass
-    before = (zone.mass[nodes, None] * zone.v[nodes]).sum(axis=0)
+    before = zone.v[:, nodes] @ zone.mass[nodes]
     energies = []
 
     def watch(zone):
-        after = zone.v + zone.dt * zone.inverse_mass[:, None] * zone.f
-        kinetic = 0.5 * (zone.mass[nodes, None] * (zone.v * after)[nodes]).sum()
+        after = zone.v + zone.dt * zone.inverse_mass * zone.f
+        kinetic = 0.5 * (zone.mass * zone.v * after)[:, nodes].sum()
         energies.append(kinetic + zone.books[: chain_kernels.TORN].sum())
 
     march(zone, 400, watch)
-    after = (zone.mass[nodes, None] * zone.v[nodes]).sum(axis=0)
-    scale = (zone.mass[nodes, None] * abs(zone.v[nodes])).sum()
+    after = zone.v[:, nodes] @ zone.mass[nodes]
+    scale = (zone.mass * abs(zone.v))[:, nodes].sum()
     assert abs(after - before).max() < 1e-12 * scale
     assert np.ptp(energies) < 2e-3 * energies[0]
 
@@ -70,9 +70,9 @@ def test_a_segment_breaks_when_the_mean_of_its_neighbours_has_been_above_the_str
     zone.foot[:] = -1.0
     load = 1.5
     strain = load * zone.strength[0] / zone.stiffness[0]
-    zone.rest_length[zone.whole] = np.linalg.norm(np.diff(zone.x, axis=0), axis=1)[
-        zone.whole[:-1]
-    ] / (1 + strain)
+    zone.rest_length[zone.whole] = np.linalg.norm(np.diff(zone.x), axis=0)[zone.whole[:-1]] / (
+        1 + strain
+    )
     zone.inverse_mass[:] = 0.0
     steps = 0
     while zone.books[chain_kernels.TORN] == 0 and steps < 10_000:

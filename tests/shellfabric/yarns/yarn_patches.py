@@ -42,9 +42,9 @@ def only_first_warp(zone):
     zone.foot[:] = -1.0
     nodes = np.arange(zone.nodes[0])
     rest = zone.rest_length[2]
-    zone.x[nodes, 2] = 0.0
-    zone.rest_length[nodes[:-1]] = np.diff(zone.x[nodes, 0])
-    zone.mass[nodes] *= 0.5 * (zone.x[2, 0] - zone.x[0, 0]) / rest
+    zone.x[2, nodes] = 0.0
+    zone.rest_length[nodes[:-1]] = np.diff(zone.x[0, nodes])
+    zone.mass[nodes] *= 0.5 * (zone.x[0, 2] - zone.x[0, 0]) / rest
     zone.inverse_mass[nodes[1:-1]] = 1 / zone.mass[nodes[1:-1]]
     zone.whole[zone.nodes[0] :] = False
     return nodes

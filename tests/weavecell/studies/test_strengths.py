@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from weavecell.studies import inputs, strengths
+from weavecell.api.scatter import V50Result
+from weavecell.studies import inputs, strengths, v50
 
 ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
 
@@ -57,6 +59,20 @@ def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
     assert np.all(abs(np.array(points) - aim) <= spacing)
     again = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 2).pack
     assert again.plies[0].impact_point == points[2]
+
+
+def test_shots_at_resolved_yarns_have_their_impact_points(setup):
+    """Drawn points are in the table of shots; of pinned yarns, all struck at one point, they are not."""
+    shot = v50.Shot(0, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (1e-4, -2e-4), 1e-3)
+    columns = {}
+    for crossovers in (YarnZone(), None):
+        target = SimpleNamespace(setup=replace(setup, crossovers=crossovers))
+        result = V50Result(SimpleNamespace(shots=[shot]), target, 1, 1, 0.0)
+        columns[crossovers] = result.to_dataframe()
+    drawn = columns[YarnZone()]
+    assert (drawn.impact_point_x_m[0], drawn.impact_point_y_m[0]) == (1e-4, -2e-4)
+    assert (drawn.weakest_warp[0], drawn.weakest_weft[0]) == (0.9, 0.8)
+    assert not [name for name in columns[None] if "impact" in name]
 
 
 def test_plies_of_a_draw_are_of_one_roll(setup):
