@@ -214,6 +214,8 @@ def make_surface(panel: PanelGrid, const: Constants) -> Surface:
     rest = with_ghosts(const, np.stack([x, y, np.zeros_like(x)]))
     found = Surface.zeros(**{"grid slots": rest[0].size})
     found["rest"] = rest
+    for place, at_rest in zip(found["x"], rest):
+        place[:] = at_rest
     found["turn"][0] = 1.0
     clear_window(found["window"], const.ni, const.row_stride)
     return Surface(**found)

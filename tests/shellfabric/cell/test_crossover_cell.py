@@ -57,7 +57,7 @@ def table_potential(table, x, y):
     rx, ry = 1 / np.array(table.steps)
     top1, top2 = (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    rows, level = Panel(table).potential
+    rows, level = packed_table.potential(table)
     return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
 
 
@@ -77,7 +77,7 @@ def table_forces(table, x, y):
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
             *at,
-            Panel(table).potential[0],
+            packed_table.potential(table)[0],
             packed_table.beyond(table),
             per,
             np.zeros(16, np.int32),
