@@ -79,30 +79,25 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its trellis law}; empty if none of its numbers
     has a range."""
-    changed = {}
-    for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items():
-        changed[end] = replace(fabric, shear=law)
-    return changed
+    return _ends(fabric, "shear", (fabric.shear,), lambda law: replace(fabric, shear=law))
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its solid laws}; empty if none of their numbers
     has a range."""
-    changed = {}
-    for end, laws in _ends(fabric, "solid", fabric.solid_laws).items():
-        changed[end] = replace(fabric, solid_laws=laws)
-    return changed
+    laws = fabric.solid_laws
+    return _ends(fabric, "solid", laws, lambda *both: replace(fabric, solid_laws=both))
 
 
-def _ends(fabric, table, laws):
-    """{"soft", "stiff": laws} of a table, each number at this end of its range."""
+def _ends(fabric, table, laws, changed):
+    """{"soft", "stiff": changed(*laws)} of a table, each number at this end of its range."""
     if not any(key.startswith(f"{table}.") for key in fabric.ranges):
         return {}
-    laws_at = {}
+    fabrics = {}
     for end in ("soft", "stiff"):
         pair = [_law_at(fabric, table, *of, end == "soft") for of in zip(FAMILIES, laws)]
-        laws_at[end] = tuple(pair)
-    return laws_at
+        fabrics[end] = changed(*pair)
+    return fabrics
 
 
 def _law_at(fabric, table, family, law, soft):

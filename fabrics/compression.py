@@ -149,10 +149,11 @@ class CompressionLaw:
         F = np.asarray(F, float)
         if self.a == 0:
             return np.zeros_like(F)
-        if self.form == "regularised":
-            return np.where(F > 0, self.a - self.b / np.cbrt(np.maximum(F, 0) + self.F0), 0.0)
         with np.errstate(divide="ignore"):
-            return self.a - self.b / np.cbrt(np.maximum(F, 0))
+            closure = self.a - self.b / np.cbrt(np.maximum(F, 0) + self._shift)
+        if self.form == "regularised":
+            return np.where(F > 0, closure, 0.0)
+        return closure
 
     def F(self, d: ArrayLike) -> FloatArray:
         """Contact force [N] at the compression `d` [m]; infinite from d = a on."""

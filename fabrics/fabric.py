@@ -96,7 +96,7 @@ class Fabric:
 
     def __repr__(self) -> str:
         weave = self.weave
-        (warp, weft) = self.weave.yarns
+        warp, weft = weave.yarns
         known = "no compression law"
         if self.laws:
             known = "with compression law"

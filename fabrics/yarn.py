@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
-from fabrics.base.checks import fraction, positive
-from fabrics.base.errors import InputError
+from fabrics.base.checks import fraction, positive, refuse
+from fabrics.base.errors import placed
 
 # fibre volume fraction of round fibres that touch
 CLOSEST_PACKING = pi / (2 * sqrt(3))
@@ -106,16 +106,11 @@ class WeavingDamage:
     status: str = "assumed"
 
     def __post_init__(self) -> None:
-        for key in ("modulus", "strength"):
-            if not 0 < getattr(self, key) <= 1:
-                raise InputError(
-                    key=f"weaving_damage.{key}",
-                    value=getattr(self, key),
-                    allowed="above 0 and at most 1",
-                )
-        if self.status not in STATUSES:
-            raise InputError(
-                key="weaving_damage.status", value=self.status, allowed=" or ".join(STATUSES)
-            )
-        if not self.source:
-            raise InputError(key="weaving_damage.source", value=self.source, allowed="given")
+        with placed(None, "weaving_damage."):
+            for key in ("modulus", "strength"):
+                if not 0 < getattr(self, key) <= 1:
+                    refuse(self, key, "above 0 and at most 1")
+            if self.status not in STATUSES:
+                refuse(self, "status", " or ".join(STATUSES))
+            if not self.source:
+                refuse(self, "source", "given")

@@ -13,6 +13,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.panel.slots import by_element, by_node
 
 if TYPE_CHECKING:
     from shellfabric.solver.pack_solver import PackSolver
@@ -42,11 +43,11 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
     first = 0
     for p, (panel, c, state) in enumerate(march.parts):
         shape = (c.ni + 1, c.row_stride)
-        size = (c.ni + 1) * c.row_stride
+        size = shape[0] * shape[1]
         rest = np.stack([*panel.coordinates(), np.full(shape, march.pack.places[p])], -1)
-        now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
-        warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
-        flag = state.element_flag[:size].reshape(shape)[:-1, :-1]
+        now = rest + np.stack([by_node(u, c) for u in state.u], axis=-1)
+        warp, weft = (by_node(part, c) > 0 for part in state.intact_fraction)
+        flag = by_element(state.element_flag, c)
         is_facet = (
             (warp[:-1, :-1] | warp[:-1, 1:])
             & (weft[:-1, :-1] | weft[1:, :-1])

@@ -71,9 +71,12 @@ def of(
     if isinstance(target, ImpactSetup):
         _refuse(beside, "a set-up")
         return Target(None, target, "", target.title, from_file=False)
-    if isinstance(target, (str, os.PathLike)) and targets.is_input_file(str(target)):
+    file = ""
+    if isinstance(target, (str, os.PathLike)):
+        file = str(target)
+    if targets.is_input_file(file):
         _refuse(beside, "an input file")
-        return targets.read(str(target), Path.cwd(), refused)
+        return targets.read(file, Path.cwd(), refused)
     if (
         isinstance(target, str)
         and not target.endswith(".toml")
@@ -83,7 +86,7 @@ def of(
     if "history" in chosen and not one_shot:
         raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
-        if isinstance(target, (str, os.PathLike)) and str(target).endswith(".toml"):
+        if file.endswith(".toml"):
             given = "an input file, or the fabric file with a velocity"
             raise InputError(
                 "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'

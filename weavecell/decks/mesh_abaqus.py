@@ -8,9 +8,10 @@ has at most 20 characters.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from fabrics.base.checks import FilePath
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
@@ -24,20 +25,19 @@ SIDES = np.array(
 )
 
 
-def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
-    """Write the input file."""
+def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
+    """Parts of the text of the input file."""
     numbered = deck(mesh, fabric)
-    with open(path, "w", encoding="ascii") as file:
-        file.write("".join(f"** {line}\n" for line in numbered.header))
-        file.write(f"*HEADING\n{numbered.header[0]}; SI units\n")
-        file.write("*NODE\n" + numbered.nodes("%d,%.13E,%.13E,%.13E"))
-        for part in numbered.parts:
-            file.write(f"*ELEMENT, TYPE={TYPES[part.kind]}, ELSET={part.name}\n")
-            file.write(lines("%d" + ",%d" * part.nodes.shape[1], part.elements, part.nodes))
-        file.writelines(_sets(mesh, numbered))
-        file.writelines(_axes(mesh))
-        file.writelines(_materials(numbered))
-        file.writelines(_sections(numbered))
+    yield "".join(f"** {line}\n" for line in numbered.header)
+    yield f"*HEADING\n{numbered.header[0]}; SI units\n"
+    yield "*NODE\n" + numbered.nodes("%d,%.13E,%.13E,%.13E")
+    for part in numbered.parts:
+        yield f"*ELEMENT, TYPE={TYPES[part.kind]}, ELSET={part.name}\n"
+        yield lines("%d" + ",%d" * part.nodes.shape[1], part.elements, part.nodes)
+    yield from _sets(mesh, numbered)
+    yield from _axes(mesh)
+    yield from _materials(numbered)
+    yield from _sections(numbered)
 
 
 def _sets(mesh, numbered):

@@ -18,13 +18,8 @@ from meshing import files
 from meshing.mesh import YarnMesh
 from weavecell.decks import mesh_abaqus, mesh_ls_dyna, mesh_radioss
 
-WRITERS = {
-    ".msh": lambda mesh, fabric, path: files.write_msh(mesh, path),
-    ".vtu": lambda mesh, fabric, path: files.write_vtu(mesh, path),
-    ".k": mesh_ls_dyna.write,
-    ".inp": mesh_abaqus.write,
-    ".rad": mesh_radioss.write,
-}
+WRITERS = {".msh": files.write_msh, ".vtu": files.write_vtu}
+DECKS = {".k": mesh_ls_dyna.texts, ".inp": mesh_abaqus.texts, ".rad": mesh_radioss.texts}
 
 
 def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
@@ -42,8 +37,13 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     InputError : there is no such format; nothing is written
     """
     path = Path(path)
-    if path.suffix not in WRITERS:
-        allowed = " or ".join(f"*{suffix}" for suffix in WRITERS)
+    known = WRITERS | DECKS
+    if path.suffix not in known:
+        allowed = " or ".join(f"*{suffix}" for suffix in known)
         raise InputError(key="mesh file", value=str(path), allowed=f"named {allowed}")
     with replace_whole(path) as beside:
-        WRITERS[path.suffix](mesh, fabric, beside)
+        if path.suffix in WRITERS:
+            WRITERS[path.suffix](mesh, beside)
+        else:
+            with open(beside, "w", encoding="ascii") as file:
+                file.writelines(DECKS[path.suffix](mesh, fabric))

@@ -7,7 +7,8 @@ of 10 leave five digits to areas.
 
 from __future__ import annotations
 
-from fabrics.base.checks import FilePath
+from collections.abc import Iterator
+
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
@@ -17,18 +18,17 @@ from weavecell.decks.mesh_deck import MATERIALS, deck, material_number, set_line
 ELEMENTS = {"hex": "SOLID", "bar": "BEAM", "shell": "SHELL"}
 
 
-def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
-    """Write the keyword file."""
+def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
+    """Parts of the text of the keyword file."""
     numbered = deck(mesh, fabric)
-    with open(path, "w", encoding="ascii") as file:
-        file.write("*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header))
-        file.write(f"*TITLE\n{numbered.header[0]}\n")
-        file.write("*NODE\n" + numbered.nodes("%8d%16.9E%16.9E%16.9E"))
-        file.writelines(_elements(numbered))
-        file.writelines(_parts(numbered))
-        file.writelines(_materials(numbered))
-        file.writelines(_sets(numbered))
-        file.write("*END\n")
+    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header)
+    yield f"*TITLE\n{numbered.header[0]}\n"
+    yield "*NODE\n" + numbered.nodes("%8d%16.9E%16.9E%16.9E")
+    yield from _elements(numbered)
+    yield from _parts(numbered)
+    yield from _materials(numbered)
+    yield from _sets(numbered)
+    yield "*END\n"
 
 
 def _elements(numbered):

@@ -8,7 +8,8 @@ Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GR
 
 from __future__ import annotations
 
-from fabrics.base.checks import FilePath
+from collections.abc import Iterator
+
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
@@ -26,21 +27,20 @@ COROTATIONAL = 2
 EDGE_12 = 20
 
 
-def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
-    """Write the starter file."""
+def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
+    """Parts of the text of the starter file."""
     numbered = deck(mesh, fabric)
-    with open(path, "w", encoding="ascii") as file:
-        file.write("#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in numbered.header))
-        file.write(f"/BEGIN\n{mesh.fabric}\n" + _ids(2022, 0) + 2 * _texts("kg", "m", "s"))
-        file.write(f"/TITLE\n{numbered.header[0]}\n")
-        file.writelines(_materials(numbered))
-        file.writelines(_parts(numbered))
-        file.write("/NODE\n" + numbered.nodes("%10d%20.12E%20.12E%20.12E"))
-        for part in numbered.parts:
-            file.write(f"/{ELEMENTS[part.kind]}/{part.number}\n")
-            file.write(lines("%10d" * (1 + part.nodes.shape[1]), part.elements, part.nodes))
-        file.writelines(_groups(numbered))
-        file.write("/END\n")
+    yield "#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in numbered.header)
+    yield f"/BEGIN\n{mesh.fabric}\n" + _ids(2022, 0) + 2 * _texts("kg", "m", "s")
+    yield f"/TITLE\n{numbered.header[0]}\n"
+    yield from _materials(numbered)
+    yield from _parts(numbered)
+    yield "/NODE\n" + numbered.nodes("%10d%20.12E%20.12E%20.12E")
+    for part in numbered.parts:
+        yield f"/{ELEMENTS[part.kind]}/{part.number}\n"
+        yield lines("%10d" * (1 + part.nodes.shape[1]), part.elements, part.nodes)
+    yield from _groups(numbered)
+    yield "/END\n"
 
 
 def _materials(numbered):

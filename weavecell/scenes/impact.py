@@ -429,7 +429,6 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
     ------
     InputError : one line naming the file, the key, its value and what is allowed
     """
-    path = Path(path)
     text, table = read_toml(path, what="input")
     return check(table, path, refused), text
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics import data_sheet, families, variants
+from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
 from fabrics.fabric import Fabric
@@ -40,12 +41,8 @@ class Scatter:
     def __post_init__(self):
         for key in ("shape", "gauge_length"):
             if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in ("modulus", "crimp"):
-            if not 0 <= getattr(self, key) < 1:
-                raise InputError(
-                    key=key, value=getattr(self, key), allowed="at least 0 and below 1"
-                )
+                refuse(self, key, "above 0")
+        fraction(self, "modulus", "crimp")
 
 
 @cache

@@ -16,7 +16,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import inf
 
-from fabrics.base.errors import InputError
+from fabrics.base.checks import refuse
 from shellfabric.panel.model import Panel
 from shellfabric.panel.quality import Indicator
 from shellfabric.plies.model import Pack
@@ -52,15 +52,11 @@ class ScanRange:
 
     def __post_init__(self) -> None:
         if not 0 <= self.above < inf:
-            raise InputError(key="above", value=self.above, allowed="at least 0")
+            refuse(self, "above", "at least 0")
         if not 0 <= self.below < 1:
-            raise InputError(key="below", value=self.below, allowed="at least 0 and below 1")
+            refuse(self, "below", "at least 0 and below 1")
         if not 0 < self.step < inf or max(self.above, self.below) > MOST_STEPS * self.step:
-            raise InputError(
-                key="step",
-                value=self.step,
-                allowed=f"above 0, and a range at most {MOST_STEPS} steps wide",
-            )
+            refuse(self, "step", f"above 0, and a range at most {MOST_STEPS} steps wide")
 
     def ladder(self, limit: Limit) -> list[float]:
         """[m/s] velocities that the present shots call for, rising; those of the bracket itself are
