@@ -30,19 +30,16 @@ def assert_is_the_curve(found):
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_a_table_is_read_in_every_encoding_of_excel_and_notepad(tmp_path, encoding, end):
-    mark = BYTE_ORDER_MARK if encoding.endswith("e") else ""
-    text = mark + "# Prüfung an µm\n" + CURVE
-    assert_is_the_curve(read(written(tmp_path, text.replace("\n", end), encoding)))
+def test_a_file_is_read_in_every_encoding_of_excel_and_notepad(tmp_path, encoding, end):
+    """A table of numbers, and an input file."""
 
+    def saved(text):
+        mark = BYTE_ORDER_MARK if encoding.endswith("e") else ""
+        return written(tmp_path, mark + text.replace("\n", end), encoding)
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize("encoding", ENCODINGS)
-def test_an_input_file_is_read_in_every_encoding(tmp_path, encoding, end):
-    mark = BYTE_ORDER_MARK if encoding.endswith("e") else ""
-    text = mark + 'a = "20 µm"\n# Maße\n[b]\nc = 1\n'
-    path = written(tmp_path, text.replace("\n", end), encoding)
-    assert read_toml(path, what="scene")[1] == {"a": "20 µm", "b": {"c": 1}}
+    assert_is_the_curve(read(saved("# Prüfung an µm\n" + CURVE)))
+    content = read_toml(saved('a = "20 µm"\n# Maße\n[b]\nc = 1\n'), what="scene")[1]
+    assert content == {"a": "20 µm", "b": {"c": 1}}
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "cp1250", "mac-roman", "utf-32", "cp932", "gbk"])

@@ -21,3 +21,8 @@ def volumes(points, hexes):
         )
         total += np.linalg.det(np.einsum("mnx,na->mxa", corners, slopes))
     return total
+
+
+def vector_areas(corners):
+    """(n, 3) [m2] of quadrilaterals with these corners (n, 4, 3): half the cross product of the diagonals."""
+    return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hexahedra import volumes
+from hexahedra import vector_areas, volumes
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
@@ -13,6 +13,7 @@ from meshing import patch
 from meshing.grid import tributary_areas
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+# numbers of the yarns, and of the axes along them
 WARP = 0
 WEFT = 1
 SMALL = (3, 2, 1)
@@ -105,11 +106,11 @@ def test_bars_are_edges_along_the_fibre():
         for pair in crossover.hexes[:, [i, j]]
     }
     assert edges == {tuple(pair) for yarn in (WARP, WEFT) for pair in crossover.bars[yarn]}
-    for yarn, axis in ((WARP, 0), (WEFT, 1)):
+    for yarn in (WARP, WEFT):
         along = np.diff(crossover.points[crossover.bars[yarn]], axis=1)[:, 0]
-        assert np.all(along[:, axis] > 0)
-        assert_allclose(along[:, 1 - axis], 0, atol=1e-18)
-        assert np.all(crossover.fibre[crossover.yarn == yarn][:, axis] > 0.8)
+        assert np.all(along[:, yarn] > 0)
+        assert_allclose(along[:, 1 - yarn], 0, atol=1e-18)
+        assert np.all(crossover.fibre[crossover.yarn == yarn][:, yarn] > 0.8)
     assert np.allclose(np.linalg.norm(crossover.fibre, axis=1), 1)
 
 
@@ -156,7 +157,7 @@ def test_the_faces_of_a_yarn_close_its_volume_and_look_outwards(domain, yarn):
     assert len(np.unique(edges, axis=0)) == len(edges)
     assert_array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
     corners = made.points[quads]
-    areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+    areas = vector_areas(corners)
     volume = volumes(made.points, made.hexes[made.yarn == yarn]).sum()
     assert np.sum(corners.mean(axis=1) * areas) / 3 == pytest.approx(volume, rel=1e-3)
 
@@ -184,11 +185,11 @@ def test_grids_hold_every_node_once_in_its_place():
     assert sorted(np.concatenate([g.ravel() for g in crossover.grids])) == list(
         range(len(crossover.points))
     )
-    for yarn, axis in ((WARP, 0), (WEFT, 1)):
+    for yarn in (WARP, WEFT):
         grid = crossover.points[crossover.grids[yarn]]
         assert grid.shape[:3] == (6, 5, 4)
-        assert np.all(np.diff(grid[..., axis], axis=0) > 0)
-        assert np.all(np.diff(grid[..., 1 - axis], axis=1) > 0)
+        assert np.all(np.diff(grid[..., yarn], axis=0) > 0)
+        assert np.all(np.diff(grid[..., 1 - yarn], axis=1) > 0)
         assert np.all(np.diff(grid[..., 2], axis=2) > 0)
         assert_array_equal(
             np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn])
@@ -303,7 +304,7 @@ def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
     for number, family in enumerate(weave.families):
         for part, sign in (("contact", 1), ("plate", -1)):
             corners = weave.points[weave.faces[f"{weave.names[number]}_{part}"]]
-            normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])[:, 2]
+            normal = vector_areas(corners)[:, 2]
             middle = corners.mean(axis=1)
             cell = [
                 np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)

@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import weavecell as wc
 from fabrics.base.errors import InputError
+from tests.meshing.hexahedra import vector_areas
 from weavecell.decks import folder, model
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.model import UNITS
@@ -190,8 +191,10 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
     # no pole: contact adds the stiffness of elements
     assert np.bincount(nose.quads.ravel())[first:].max() <= 4
     corners = nose.points[nose.quads - first]
-    outwards = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    assert np.all(np.sum(outwards * (corners.mean(axis=1) - nose.points.mean(axis=0)), axis=1) > 0)
+    assert np.all(
+        np.sum(vector_areas(corners) * (corners.mean(axis=1) - nose.points.mean(axis=0)), axis=1)
+        > 0
+    )
     assert nose.points[:, 2].max() < -0.5 * made.cards[0].cloth.thickness
     reach = np.linalg.norm(nose.points - nose.centre, axis=1)
     assert reach.min() > 0.5 * 2.75e-3

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from meshing import patch
-from tests.meshing.hexahedra import volumes
+from tests.meshing.hexahedra import vector_areas, volumes
 from tests.weavecell.decks.deck_readers import blocks, columns
 from weavecell.decks import mesh_files
 from weavecell.decks.linear_material import linearise
@@ -159,10 +159,6 @@ def test_the_first_edge_of_an_element_is_its_fibre(mesh):
     )
 
 
-def vector_area(corners):
-    return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
-
-
 def abaqus_elements(path):
     """Points, hexahedra with the names of their parts, and shells, as meshio reads them; and its sets of nodes."""
     found = meshio.read(path)
@@ -214,8 +210,8 @@ def test_abaqus_is_read_back(mesh, tmp_path):
     for name, quads in surfaces.items():
         assert np.array_equal(np.sort(sides[name]), np.sort(quads)), name
         # C3D8 lists the nodes of a side as seen from inside the element; so it is the right element's side.
-        inward = vector_area(mesh.points[sides[name]])
-        assert_allclose(inward, -vector_area(mesh.points[quads]), rtol=1e-9, atol=1e-20)
+        inward = vector_areas(mesh.points[sides[name]])
+        assert_allclose(inward, -vector_areas(mesh.points[quads]), rtol=1e-9, atol=1e-20)
     for name in set(mesh.groups) - set(surfaces):
         assert np.array_equal(np.unique(node_sets[name]), mesh.groups[name]), name
     axes = np.array([*map(axes.get, range(1, len(mesh.hexes) + 1))], float)

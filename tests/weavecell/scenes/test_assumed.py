@@ -100,7 +100,7 @@ def test_nothing_is_assumed_of_what_is_given(own):
 
 def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates():
     """0.94 of the strength, friction of 0.1 and, in a pack, 0.2; what the scene gives replaces them. The range is about
-    them. A fabric of the catalogue has its strength and no friction."""
+    them."""
     mine = catalogue.load(MINE)
     more = {"law": LAW, "opening": "40 mm"}
     pack = wc.setup(mine, "90 m/s", plies=2, **more)
@@ -127,11 +127,6 @@ def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates():
     assert given.fabric.weave.warp.strength == pytest.approx(0.9 * strength)
     assert (given.projectile.friction, given.ply_friction) == (0.0, 0.0)
     assert not set(given.fabric.assumed) & set(data_sheet.OF_SHOTS)
-    published = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm")
-    assert published.fabric.weave.warp.strength == pytest.approx(
-        targets.as_fabric("S-720").weave.warp.strength
-    )
-    assert (published.projectile.friction, published.ply_friction) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("asked", [False, True])
@@ -166,7 +161,12 @@ def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():
 
 
 def test_what_a_set_up_assumes_follows_from_it():
+    """A fabric of the catalogue has its strength and no friction."""
     setup = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary={"clamp_force": "20 N"})
+    assert setup.fabric.weave.warp.strength == pytest.approx(
+        targets.as_fabric("S-720").weave.warp.strength
+    )
+    assert (setup.projectile.friction, setup.ply_friction) == (0.0, 0.0)
     found = assumed_range.changes(setup)
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
     assert list(found) == [*usual, "friction between plies", "clamp force", PACKED]

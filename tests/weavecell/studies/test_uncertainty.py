@@ -16,6 +16,7 @@ from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
+from shellfabric.panel.slots import by_node
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,
@@ -216,9 +217,7 @@ def test_each_yarn_has_its_own_strength(panel, per):
         state.T[family][:] = panel.weave.yarns[family].strength
         for _ in range(100):
             failure_kernels.find_failures(const, state, family, 0, const.ni + family)
-        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(
-            -1, const.row_stride
-        )
+        failed = by_node(state.failed[family], const)
         assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
 
 
