@@ -11,6 +11,7 @@ from shellfabric.cloth import torn_kernels
 from shellfabric.cloth.grid_kernels import grid_of
 from shellfabric.cloth.surface_kernels import foot_at, vector_of
 from shellfabric.panel.numerics import Numerics
+from shellfabric.panel.slots import by_node
 from shellfabric.projectile import contact_kernels, sdf_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.window_kernels import place_near_nose
@@ -35,13 +36,17 @@ def shaken(panel, firm):
     return foresee(state, const, due, given), const._replace(point_law=law)
 
 
+def vectors(components, const):
+    """(ni+1, nj+1, 3) of the components of a vector at each node."""
+    return np.stack([by_node(part, const) for part in components], axis=-1)
+
+
 def pressed(panel, state, const):
     """Contact forces (ni+1, nj+1, 3) of the kernel, with its work and the energy of its springs."""
     scratch = panel.work()
     place_near_nose(state, const)
     made = contact_kernels.contact_forces(state, const, scratch.contact_scratch)
-    n = (const.ni + 1) * const.row_stride
-    return np.stack([f[:n].reshape(-1, const.row_stride) for f in state.f_contact], axis=-1), *made
+    return vectors(state.f_contact, const), *made
 
 
 def whole_edge(state, const, family, i, j):
@@ -97,14 +102,8 @@ def plain_contact(panel, state, const):
     force = np.zeros((const.ni + 1, const.nj + 1, 3))
     work = 0.0
     spring = 0.0
-    X = panel.coordinates()[0]
-    n = (const.ni + 1) * const.row_stride
-    x = (
-        rest(panel)
-        + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1)
-        - state.projectile_position
-    )
-    v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
+    x = rest(panel) + vectors(state.u, const) - state.projectile_position
+    v = vectors(state.v, const) - state.projectile_velocity
     firm = const.point_law.implicit_factor
     due = 0 * v
     pushed = 0 * v
@@ -168,6 +167,18 @@ CUTS = {
 }
 
 
+def force_of_both(panel, state, const):
+    """(ni+1, nj+1, 3) [N] contact forces of the kernel, after a check that it and its plain twin agree."""
+    expected, work, spring = plain_contact(panel, state, const)
+    force, taken, held = pressed(panel, state, const)
+    assert_allclose(force, expected, atol=1e-12 * abs(expected).max())
+    assert_allclose(
+        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * abs(force).sum()
+    )
+    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+    return force
+
+
 @pytest.mark.parametrize("cuts", CUTS.values(), ids=CUTS)
 @pytest.mark.parametrize("shape", ["flat", "hemisphere"])
 @pytest.mark.parametrize("firm", [False, True])
@@ -178,14 +189,7 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
         state.intact_fraction[family][i * const.row_stride + j] = 0.0
         for a, b in ((i, j), (i, j - 1) if family == 0 else (i - 1, j)):
             state.element_flag[a * const.row_stride + b] |= 1 + family
-    expected, work, spring = plain_contact(panel, state, const)
-    force, taken, held = pressed(panel, state, const)
-    assert abs(expected).max() > 0
-    assert_allclose(force, expected, atol=1e-12 * abs(expected).max())
-    assert_allclose(
-        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * abs(force).sum()
-    )
-    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+    assert abs(force_of_both(panel, state, const)).max() > 0
 
 
 @pytest.mark.parametrize("firm", [False, True])
@@ -194,14 +198,7 @@ def test_at_the_edges_of_a_panel_the_kernel_is_its_plain_twin(firm):
     panel = make_panel(12e-3, symmetry="whole", projectile=Projectile(shape="hemisphere"))
     state, const = shaken(panel, firm)
     state.projectile_position[:2] = const.x0 + const.dx, const.y0 + const.dy
-    expected, work, spring = plain_contact(panel, state, const)
-    force, taken, held = pressed(panel, state, const)
-    assert abs(expected[0, 0]).max() > 0
-    assert_allclose(force, expected, atol=1e-12 * abs(expected).max())
-    assert_allclose(
-        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * abs(force).sum()
-    )
-    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+    assert abs(force_of_both(panel, state, const)[0, 0]).max() > 0
 
 
 @pytest.mark.parametrize("lean", [0.0, 0.6])
