@@ -191,7 +191,6 @@ LIMITS = {
     ),
     "friction to hold yarns": (
         0.25,
-        "",
         "least friction between yarns with which one ply stops this projectile; with less, it pushes them aside and "
         'passes, which crossovers = "yarns" computes',
     ),
