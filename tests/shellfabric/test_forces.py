@@ -344,8 +344,6 @@ FORCES = {
     "membrane, one by one": elements(trellis=False, damage=DAMAGED),
     "trellis": elements(**SHEARED),
     "trellis, drawn together": elements((0.05, 0.08), 0.03, 0.001),
-    "trellis, rows of seven": elements(**SHEARED, side=7.62e-3),
-    "trellis, rows of eight": elements(**SHEARED, side=8.89e-3),
     "trellis, finer": elements(**SHEARED, **GRADED),
     "trellis, one by one": elements(**SHEARED, damage=DAMAGED),
     "torn": elements(torn=TORN),

@@ -46,6 +46,53 @@ def test_patch(grading, strain):
     assert abs(f).max() > 1.0
 
 
+def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
+    """(3, rows + 1, s) what edges and quadrilaterals give to their nodes, each on its own."""
+    g = np.zeros((3, rows + 1, s))
+    for c in range(3):
+        for i in range(rows):
+            for j in range(s):
+                k = i * s + j
+                up = (i + 1) * s + j
+                pull = on1[k] * A[c][k]
+                g[c, i, j] += pull
+                g[c, i + 1, j] -= pull
+                if j == s - 1:
+                    continue
+                pull = on2[k] * B[c][k]
+                g[c, i, j] += pull
+                g[c, i, j + 1] -= pull
+                turned = rx * cross[k] * (B[c][k] + B[c][up])
+                over = ry * cross[k] * (A[c][k] + A[c][k + 1])
+                for m, n in ((0, 0), (0, 1), (1, 0), (1, 1)):
+                    g[c, i + m, j + n] += (turned if m == 0 else -turned) + (
+                        over if n == 0 else -over
+                    )
+    return g
+
+
+@pytest.mark.parametrize("s", [5, 8, 21])
+def test_gather_against_its_plain_twin(s):
+    """Rows shorter than eight slots, of eight, and of more; neighbours come from the eight slots before."""
+    rng, rows, m0, rx, ry = np.random.default_rng(4), 4, 2 * s, 3.0, 5.0
+    state, const, work = random_block(
+        rng, s, ni=rows + 1, rows_per_block=rows, inv_dx=rx, inv_dy=ry
+    )
+    on2 = work.f_over_stretch[membrane_kernels.WEFT]
+    for idle in (on2, work.trellis_cross):
+        idle[s - 1 :: s] = 0.0
+    A = np.array(work.A)[:, m0:]
+    B = np.array(work.B)[:, m0:]
+    on1, on2 = np.array(work.f_over_stretch)[:, m0:]
+    plain = plain_gather(rows, s, rx, ry, A, B, on1, on2, work.trellis_cross[m0:])
+    membrane_kernels.scatter_forces(state, const, work, 0, 0, rows)
+    end = (rows + 1) * s
+    for c in range(3):
+        found = state.f_int[c][:end].copy()
+        found[rows * s :] = state.f_int_above[c][rows * s : end]
+        assert_allclose(found, plain[c].ravel(), rtol=0, atol=1e-13)
+
+
 def random_block(rng, s, **changes):
     """(state, const, work) of a panel whose rows have s slots, with random numbers in the scratch."""
     panel = make_panel(symmetry="whole", boundary="free", yarn_failure=False)
