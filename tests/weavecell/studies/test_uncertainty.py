@@ -171,7 +171,9 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
     """Outcomes against the velocity, one shot without any: what was fired is kept, V50 is not determined."""
 
     def fire(setup, scatter, seed, number, velocity):
-        shot = v50.Shot(number, velocity, 0.0, velocity < 50, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0)
+        shot = v50.Shot(
+            number, velocity, 0.0, velocity < 50, 1.0, 1.0, 1.0, (1.0, 1.0), (0.0, 0.0), 0.0
+        )
         return replace(shot, failure="shot 3: broken") if number == 3 else shot
 
     monkeypatch.setattr(v50, "fire", fire)
@@ -376,7 +378,7 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
     def fire(setup, scatter, seed, number, velocity):
         fired.append(number)
         through = velocity > limit_of(setup)
-        return v50.Shot(number, velocity, 0.0, through, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0)
+        return v50.Shot(number, velocity, 0.0, through, 1.0, 1.0, 1.0, (1.0, 1.0), (0.0, 0.0), 0.0)
 
     def digest(inputs, *_):
         name, (changed, *others) = inputs
