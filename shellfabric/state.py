@@ -652,7 +652,7 @@ class PackContact(Row):
     )
     torn = array("plies slots uint8", "-", "1 of nodes at torn elements")
     dropped = array(
-        "plies slots uint8", "-", "1 of elements that are no fabric any more", kept=True
+        "plies slots uint8", "-", "1 of elements that have eroded or hang loose", kept=True
     )
     failures = array("plies int64", "-", "failures so far")
     points = integer("-", "contact points along each side of an element")

@@ -75,11 +75,7 @@ class CellModel:
         if not 1 <= self.reach < np.inf:
             refuse(self, "reach", "at least 1")
         if not 0 <= self.crossover_gap <= sum(self.h0):
-            refuse(
-                self,
-                "crossover_gap",
-                "at least 0 and at most h01 + h02",
-            )
+            refuse(self, "crossover_gap", "at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":
             raise InputError(
                 f"fabric {self.fabric.name} has no compression law", allowed="given one"

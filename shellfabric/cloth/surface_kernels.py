@@ -165,9 +165,8 @@ def interpolate_row8(x, k, w):
 def interpolate_rows8(x, at, w):
     """`interpolate_row8` along each of four lines.
 
-    at : number of the first node, numbers from line to line, whether the fourth counts: where some
-        points are `moved`
-    to it
+    at : number of the first node, numbers from line to line, and whether the fourth line counts,
+        which it does if some points are `moved`
     """
     k, s, tall = at
     last = broadcast(0.0)

@@ -19,11 +19,11 @@ each of its corners (q, r): whether the surface about it bends along the warp, a
 import numpy as np
 
 from shellfabric.cloth.grid_kernels import grid_of
+from shellfabric.cloth.membrane_kernels import WARP, WEFT
 from shellfabric.cloth.surface_kernels import quadratic_weights
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-WARP, WEFT = 0, 1
 WHOLE = 255  # of `bent`
 
 

@@ -165,11 +165,7 @@ class ImpactSetup:
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
-            refuse(
-                self,
-                "plies",
-                f"{len(self.lay_up)}, as many as the lay-up has",
-            )
+            refuse(self, "plies", f"{len(self.lay_up)}, as many as the lay-up has")
         if self.lay_up and self.surface is not None:
             raise InputError(
                 key="surface", value="given", allowed="left out with plies of a lay-up"

@@ -125,11 +125,7 @@ class PanelGrid:
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:
-            refuse(
-                self,
-                "elements_per_crossover",
-                "1, 2, 3, ...",
-            )
+            refuse(self, "elements_per_crossover", "1, 2, 3, ...")
         if not all(0 <= EI < inf for EI in self.bending):
             refuse(self, "bending", "at least 0")
         if not 0 < self.packed_area < 1:
@@ -213,11 +209,7 @@ class PanelGrid:
             least = int(np.ceil(reach / step)) + 1
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
-                refuse(
-                    self,
-                    "grading",
-                    f"{allowed}, all that comes under the nose",
-                )
+                refuse(self, "grading", f"{allowed}, all that comes under the nose")
 
     @property
     def fabric(self) -> Fabric:

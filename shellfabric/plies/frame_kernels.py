@@ -70,7 +70,7 @@ def is_torn(contact, p, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
-    """Whether the element of ply p at the place (a, b) is no fabric any more."""
+    """Whether the element of ply p at the place (a, b) has eroded, or hangs loose."""
     base, stride, ni, nj = grid_in_pack(contact, p)
     i = min(max(int(a), 0), ni - 1)
     j = min(max(int(b), 0), nj - 1)

@@ -62,7 +62,7 @@ def march_zone(state, const, own, first, last, acting):
     for c in range(3):
         state.projectile_position[c] = end[c]
     give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
-    tell_ply(own, state)
+    write_to_ply(own, state)
     return own.books[NOSE]
 
 
@@ -103,8 +103,8 @@ def give_outer_forces(zone, state, ahead):
 
 
 @kernel(_nrt=False)
-def tell_ply(zone, state):
-    """What the ply keeps of the zone: its work, energies of the contact with the nose, peak tensions, torn yarns."""
+def write_to_ply(zone, state):
+    """Copy what the ply keeps of the zone: work, energies of the contact with the nose, peak tensions, torn yarns."""
     state.yarns_ahead[0] = zone.counter[AHEAD]
     state.yarn_work[0] = zone.books[:TORN].sum()
     state.contact_energy[contact_kernels.CONTACT] = zone.books[NOSE]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, inf
 from pathlib import Path
 from typing import Any
@@ -23,19 +23,21 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
 from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
+from shellfabric.panel.slots import by_node
 from shellfabric.state import Constants, State, Zone
 from shellfabric.yarns import chain_kernels, coupling_kernels
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
 
 DATA = tomllib.loads((Path(__file__).parent / "assumed.toml").read_text("utf-8"))
 HALF_WIDTH = 20e-3  # [m] of the zone at least, by default
-DRAWN = (
-    3e-3  # [m] times 1 / friction: yarn is drawn in from further away where less friction holds it
-)
+# [m] times 1 / friction: with less friction yarn is drawn in from further away
+DRAWN = 3e-3
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 3  # of the yarns in a step of the membrane
-HOLDING = 2.8  # friction that holds yarns over (V / c)^(2/3); 1.9 to 3.1 in runs of the zone
+# friction that holds yarns, over (V / c)^(2/3), of the velocity V and the wave speed c of the yarn;
+# four shots at resolved yarns gave 1.9 to 3.1
+HOLDING = 2.8
 WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 REACH = 2.0  # spacings between the nose and the rim at least
 # energies of a zone that a ply without one does not have
@@ -225,13 +227,9 @@ class YarnPanel(Panel):
     def _cut_out(self, state):
         """Take the membrane inside the rim out of a state."""
         (i0, i1), (j0, j1) = self.rim_rows
-        ni, nj = self.counts
-        shape = (ni + 1, nj + 1)
+        const = self.constants()
+        grid = partial(by_node, const=const)
         inside = slice(i0 + 1, i1), slice(j0 + 1, j1)
-
-        def grid(slots):
-            return slots[: shape[0] * shape[1]].reshape(shape)
-
         for slots in (state.intact_fraction, state.yarn_length):
             grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
             grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
@@ -239,9 +237,9 @@ class YarnPanel(Panel):
         flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED)
         flag[1:-1, 1:-1] = 0
         grid(state.element_flag)[i0:i1, j0:j1] = flag
-        per = self.constants().rows_per_block
-        state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, ni - 1) // per + 1] = DAMAGED
-        state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, ni)
+        per = const.rows_per_block
+        state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, const.ni - 1) // per + 1] = DAMAGED
+        state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, const.ni)
         held = grid(state.inverse_mass) == 0.0
         mass = self._rim_masses(grid(state.yarn_length[0]), grid(state.yarn_length[1]))
         grid(state.mass)[i0 : i1 + 1, j0 : j1 + 1] = mass
@@ -321,14 +319,20 @@ def identity(panel: Panel) -> tuple[Any, ...]:
 
 
 def friction_to_hold(panel: Panel, velocity: float) -> float | None:
-    """[-] friction between yarns with which a ply stops a nose of this velocity [m/s]; less lets it push yarns aside.
+    """Return the least friction between yarns [-] with which a ply stops a nose; with less it pushes yarns aside.
 
-    Per tension T a nose pushes on a yarn with 2 sin(a), a the angle of its kink, and crossings hold it with the
-    friction mu times forces in proportion to T. So mu over sin(a)^2 decides, which is 2^(2/3) (V / c)^(2/3) of a yarn
-    that is struck across (Smith, McCrackin and Schiefer 1958). The factor is of runs of the zone
-    (docs/reports/resolved-yarns.md), on the side of too much friction.
+    A yarn of tension T, whose kink has the angle a, is pushed aside with a force in proportion to T sin(a). Friction mu
+    at its crossings holds it with one in proportion to mu T. The ratio mu / sin(a)^2 decides. For a yarn that is
+    struck across, sin(a)^2 is 2^(2/3) (V / c)^(2/3) (Smith, McCrackin and Schiefer 1958). The factor HOLDING comes from
+    runs with resolved yarns and is rather too high (docs/reports/resolved-yarns.md).
 
-    None of what these runs say nothing of: wider noses, several plies, a backing.
+    Parameters
+    ----------
+    velocity : [m/s] of the nose
+
+    Returns
+    -------
+    None for a nose wider than in these runs, and for a ply with a backing
     """
     spacing = 2 * min(panel.weave.w)
     if panel.backing is not None or panel.projectile.radius > WIDEST * spacing:

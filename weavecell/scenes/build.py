@@ -192,7 +192,7 @@ def _fabric(table, key, file):
 
 
 def _of_given_friction(fabric, shot, panel):
-    """The fabric that counts no friction as assumed which the scene gives or has no contact for."""
+    """The fabric without assumed frictions of which the input file gives a value or has no contact."""
     if shot is None or shot.friction is not None:
         fabric = assumed.given(fabric, data_sheet.FRICTION_OF_PROJECTILE)
     if panel is None or panel.plies == 1 or panel.ply_friction is not None:
