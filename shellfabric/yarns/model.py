@@ -36,7 +36,7 @@ LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 3  # of the yarns in a step of the membrane
 # friction that holds yarns, over (V / c)^(2/3), of the velocity V and the wave speed c of the yarn;
-# four shots at resolved yarns gave 1.9 to 3.1
+# runs with resolved yarns of four fabrics gave 1.9 to 3.1
 HOLDING = 2.8
 WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 REACH = 2.0  # spacings between the nose and the rim at least
