@@ -38,7 +38,7 @@ def strike(
     every: int = 20,
     after: float = 0.0,
 ) -> Strike:
-    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back.
+    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back or is through.
 
     Parameters
     ----------
@@ -72,7 +72,8 @@ def strike(
         mean = 0.5 * (before + speed[2])
         if speed[2] <= 0 and last == np.inf:
             last = n + int(np.ceil(after / dt))
-        stop = n >= last
+        through = position[2] > backing.standoff + backing.size[2]
+        stop = n >= last or through
         if n % every == 0 or stop:
             own = block.energies()
             own["projectile"] = 0.5 * quarter * mean**2

@@ -29,3 +29,11 @@ def test_eroded_bricks_are_gone_and_their_energy_kept():
     # under the nose the face is where the nose is
     assert found.crater[0, 1] == pytest.approx(found.z[-1], abs=1.2e-3)
     assert abs(found.crater[-1, 1]) < 0.3e-3
+
+
+def test_a_projectile_that_is_through_the_block_ends_the_run():
+    backing = Backing(size=(0.03, 0.03, 0.006), min_size=2e-3, refined_depth=6e-3)
+    found = strike(backing, Projectile(mass=8.1e-3), 300.0, 1e-3)
+    assert found.v[-1] > 0
+    assert 0.006 < found.z[-1] < 0.007
+    assert found.t[-1] < 1e-4
