@@ -162,7 +162,9 @@ def _case(target, test, options):
             raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
         table[name][key] = value
     try:
-        scene = checked(scenes.CouponScene, keywords.plain(table), None, honoured.COUPON, PYTHON)
+        scene = checked(
+            scenes.CouponScene, keywords.plain(table), None, honoured.COUPON, context=PYTHON
+        )
     except InputError as problem:
         raise keywords.named(problem, (test, "run", "fabric")) from None
     if scene.trellis_law == "needed":

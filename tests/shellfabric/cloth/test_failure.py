@@ -71,8 +71,7 @@ def prepared(**changes):
 
 def step(state, const, family=0):
     """One step of the criterion over the whole panel; how many edges break."""
-    rows = const.ni if family == 0 else const.ni + 1
-    count = failure_kernels.find_failures(const, state, family, 0, rows)
+    count = failure_kernels.find_failures(const, state, family, 0, const.ni + family)
     failure_kernels.break_edges(const, state, family, 0, const.ni)
     return count
 

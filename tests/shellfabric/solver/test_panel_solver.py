@@ -111,10 +111,8 @@ def pull(panel, state, stretch1, stretch2):
     X, Y = panel.coordinates()
     const = panel.constants()
     work = panel.work()
-    state.u[0][: X.size], state.u[1][: X.size] = (
-        ((stretch1 - 1) * X).ravel(),
-        ((stretch2 - 1) * Y).ravel(),
-    )
+    state.u[0][: X.size] = ((stretch1 - 1) * X).ravel()
+    state.u[1][: Y.size] = ((stretch2 - 1) * Y).ravel()
     state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, work)
     ply_kernels.apply_failure(state, const, work)
