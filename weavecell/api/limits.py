@@ -351,6 +351,8 @@ class CriticalVelocityResult(StudyResult):
 
     def lines(self) -> list[str]:
         """What is printed."""
+        from weavecell.studies import regression_line
+
         limit = self.limit
         count = len(limit.shots)
         if limit.mixed_zone is None:
@@ -377,6 +379,8 @@ class CriticalVelocityResult(StudyResult):
         lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
         if self.assumed_range is not None:
             lines.append(f"assumed laws: {self.assumed_range.words()}")
+        if self.critical_velocity is not None:
+            lines += regression_line.remarks(self.target.setup, self.critical_velocity)
         return lines
 
 

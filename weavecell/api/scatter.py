@@ -232,7 +232,7 @@ class V50Result(StudyResult):
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
     def lines(self) -> list[str]:
-        from weavecell.studies import assumed_range
+        from weavecell.studies import assumed_range, regression_line
 
         study = self.study
         scatter = self.study.scatter
@@ -262,6 +262,7 @@ class V50Result(StudyResult):
         ]
         if not study.curves["probit"].reason:
             remarks.append(study.series.words())
+            remarks += regression_line.remarks(self.target.setup, self.v50)
         remarks += [f"Without an outcome: {failure}." for failure in study.failures]
         if study.doubtful:
             counts = Counter(name for shot in shots for name in shot.doubtful)
