@@ -51,6 +51,14 @@ def memory():
 
 
 @pytest.fixture(scope="session")
+def fabric():
+    """S-720 as it was shot at."""
+    from fabrics import catalogue
+
+    return catalogue.load("S-720").with_effective_density()
+
+
+@pytest.fixture(scope="session")
 def shared(tmp_path_factory):
     """A function that gives a folder of the session, filled by make(folder) in the first process that asks for it."""
     base = tmp_path_factory.getbasetemp()

@@ -18,11 +18,14 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.base.executors import InProcess
+from fabrics.base.schema import read_toml
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import simulation
 from unitcell3d.identify.calibrate import calibrate
-from weavecell.scenes import build, coupon, honoured, impact
+from weavecell.scenes import build, honoured, impact
+from weavecell.scenes.coupon import CouponScene
+from weavecell.scenes.fabric_table import checked
 from weavecell.studies import ballistic_limit, inputs, pull_out, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
@@ -56,12 +59,14 @@ SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differe
 
 
 def setup(path):
-    scene, _ = impact.load(path, honoured.IMPACT)
+    _, table = read_toml(path, what="input")
+    scene = impact.check(table, path, honoured.IMPACT)
     return build.setup(build.build(scene, path, path.stem), path)
 
 
 def coupon_test(path):
-    scene, _ = coupon.load(path, honoured.COUPON)
+    _, table = read_toml(path, what="input")
+    scene = checked(CouponScene, table, path, honoured.COUPON)
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":

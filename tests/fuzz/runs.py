@@ -15,9 +15,9 @@ import time
 import traceback
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.schema import read_toml
 from shellfabric.impact import simulation
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
@@ -75,7 +75,7 @@ def run(path, hooks=()):
 
 def setup_of(path):
     """(Scene, ImpactSetup) of the scene at `path`, on one thread."""
-    asked, _ = scene_files.load(Path(path))
+    asked = scene_files.check(read_toml(path, what="input")[1], path)
     setup = build.setup(build.build(asked, path, path.stem), path)
     return asked, replace(
         setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None

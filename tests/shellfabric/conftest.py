@@ -13,11 +13,6 @@ SHOT = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 
 
 @pytest.fixture(scope="session")
-def fabric():
-    return catalogue.load("S-720").with_effective_density()
-
-
-@pytest.fixture(scope="session")
 def tables():
     """The S-720 table in both forms."""
     return {form: table(form) for form in ("equilibrium", "variational")}

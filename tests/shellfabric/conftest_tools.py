@@ -31,6 +31,19 @@ def solver_at_rest(target, strike_velocity):
     return solver
 
 
+def out_of_reach(panel):
+    """A solver of one thread whose projectile is far away from its panel, all rows of which move; state, constants."""
+    solver = solver_at_rest(panel, 1.0)
+    solver.state.projectile_position[2] = -1.0
+    solver.state.active_rows[:] = 0, solver.const.ni
+    return solver, solver.state, solver.const
+
+
+def momenta(solver):
+    """(plies, 3) [kg m/s] of the cloth."""
+    return np.array([[state.mass @ v for v in state.v] for state in solver.states])
+
+
 def advance(solver, steps):
     """(made, 3) history of at most so many steps."""
     history = np.empty((steps, 3))

@@ -7,6 +7,7 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.ply_laws import packing_stiffness
+from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
@@ -24,6 +25,7 @@ FINER = ((7, 1 / 3), (13, 1), (INF, 2))
 HALF = ((7, 0.5), (INF, 1))
 STEPPED = ((7, 0.25), (9, 0.5), (13, 1), (INF, 4))
 THIRD = ((8, 1 / 3), (INF, 2))
+BLOCK = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
 
 
 @cache
@@ -89,6 +91,12 @@ def plain_potential(table, stretch1, stretch2):
             + 0.5 * curvature * over[k] ** 2
         )
     return W
+
+
+def potential_grid(table):
+    """What `relaxation_kernels.potential` takes besides two stretches, of a table of 61 x 61."""
+    along = (table.stretch1[0], 1 / table.steps[0], 59)
+    return table.spline.reshape(-1, 9), *along, table.stretch2[0], 1 / table.steps[1], 59
 
 
 def beside(values):

@@ -6,7 +6,7 @@ planes x = 0, y = 0 are symmetry planes where `quarter`; the top of the upper bl
 
 import numpy as np
 import ufl
-from equations import matrix
+from equations import matrix, shares
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -33,6 +33,10 @@ def graded(end, n, ratio):
     """n + 1 places from 0 to `end`, the last step `ratio` times the first."""
     steps = np.geomspace(1, ratio, n)
     return np.concatenate([[0], np.cumsum(steps)]) * end / steps.sum()
+
+
+def level(x, y):
+    return 0 * x
 
 
 class Blocks:
@@ -81,7 +85,7 @@ class Blocks:
         )
         u = np.zeros_like(self.points)
         full = self.numerics
-        for share in np.linspace(0, 1, steps + 1)[1:]:
+        for share in shares(steps):
             u[self.top, 2] = -share * descent
             # the contact stiffens in stages: at once, the first iteration presses the faces through each other
             for factor in SOFTENINGS:

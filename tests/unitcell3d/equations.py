@@ -20,6 +20,21 @@ def assert_tangent(K, function, x, direction, step, tolerance=1e-7):
     assert abs(K @ np.ravel(direction) - difference).max() < tolerance * abs(difference).max()
 
 
+def assert_model_tangent(model, q, load, direction):
+    """The tangent that a model has made at q is the derivative of its reduced forces along `direction`."""
+
+    def residual(q):
+        return model.constraints.reduce(model.forces(q, load)[0])
+
+    # 3e-12 m: between rounding and the kinks of the contact's toe
+    assert_tangent(matrix(model.pattern), residual, q, direction, 3e-12)
+
+
+def shares(steps):
+    """The ends of equal steps from 0 to 1."""
+    return np.linspace(0, 1, steps + 1)[1:]
+
+
 def matrix(pattern):
     """The tangent of a model that has filled its pattern."""
     size = len(pattern.starts) - 1
@@ -36,7 +51,7 @@ def loaded(model, load, steps=10):
     """(solver, state) in equilibrium at a load, which is reached from none in equal steps."""
     solver = Newton(model)
     q = np.zeros(model.size)
-    for share in np.linspace(0, 1, steps + 1)[1:]:
+    for share in shares(steps):
         state = solver.solve(q, Load().towards(load, share))
         q = state.q
     return solver, state
@@ -52,9 +67,7 @@ def end_forces(mesh, fabric, route, friction=0.0, step=2e-6):
     for corner in route:
         goal = Load(tuple(corner))
         steps = round(abs(np.subtract(goal.d, at.d)).max() / step)
-        for share, state in continue_to(
-            model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]
-        ):
+        for share, state in continue_to(model, solver, q, at, goal, shares(steps)):
             q = state.q
             model.commit(q, at.towards(goal, share))
         at = goal

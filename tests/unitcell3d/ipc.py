@@ -7,7 +7,7 @@ the toolkit in units of 0.1 mm: its absolute tolerances expect numbers of order 
 
 import ipctk
 import numpy as np
-from equations import matrix
+from equations import matrix, shares
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -148,7 +148,7 @@ class BarrierModel:
         """(T1, T2, F_c) [N] at the end displacements `end` : (2,) [m], in equal steps from rest."""
         q = np.zeros(self.model.size)
         at = Load()
-        for share in np.linspace(0, 1, steps + 1)[1:]:
+        for share in shares(steps):
             goal = Load((share * end[0], share * end[1]))
             q, forces, contact = self.solve(q, at, goal)
             at = goal

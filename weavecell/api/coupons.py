@@ -33,7 +33,7 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.base.record import Record
-from fabrics.base.schema import PYTHON
+from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, targets
@@ -44,6 +44,7 @@ from weavecell.results import display, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
+from weavecell.scenes.fabric_table import checked
 from weavecell.studies import pull_out
 
 if TYPE_CHECKING:
@@ -103,7 +104,8 @@ def coupon(
     from_file = test is None and isinstance(target, (str, os.PathLike))
     if from_file:
         file = Path(target)  # type: ignore[arg-type]
-        scene, text = scenes.load(file, honoured.COUPON)
+        text, table = read_toml(file, what="input")
+        scene = checked(scenes.CouponScene, table, file, honoured.COUPON)
         case = build.build(scene, file, file.stem)
     else:
         case = _case(target, test, options)
@@ -160,7 +162,9 @@ def _case(target, test, options):
             raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
         table[name][key] = value
     try:
-        scene = scenes.check(keywords.plain(table), None, honoured.COUPON, PYTHON)
+        scene = checked(
+            scenes.CouponScene, keywords.plain(table), None, honoured.COUPON, context=PYTHON
+        )
     except InputError as problem:
         raise keywords.named(problem, (test, "run", "fabric")) from None
     if scene.trellis_law == "needed":

@@ -79,7 +79,7 @@ class Mismatch:
 def plot(pyplot: Any, mismatch: Mismatch) -> Any:
     """The figure of the differences along warp and weft, in percent of the strength, where no yarn
     has reached it."""
-    figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 4.3), sharey=True, layout="constrained")
+    figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 4.3), sharey=True)
     top = 100 * max(mismatch.largest, 0.01)
     x, y = (100 * (stretch - 1) for stretch in (mismatch.stretch1, mismatch.stretch2))
     for axes, difference, family in zip(pair, mismatch.difference, ("warp", "weft")):

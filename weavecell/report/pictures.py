@@ -26,6 +26,7 @@ from weavecell.report.pictures_style import (
     STEEL,
     WARP,
     WEFT,
+    legend_beside,
 )
 from weavecell.results.display import US
 
@@ -169,7 +170,7 @@ def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
         xlim=(0, 1.05 * top),
     )
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_beside(axes)
     return figure
 
 
@@ -187,23 +188,11 @@ def cell(pyplot: Any, cases: Any) -> Any:
     place(figure, 0.75, 0.1, 0.6, 0.32, across=0.15)
     for axes, (title, case) in zip(row[0], cases.items()):
         for (label, tensions), dash in zip(case["curves"].items(), DASHES):
-            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
-                axes.plot(
-                    100 * case["strain"], tension, dash, color=colour, label=f"{family}, {label}"
-                )
+            _tensions(axes, case["strain"], tensions, label, ls=dash)
         if case.get("points") is not None:
             strain, *tensions = case["points"]
-            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
-                axes.plot(
-                    100 * strain,
-                    tension,
-                    "o",
-                    ms=5,
-                    mfc="white",
-                    mec=colour,
-                    mew=1.4,
-                    label=f"{family}, 3D crossover",
-                )
+            circles = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "mew": 1.4}
+            _tensions(axes, strain, tensions, "3D crossover", **circles)
         axes.set_title(title, y=1.0)
         axes.set_xlabel("strain of the cell [%]")
         axes.set_xlim(left=0)
@@ -212,6 +201,12 @@ def cell(pyplot: Any, cases: Any) -> Any:
     row[0][0].set_ylim(bottom=0)
     row[0][0].legend(loc="upper left", fontsize=None if len(cases) < 4 else 9)
     return figure
+
+
+def _tensions(axes, strain, tensions, label, **looks):
+    """The tensions of both families against the strain of the cell."""
+    for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
+        axes.plot(100 * strain, tension, color=colour, label=f"{family}, {label}", **looks)
 
 
 def velocity(pyplot: Any, runs: Any) -> Any:
@@ -227,10 +222,9 @@ def velocity(pyplot: Any, runs: Any) -> Any:
     seen = dict.fromkeys(strikes, 0)
     for label, (t, v) in runs.items():
         strike = round(float(v[0]), 6)
+        broad = {}
         if seen[strike] == 0 and len(runs) > len(strikes):
             broad = {"lw": 5.5, "alpha": 0.4}
-        else:
-            broad = {}
         axes.plot(
             US * t,
             v,
@@ -244,7 +238,7 @@ def velocity(pyplot: Any, runs: Any) -> Any:
     axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
     axes.set_xlim(left=0)
     if len(runs) > 1:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
     return figure
 
 
@@ -265,11 +259,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     high = 1.02 * strike.max()
     figure, axes = _of_velocities(pyplot, title, low, high)
     if not fit.reason:
-        velocities = (
-            fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
-        )  # it rises steeply at the limit
-        curve = fit.residual_velocity(velocities)
-        axes.plot(velocities, curve, color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
+        axes.plot(*fit.sample(high), color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
     for outcome, of, look in (
         ("perforated", through, {"color": RED, "mec": "white"}),
         ("stopped", ~through, {"mfc": "white", "mec": GREEN, "mew": 1.8}),
@@ -283,7 +273,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         alpha = 0.25
         name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    legend_beside(axes, labelspacing=0.9)
     return figure
 
 
@@ -329,8 +319,7 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) ->
         axes.axvline(comparison.limit.velocity, color=ORANGE, lw=1.5, label=words)
     for fit, color, words in fits:
         if not fit.reason:
-            at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
-            axes.plot(at, fit.residual_velocity(at), color=color, lw=1.2, label=words)
+            axes.plot(*fit.sample(high), color=color, lw=1.2, label=words)
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
         residual = (
             table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
@@ -347,5 +336,5 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) ->
     if comparison is not None:
         computed = comparison.table["computed residual velocity [m/s]"]
         axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    legend_beside(axes, labelspacing=0.9)
     return figure

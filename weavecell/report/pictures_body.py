@@ -62,7 +62,6 @@ def crater(pyplot: Any, blocks: Any) -> Any:
         across,
         figsize=(10.4, 0.8 + down * (0.84 * tall + 0.45)),
         squeeze=False,
-        layout="constrained",
     )
     for axes in grid.flat[len(blocks) :]:
         axes.set_visible(False)

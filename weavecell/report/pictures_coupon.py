@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.record import Record
-from weavecell.report.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
+from weavecell.report.pictures_style import (
+    COLOURS,
+    FAINT,
+    INK,
+    WARP,
+    WEFT,
+    legend_beside,
+    tension_map,
+)
 from weavecell.results.display import shown
 
 if TYPE_CHECKING:
@@ -163,7 +171,7 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
     if unit != "°" and all(record[name].min() >= 0 for name in names):
         axes.set_ylim(bottom=0)
     if len(names) > 1:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        legend_beside(axes)
     return figure
 
 
@@ -207,5 +215,5 @@ def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
     lower.set(xlabel="displacement of the crosshead [mm]", ylabel="crossovers")
     lower.set_xlim(left=0)
     lower.set_ylim(bottom=0)
-    lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_beside(lower)
     return figure

@@ -27,7 +27,9 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
     strain = 100 * record["strain"]
-    name = ("warp", "weft")[record.facts["yarn"]]
+    crimp = 100 * record.facts["crimp"]
+    family = record.facts["yarn"]
+    name = ("warp", "weft")[family]
     axes.plot(
         strain,
         record["T_taut"],
@@ -40,14 +42,13 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         strain,
         record["T"],
         "o-",
-        color=(WARP, WEFT)[record.facts["yarn"]],
+        color=(WARP, WEFT)[family],
         ms=4,
         label=f"{name}, solid and bars",
     )
-    axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
-    at = (100 * record.facts["crimp"], 1)
+    axes.axvline(crimp, color=FAINT, lw=1, ls=":")
     beside = {"xytext": (4, -4), "textcoords": "offset points", "va": "top"}
-    axes.annotate("crimp", at, xycoords=("data", "axes fraction"), color=FAINT, **beside)
+    axes.annotate("crimp", (crimp, 1), xycoords=("data", "axes fraction"), color=FAINT, **beside)
     axes.set(xlabel="strain of the end distance [%]", ylabel="tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")
     axes.legend(loc="upper left", bbox_to_anchor=(0, 0.92))
@@ -91,7 +92,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tensions and contact force along the path."""
     figure, (upper, lower) = pyplot.subplots(
-        2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1), layout="constrained"
+        2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1)
     )
     share = 100 * record["path"]
     for key, colour, label in (
@@ -159,7 +160,7 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     force."""
     from unitcell3d.cases import pull_out as case
 
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.6), layout="constrained")
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.6))
     F_c, T_f = case.thresholds(record)
     for number in np.unique(record["load"]):
         of = (record["load"] == number) & ((record["pull"] > 0) | (np.roll(record["pull"], -1) > 0))
@@ -217,29 +218,23 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     """
     import pyvista
 
-    from fabrics.base.files import replace_whole
     from unitcell3d.model import submeshes
-    from weavecell.report.pictures_mesh import COLOURS, plotter
+    from weavecell.report.pictures_mesh import COLOURS, plotter, save
 
     bodies, images = _bodies(mesh, record, submeshes)
     scene = plotter(WINDOW)
     looks = {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7}
-    try:
-        for family, grid, x in bodies:
-            for image in images(x, grid):
-                for sheet in _sheets(grid):
-                    nodes = 1e3 * image[sheet]
-                    surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
-                    scene.add_mesh(
-                        surface, color=COLOURS[("warp", "weft")[family]], show_edges=True, **looks
-                    )
-        scene.enable_parallel_projection()
-        scene.view_vector((-5, -7, 6))
-        scene.camera.zoom(1.3)
-        with replace_whole(path) as beside:
-            scene.screenshot(str(beside))
-    finally:
-        scene.close()
+    for family, grid, x in bodies:
+        colour = COLOURS[("warp", "weft")[family]]
+        for image in images(x, grid):
+            for sheet in _sheets(grid):
+                nodes = 1e3 * image[sheet]
+                surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
+                scene.add_mesh(surface, color=colour, show_edges=True, **looks)
+    scene.enable_parallel_projection()
+    scene.view_vector((-5, -7, 6))
+    scene.camera.zoom(1.3)
+    save(scene, path)
 
 
 def _bodies(mesh, record, yarns):

@@ -29,6 +29,11 @@ TENSIONS = ("#eceff2", "#b5d5e6", "#6bb0d0", "#2b83ba", "#1a4f92", "#0b1a4a")
 DASHES = ("-", "--", "-.", ":")
 
 
+def legend_beside(axes: Any, **looks: Any) -> None:
+    """The legend of some axes at their right, outside of the curves."""
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **looks)
+
+
 def tension_map() -> Any:
     """The colour map of tensions."""
     from matplotlib.colors import LinearSegmentedColormap

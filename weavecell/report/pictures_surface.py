@@ -33,23 +33,12 @@ def surfaces(pyplot: Any, interpolant: Any) -> Any:
             ccount=61,
             antialiased=True,
         )
-        samples = getattr(surface, name)
-        for i in np.unique(np.linspace(0, surface.d1.size - 1, 6).astype(int)):
-            axes.plot(
-                np.full(surface.d2.size, UM * surface.d1[i]),
-                UM * surface.d2,
-                samples[i],
-                color="w",
-                lw=0.8,
-            )
-        for j in np.unique(np.linspace(0, surface.d2.size - 1, 6).astype(int)):
-            axes.plot(
-                UM * surface.d1,
-                np.full(surface.d1.size, UM * surface.d2[j]),
-                samples[:, j],
-                color="w",
-                lw=0.8,
-            )
+        d1, d2 = np.meshgrid(UM * surface.d1, UM * surface.d2, indexing="ij")
+        samples = np.stack([d1, d2, getattr(surface, name)])
+        # lines along d2, then along d1
+        for lines in (samples, samples.transpose(0, 2, 1)):
+            for n in np.unique(np.linspace(0, lines.shape[1] - 1, 6).astype(int)):
+                axes.plot(*lines[:, n], color="w", lw=0.8)
         axes.set_title(f"{title} [N]", y=0.98)
         axes.set_xlabel("d$_1$ [µm]", fontsize=10)
         axes.set_ylabel("d$_2$ [µm]", fontsize=10)
@@ -69,8 +58,11 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
     x, y = (np.linspace(axis[0], axis[-1], 201) for axis in (surface.d1, surface.d2))
     figure, grid = pyplot.subplots(2, 3, figsize=(10.4, 7.0), sharex=True, sharey=True)
     for axes, (name, title) in zip(grid.flat, FORCES + HEIGHTS):
-        force = name in dict(FORCES)
-        factor, unit, decimals = (1, "N", 0) if force else (UM, "µm", 0)
+        factor = UM
+        unit = "µm"
+        if name in dict(FORCES):
+            factor = 1
+            unit = "N"
         values = factor * interpolant(name, x[:, None], y[None, :])
         axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
         low = values.min()
@@ -82,7 +74,7 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
         levels = ticks[(0.05 < shares) & (shares < 0.95)]
         shades = ["w" if v < 0.5 * (low + high) else INK for v in levels]
         lines = axes.contour(UM * x, UM * y, values.T, levels, colors=shades, linewidths=0.9)
-        axes.clabel(lines, fontsize=9, fmt=f"%.{decimals}f")
+        axes.clabel(lines, fontsize=9, fmt="%.0f")
         axes.set_title(f"{title} [{unit}]")
         axes.grid(False)
     spare = grid.flat[5]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
+from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, legend_beside
 from weavecell.studies import probit
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
     axis.invert_yaxis()
     axis.grid(axis="y", visible=False)
     axis.set(xlabel=f"{around.quantity} [m/s]", title=title)
-    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_beside(axis)
     return figure
 
 
@@ -61,8 +61,13 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
         axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
         axis.plot(grid, logit, color=GREEN, ls="--", label="logit")
     lift = 0.012 * (np.arange(V.size) % 5)
-    axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
-    axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
+    residual = np.array([shot.residual for shot in study.shots])
+    for axes, stopped, through in (
+        (axis, -0.03 - lift, 1.03 + lift),
+        (lower, residual, residual),
+    ):
+        axes.plot(V[~hit], stopped[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
+        axes.plot(V[hit], through[hit], "s", ms=4.5, color=RED, label="perforated")
     parts = np.array_split(np.argsort(V), max(1, V.size // 10))
     places = [V[part].mean() for part in parts]
     shares = [hit[part].mean() for part in parts]
@@ -76,21 +81,16 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
         color=ORANGE,
         alpha=0.8,
         lw=1,
-        ec=ORANGE,
         label="limit without scatter",
     )
     axis.set(ylabel="probability of perforation [-]", title=title)
     axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
-    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    residual = np.array([shot.residual for shot in study.shots])
-    lower.plot(V[~hit], residual[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
-    lower.plot(V[hit], residual[hit], "s", ms=4.5, color=RED, label="perforated")
+    legend_beside(axis)
     fit = study.lambert_jonas
     if not fit.reason:
-        above = fit.limit + (right - fit.limit) * np.linspace(0, 1, 400) ** 3
-        lower.plot(above, fit.residual_velocity(above), color=BLUE, label="Lambert-Jonas")
+        lower.plot(*fit.sample(right), color=BLUE, label="Lambert-Jonas")
     lower.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
-    lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_beside(lower)
     return figure
 
 

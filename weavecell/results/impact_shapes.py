@@ -96,8 +96,9 @@ def _across(shot, panel):
     numbers of those after which a yarn of the element has failed)."""
     from scipy.interpolate import RegularGridInterpolator
 
+    lines = panel.lines()
     # a step along x in the ply's own frame
-    lines, way = panel.lines(), panel.axes[:, 0]
+    way = panel.axes[:, 0]
     at = np.unique(np.concatenate([line / step for line, step in zip(lines, way)]))
     inside = [(at * step >= line[0]) & (at * step <= line[-1]) for line, step in zip(lines, way)]
     at = at[inside[0] & inside[1]]

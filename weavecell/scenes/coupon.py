@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     Table,
@@ -17,13 +16,11 @@ from fabrics.base.schema import (
     one_of,
     quantities,
     quantity,
-    read_toml,
     some_of,
     string,
     whole,
 )
-from weavecell.scenes import honoured
-from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
+from weavecell.scenes.fabric_table import FabricTable, exactly_one
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 _OF_STEPS = (
@@ -207,30 +204,3 @@ class CouponScene(Table):
     def test_table(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)
-
-
-def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[CouponScene, str]:
-    """Read and check the scene file of a coupon; `refused` as in `scenes.impact.load`.
-
-    Returns
-    -------
-    scene : CouponScene, in SI units, its paths taken from the folder of the file
-    text : the file as written, for the record
-
-    Raises
-    ------
-    InputError : one line naming the file, the key, its value and what is allowed
-    """
-    text, table = read_toml(path, what="input")
-    return check(table, path, refused), text
-
-
-def check(
-    table: dict[str, Any],
-    file: FilePath | None,
-    refused: honoured.Keys | None = None,
-    context: Any = None,
-) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; its parameters are those of
-    `scenes.impact.check`."""
-    return checked(CouponScene, table, file, refused, context)

@@ -168,18 +168,14 @@ def yarn_tension(path: FilePath) -> YarnFit:
     )
     strain = column["strain"]
     force = column["force"]
-    peak = 0
-    if len(force):
-        peak = int(np.argmax(force))
-    top = 0.0
-    if len(force):
-        top = float(force[peak])
-    straight = (force[: peak + 1] >= LINEAR[0] * top) & (force[: peak + 1] <= LINEAR[1] * top)
+    top = float(force.max(initial=0.0))
+    before_peak = np.cumsum(force == top) == 0
+    straight = before_peak & (force >= LINEAR[0] * top) & (force <= LINEAR[1] * top)
     if straight.sum() < FEWEST:
         allowed = f"at least {FEWEST} points between {LINEAR[0]:g} and {LINEAR[1]:g} of the greatest force"
         raise InputError(file=path, key="rows", value=int(straight.sum()), allowed=allowed)
-    e = strain[: peak + 1][straight]
-    f = force[: peak + 1][straight]
+    e = strain[straight]
+    f = force[straight]
     EA, start = np.polyfit(e, f, 1)
     if not EA > 0:
         raise InputError("the force does not rise with the strain", file=path)

@@ -19,7 +19,6 @@ from fabrics.base.schema import (
     one_of,
     quantities,
     quantity,
-    read_toml,
     some_of,
     string,
     validated,
@@ -412,27 +411,6 @@ class Scene(Table):
         return self
 
 
-def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, str]:
-    """Read and check a scene file.
-
-    Parameters
-    ----------
-    path : of the file
-    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
-
-    Returns
-    -------
-    scene : Scene, in SI units, its paths taken from the folder of the file
-    text : the file as written, for the record
-
-    Raises
-    ------
-    InputError : one line naming the file, the key, its value and what is allowed
-    """
-    text, table = read_toml(path, what="input")
-    return check(table, path, refused), text
-
-
 def check(
     table: dict[str, Any],
     file: FilePath | None,
@@ -445,8 +423,16 @@ def check(
     ----------
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : keys that are not honoured, see `honoured`
+    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
     context : see `fabrics.base.schema.validated`
+
+    Returns
+    -------
+    Scene, in SI units, its paths taken from the folder of the file
+
+    Raises
+    ------
+    InputError : one line naming the file, the key, its value and what is allowed
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)

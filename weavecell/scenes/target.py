@@ -17,6 +17,7 @@ import tomlkit
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
+from fabrics.base.schema import read_toml
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.honoured import Keys
@@ -126,7 +127,7 @@ def read(
     if name in catalogue.list_names():
         fabric = {"name": name}
     elif name.endswith(".toml"):
-        text, table = scenes.read_toml(name, what="input file or fabric")
+        text, table = read_toml(name, what="input file or fabric")
         if _OF_A_SCENE & set(table):
             return _target(
                 scenes.check(changed(table, changes), name, refused),
@@ -159,7 +160,7 @@ def is_input_file(name: str) -> bool:
     InputError : no such file, or not TOML
     """
     return name.endswith(".toml") and bool(
-        _OF_A_SCENE & set(scenes.read_toml(name, what="input file or fabric")[1])
+        _OF_A_SCENE & set(read_toml(name, what="input file or fabric")[1])
     )
 
 

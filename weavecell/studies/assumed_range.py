@@ -76,14 +76,19 @@ class AssumedRange:
         return {name: width / (sum(widths.values()) or 1.0) for name, width in widths.items()}
 
     @property
+    def _ordered(self):
+        """[(velocity [m/s], laws)] of the runs that have a velocity, the lowest first."""
+        return sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
+
+    @property
     def low(self) -> float:
         """[m/s]"""
-        return min(row.velocity for row in self.rows if row.velocity is not None)
+        return self._ordered[0][0]
 
     @property
     def high(self) -> float:
         """[m/s]"""
-        return max(row.velocity for row in self.rows if row.velocity is not None)
+        return self._ordered[-1][0]
 
     def words(self) -> str:
         """The range in one line."""
@@ -95,10 +100,11 @@ class AssumedRange:
         more = ""
         if outcomes:
             more = f"; {' or '.join(outcomes)}"
-        ordered = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
+        _, lowest = self._ordered[0]
+        _, highest = self._ordered[-1]
         return (
-            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {ordered[0][1]}; "
-            f"highest: {ordered[-1][1]}{more}"
+            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {lowest}; "
+            f"highest: {highest}{more}"
         )
 
     def summary(self) -> dict:

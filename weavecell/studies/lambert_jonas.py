@@ -60,6 +60,13 @@ class LambertJonas:
         """[m/s] of the curve at strike velocities [m/s] of any shape."""
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
+    def sample(self, highest: float) -> tuple[FloatArray, FloatArray]:
+        """(strike velocities from the limit to `highest`, residual velocities), (400,) [m/s]
+        each."""
+        # the curve rises steeply at the limit
+        strike = self.limit + (highest - self.limit) * np.linspace(0, 1, 400) ** 3
+        return strike, self.residual_velocity(strike)
+
     def words(self, between: str = ", ") -> str:
         """The fitted parameters, each with its interval; the reason where that does not exclude
         half of the value."""

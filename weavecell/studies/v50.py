@@ -127,8 +127,7 @@ class Study:
     @property
     def six_shots(self) -> SixShots:
         """V50 of six of the shots."""
-        velocities = [shot.velocity for shot in self.shots]
-        return protocol.six_shots(velocities, [shot.perforated for shot in self.shots])
+        return protocol.six_shots(*_outcomes(self.shots))
 
     @property
     def doubtful(self) -> int:
@@ -285,8 +284,7 @@ def study(
             count = min(batch, shots - begun)
             # the first round has no outcomes to go by, only the limit without scatter
             if known := [shot for shot in fired if not shot.failure]:
-                outcomes = [shot.perforated for shot in known]
-                velocities = plan([shot.velocity for shot in known], outcomes, count, scatters)
+                velocities = plan(*_outcomes(known), count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
             drawn = []
@@ -304,9 +302,13 @@ def study(
     return Study(bracket, counted, curves, scatter, failures)
 
 
+def _outcomes(shots):
+    """(strike velocities [m/s], whether each perforated) of shots."""
+    return [shot.velocity for shot in shots], [shot.perforated for shot in shots]
+
+
 def _curve(shots, link="probit"):
-    velocities = [shot.velocity for shot in shots]
-    return probit.fit(velocities, [shot.perforated for shot in shots], link=link)
+    return probit.fit(*_outcomes(shots), link=link)
 
 
 def over_assumed(

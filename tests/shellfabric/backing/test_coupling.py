@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from panels import BLOCK
 
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
-from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
@@ -21,7 +21,6 @@ from weavecell.studies import ballistic_limit
 
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
-BLOCK = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOCK}
 
 

@@ -1,10 +1,12 @@
 """The crossover: closed forms, its limits, its potential, and the table against the cell."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from numpy.polynomial.polynomial import polyval2d
 from numpy.testing import assert_allclose, assert_array_equal
-from panels import table
+from panels import potential_grid, table
 
 from fabrics import catalogue
 from shellfabric.cell import packed_table
@@ -180,11 +182,12 @@ def test_forces_beyond_the_table(name):
     def forces(x, y):
         return np.stack(table_forces(table, x, y)) * [[weave.warp_count], [weave.weft_count]]
 
-    by_x, by_y = (
-        (forces(x + a, y + b) - forces(x - a, y - b)) / (2 * h) for a, b in ((h, 0.0), (0.0, h))
-    )
-    k11, k21 = by_x
-    k12, k22 = by_y
+    def slopes(function, x, y):
+        """By central differences, along x and along y."""
+        along_x = (function(x + h, y) - function(x - h, y)) / (2 * h)
+        return along_x, (function(x, y + h) - function(x, y - h)) / (2 * h)
+
+    (k11, k21), (k12, k22) = slopes(forces, x, y)
     assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
     middle = 0.5 * (k11 + k22)
     radius = np.hypot(0.5 * (k11 - k22), k12)
@@ -192,16 +195,9 @@ def test_forces_beyond_the_table(name):
     assert np.max(middle + radius) < table.stiffness()
     for k in range(0, x.size, 500):
         per = [2 * w for w in weave.w]
-        slopes = [
-            (
-                table_potential(table, x[k] + a, y[k] + b)
-                - table_potential(table, x[k] - a, y[k] - b)
-            )
-            / (2 * h)
-            for a, b in ((h, 0.0), (0.0, h))
-        ]
+        by_stretch = slopes(partial(table_potential, table), x[k], y[k])
         N = [part[0] for part in table_forces(table, x[k : k + 1], y[k : k + 1])]
-        assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
+        assert_allclose(np.divide(by_stretch, per), N, atol=1e-3 * weave.warp.strength)
     edge = np.full(n, ends[1])
     assert_allclose(
         table_forces(table, inside[0], edge + 1e-9), table_forces(table, inside[0], edge), atol=1e-4
@@ -215,15 +211,9 @@ def test_forces_beyond_the_table(name):
 def test_rest_is_the_lowest_energy(name):
     """A polynomial through the parabola that begins at first contact may dip below zero, and cloth at rest creep."""
     table = CellModel(catalogue.load(name)).table(61)
-    grid = (
-        table.spline.reshape(-1, 9),
-        table.stretch1[0],
-        1 / table.steps[0],
-        59,
-        table.stretch2[0],
-    )
+    grid = potential_grid(table)
     for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:
-        assert relaxation_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
+        assert relaxation_kernels.potential(x, y, *grid)[0] >= -1e-18
         assert table_potential(table, x, y) >= -1e-18
     # at the node itself there is none; a place is in a table to the last digit
     assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)

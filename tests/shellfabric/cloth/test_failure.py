@@ -63,10 +63,15 @@ def test_a_length_below_half_an_element_leaves_the_line_alone():
     assert_array_equal(first, np.arange(5))
 
 
+def prepared(**changes):
+    """A panel, its state and its constants."""
+    panel = make_panel(**changes)
+    return panel, panel.state(1.0), panel.constants()
+
+
 def step(state, const, family=0):
     """One step of the criterion over the whole panel; how many edges break."""
-    rows = const.ni if family == 0 else const.ni + 1
-    count = failure_kernels.find_failures(const, state, family, 0, rows)
+    count = failure_kernels.find_failures(const, state, family, 0, const.ni + family)
     failure_kernels.break_edges(const, state, family, 0, const.ni)
     return count
 
@@ -75,9 +80,7 @@ def step(state, const, family=0):
 @pytest.mark.parametrize("family", [0, 1])
 def test_a_tension_that_is_held_breaks_yarns_after_its_time(elements, family):
     """dF/dt = (M - F) / t_f from half of the strength on: held at 1.2 of it, after t_f ln(0.7 / 0.2)."""
-    panel = make_panel(elements_per_crossover=elements)
-    state = panel.state(1.0)
-    const = panel.constants()
+    panel, state, const = prepared(elements_per_crossover=elements)
     weave = panel.weave
     yarn = weave.yarns[family]
     count = (weave.warp_count, weave.weft_count)[family]
@@ -94,9 +97,7 @@ def test_a_tension_that_is_held_breaks_yarns_after_its_time(elements, family):
 
 def test_what_is_below_half_of_the_strength_is_not_followed():
     """F stays where it is, and no row is looked at again; a tension that falls is followed back to it."""
-    panel = make_panel()
-    state = panel.state(1.0)
-    const = panel.constants()
+    panel, state, const = prepared()
     strength = panel.weave.warp.strength
     before = state.filtered_tension[0].copy()
     state.T[0][:] = 0.49 * strength
@@ -116,9 +117,7 @@ def test_what_is_below_half_of_the_strength_is_not_followed():
 
 def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
     """One line past the strength breaks alone; the mean beside it leaves it out."""
-    panel = make_panel(elements_per_crossover=4, symmetry="whole", boundary="free")
-    state = panel.state(1.0)
-    const = panel.constants()
+    panel, state, const = prepared(elements_per_crossover=4, symmetry="whole", boundary="free")
     strength = panel.weave.warp.strength
     row, middle = (count // 2 for count in panel.counts)
     T = grid(const, state.T[0])
@@ -145,9 +144,7 @@ def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
 
 def test_all_edges_are_judged_before_one_is_removed():
     """What breaks in a step does not depend on the order of lines: all of a block at once."""
-    panel = make_panel(elements_per_crossover=2, boundary="free")
-    state = panel.state(1.0)
-    const = panel.constants()
+    panel, state, const = prepared(elements_per_crossover=2, boundary="free")
     state.T[1][:] = 1e3 * panel.weave.weft.strength
     assert step(state, const, 1) == (const.ni + 1) * const.nj
     assert not state.intact_fraction[1].any()

@@ -5,7 +5,7 @@ Gradient, balance and rotation of its forces: see `test_forces`.
 
 import numpy as np
 import pytest
-from conftest_tools import advance, bring, grid, node_forces, solver_at_rest
+from conftest_tools import advance, bring, grid, node_forces, out_of_reach
 from numba import njit
 from numpy.testing import assert_allclose
 from panels import COARSER, FINER, HALF, STEPPED, THIRD, UNDAMPED, make_panel, rest, set_nodal
@@ -203,11 +203,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     fabric = straight(weft_mass)
     model = CellModel(fabric, cell_model="decoupled")
     panel = Panel(model.table(201), (0.6, 0.0203), boundary="free", yarn_failure=False)
-    solver = solver_at_rest(panel, 1.0)
-    state = solver.state
-    const = solver.const
-    state.projectile_position[2] = -1.0  # the projectile is far away
-    state.active_rows[:] = 0, const.ni
+    solver, state, const = out_of_reach(panel)
     ni = const.ni
     s = const.row_stride
     # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
@@ -262,10 +258,7 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
     monkeypatch.setattr(
         Panel, "time_step", factor * (panel.time_step if changes else panel.critical_step)
     )
-    solver = solver_at_rest(panel, 1.0)
-    state = solver.state
-    const = solver.const
-    state.projectile_position[2] = -1.0
+    solver, state, const = out_of_reach(panel)
     inside = np.zeros(rest(panel).shape[:2])
     inside[1:-1, 1:-1] = 1.0
     state.dt_over_mass[: inside.size] = (
@@ -276,7 +269,6 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
         state.v,
         np.random.default_rng(0).normal(scale=1e-3, size=(*inside.shape, 3)) * inside[..., None],
     )
-    state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, panel.work())
     advance(solver, 400)
     # what is no number any more is at rest

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from panels import potential_grid
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
@@ -162,14 +163,7 @@ def test_angles_beyond_a_right_angle(table):
 
 def test_slack_yarns_carry_nothing(table):
     """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
-    args = (
-        table.spline.reshape(-1, 9),
-        table.stretch1[0],
-        1 / table.steps[0],
-        59,
-        table.stretch2[0],
-    )
-    args += 1 / table.steps[1], 59
+    args = potential_grid(table)
     for other in np.linspace(0.95, 1.2, 40):
         assert abs(relaxation_kernels.potential(table.stretch1[0] - 0.01, other, *args)[1]) < 1e-12
         assert abs(relaxation_kernels.potential(other, table.stretch2[0], *args)[2]) < 1e-12

@@ -132,10 +132,14 @@ FRAMES = [
 ]
 
 
+def framed(changes):
+    return make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
+
+
 @pytest.mark.parametrize("changes", FRAMES)
 def test_loose_nodes_are_those_inside_the_opening(changes):
     """The grid covers it with held nodes all round, and yarns end at the first of these."""
-    panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
+    panel = framed(changes)
     X, Y = panel.coordinates()
     place = (X + 1j * Y) * np.exp(1j * panel.weave_angle) + complex(*panel.impact_point)
     inside = (abs(place.real) < 0.02) & (abs(place.imag) < 0.5 * panel.opening[1])
@@ -157,7 +161,7 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
 @pytest.mark.parametrize("changes", [*FRAMES, {"impact_point": (0.0, 0.0)}])
 def test_what_is_shown_ends_at_the_opening(changes):
     """Nodes within it are shown where they are, and those that lie in the clamp on the edge."""
-    panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
+    panel = framed(changes)
     held = ~panel.loose()
     shown = np.array(edges.shown(panel))
     assert_array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])

@@ -7,9 +7,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest_tools import advance, grid, solver_at_rest
+from conftest_tools import advance, grid, out_of_reach
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import (
+    BLOCK,
     COARSER,
     FINER,
     HALF,
@@ -23,7 +24,6 @@ from panels import (
     table,
 )
 
-from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading, motion_kernels, quality
 from shellfabric.panel.numerics import Numerics
@@ -146,11 +146,7 @@ def reflected(table, zones, wavelength):
         grading=zones,
         numerics=numerics,
     )
-    solver = solver_at_rest(panel, 1.0)
-    state = solver.state
-    const = solver.const
-    state.projectile_position[2] = -1.0
-    state.active_rows[:] = (0, const.ni)
+    solver, state, const = out_of_reach(panel)
     x = rest(panel)
     weave = panel.weave
     d = panel.spacing[0]
@@ -205,11 +201,7 @@ def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
 @pytest.mark.parametrize(
     "changes",
     [
-        {
-            "backing": Backing(
-                size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5
-            )
-        },
+        {"backing": BLOCK},
         {"symmetry": "half", "projectile": Projectile(obliquity=0.3, azimuth=0.5 * np.pi)},
     ],
 )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest_tools import advance
+from conftest_tools import advance, momenta
 from numpy.testing import assert_allclose
 
 from fabrics import catalogue
@@ -247,6 +247,11 @@ def crumpled(ply, plies, seed=7):
     return march
 
 
+def pairs(rows):
+    """The pairs of facets of rows (n, 6), whatever the order of both and of their nodes."""
+    return {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in rows.tolist()}
+
+
 def test_every_pair_that_is_near_has_a_row(ply):
     """Lists that are remade after a motion have, in each step, the pairs of a search of all by all."""
     march = crumpled(ply, 3)
@@ -268,14 +273,9 @@ def test_every_pair_that_is_near_has_a_row(ply):
         for p, q in ((0, 1), (0, 2), (1, 2)):
             one, other = (whole[whole[:, 0] // guard.slots == r] for r in (p, q))
             count = near_pairs(x, one, other, near, found)
-            expected |= {
-                frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:]))))
-                for row in found[:count].tolist()
-            }
+            expected |= pairs(found[:count])
         advance(march, 1)
-        rows = guard.row_nodes[: guard.count[near_kernels.ROWS]].tolist()
-        listed = {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in rows}
-        assert expected <= listed
+        assert expected <= pairs(guard.row_nodes[: guard.count[near_kernels.ROWS]])
         seen += len(expected)
     assert seen > 1000
     assert guard.guard[near_kernels.FAILED] == 0
@@ -302,8 +302,7 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
     march.states[0].active_rows[:] = 0, const.ni
 
     def momentum():
-        fabric = sum(np.array([state.mass @ v for v in state.v]) for state in march.states)
-        return fabric + march.projectile.mass * march.stack.projectile_velocity
+        return momenta(march).sum(axis=0) + march.projectile.mass * march.stack.projectile_velocity
 
     march.samples.clear()
     march.energy_at_start = None  # a ply has been set in motion

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from panels import grid
+from panels import areas, grid
 
 from fabrics import catalogue
 from shellfabric.cloth import packing_kernels
@@ -55,9 +55,7 @@ def least_area(march):
     for panel, const, state in march.parts:
         x = np.stack([grid(u, panel) for u in state.u], axis=-1)
         x[..., :2] += np.stack(panel.coordinates(), axis=-1)
-        one = x[1:, 1:] - x[:-1, :-1]
-        other = x[:-1, 1:] - x[1:, :-1]
-        area = 0.5 * np.linalg.norm(np.cross(one, other), axis=-1) / (const.dx * const.dy)
+        area = areas(x) / (const.dx * const.dy)
         for (i, j), share in np.ndenumerate(area):
             k = np.uint64(i * const.row_stride + j)
             gone = state.element_flag[k] & ERODED
@@ -114,7 +112,6 @@ def test_a_run_that_loses_too_much_to_its_step_is_made_again_once(monkeypatch):
         S726, 200.0, opening=0.03, table_size=41, end_time=4e-6, numerics=Numerics(threads=1)
     )
     first = simulation.run(setup)
-    again = None
     assert first.step_factor == 1.0
     monkeypatch.setattr(guards, "MOST_STEP_LOSS", 0.0)
     times = []

@@ -22,6 +22,12 @@ def thrown(made, speed, seed=3):
     return zone
 
 
+def by_yarn(zone, values, family):
+    """(yarns, nodes) of a family, of values of all nodes."""
+    shape = (zone.yarns[family], zone.nodes[family])
+    return values[zone.first[family] :][: np.prod(shape)].reshape(shape)
+
+
 def pressed(made):
     """A patch drawn taut, some of its yarns pushed together, at rest: all forces act."""
     zone = free_zone(made)
@@ -94,14 +100,11 @@ def test_a_patch_at_rest_has_no_forces():
 def test_a_free_patch_keeps_momentum_and_its_yarns_keep_their_order():
     zone = thrown(patch((8, 8), friction=0.1), 8.0)
     scale = (zone.mass * abs(zone.v)).sum()
-    across = [1, 0]
     worst = [np.inf]
 
     def watch(zone):
         for family in range(2):
-            last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
-            shape = (zone.yarns[family], zone.nodes[family])
-            lines = zone.x[across[family], zone.first[family] : last].reshape(shape)
+            lines = by_yarn(zone, zone.x[1 - family], family)
             worst[0] = min(worst[0], np.diff(lines, axis=0).min())
 
     start = energy(zone)
@@ -152,10 +155,8 @@ def test_tensions_of_a_patch_are_those_of_the_unit_cell():
     tensions = []
     stretches = []
     for family in range(2):
-        last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
-        shape = (zone.yarns[family], zone.nodes[family])
-        own = zone.tension[zone.first[family] : last].reshape(shape)[middle]
-        place = zone.x[family, zone.first[family] : last].reshape(shape)[middle]
+        own = by_yarn(zone, zone.tension, family)[middle]
+        place = by_yarn(zone, zone.x[family], family)[middle]
         tensions.append(own[:, 8:10].mean())
         stretches.append(((place[:, 12] - place[:, 6]) / (3 * made.spacing[family])).mean())
     cell = CellModel(made.model.fabric).solve(*stretches)

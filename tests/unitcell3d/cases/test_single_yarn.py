@@ -17,18 +17,22 @@ def pulled(coarse, s720):
     return cases_single_yarn.pull(coarse, s720, rows=12)
 
 
+def taut_line(pulled):
+    """Slope and start [N] of the tension against the strain."""
+    taut = pulled["T"] > 50
+    return np.polyfit(pulled["strain"][taut], pulled["T"][taut], 1)
+
+
 def test_taut_yarn_has_the_stiffness_of_its_fibres(pulled, s720):
     """dT/d(strain) = E A_s / (1 + crimp) within 0.1 % (found 0.01 %)."""
-    taut = pulled["T"] > 50
-    slope = np.polyfit(pulled["strain"][taut], pulled["T"][taut], 1)[0]
+    slope, _ = taut_line(pulled)
     assert slope * (1 + s720.weave.warp.crimp) == pytest.approx(s720.weave.warp.EA, rel=1e-3)
     assert pulled.failed == ""
 
 
 def test_yarn_is_straight_where_its_fibres_are_as_long_as_the_mesh_makes_them(pulled, coarse, s720):
     """Back to no tension, the taut line leads to the length of the polygon of nodes, and from it to S0 as h^2."""
-    taut = pulled["T"] > 50
-    slope, start = np.polyfit(pulled["strain"][taut], pulled["T"][taut], 1)
+    slope, start = taut_line(pulled)
     axis = coarse.points[coarse.grids[0][:, 0, 1]]
     polygon = np.linalg.norm(np.diff(axis, axis=0), axis=1).sum() / coarse.w[0] - 1
     assert -start / slope == pytest.approx(polygon, rel=5e-3)

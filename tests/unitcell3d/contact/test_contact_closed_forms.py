@@ -8,7 +8,7 @@ Hertz (Johnson, Contact Mechanics, chapter 4), two half spaces of E, nu, so E* =
 
 import numpy as np
 import pytest
-from blocks import Blocks, block, graded
+from blocks import Blocks, block, graded, level
 
 from unitcell3d.model.crossover import Numerics
 
@@ -35,7 +35,7 @@ def test_cylinder_on_plane():
     width = np.array([0, strip])
     bodies = (
         block(0, along, width, through, lambda x, y: x**2 / (2 * R)),
-        block(1, width, along, through, lambda x, y: 0 * x),
+        block(1, width, along, through, level),
     )
     pair = Blocks(*bodies, E, NU, numerics=HARD)
     # plane strain
@@ -72,8 +72,8 @@ def flat(n_upper, n_lower, side=1e-3):
     lower = np.linspace(0, side, n_lower + 1)
     depth = np.linspace(0, side / 2, 3)
     bodies = (
-        block(0, upper, upper, depth, lambda x, y: 0 * x),
-        block(1, lower, lower, depth, lambda x, y: 0 * x),
+        block(0, upper, upper, depth, level),
+        block(1, lower, lower, depth, level),
     )
     return Blocks(*bodies, E, NU, numerics=Numerics(penalty=1e16, toe=1e-11))
 

@@ -26,6 +26,7 @@ FREE = np.array([False, False])
 MIRROR = np.array([True, True])
 PENALTY = 1e4
 TOE = 1e-3
+PLACES = ((0.3, 0.2), (2.5, 1.7), (4.6, 3.9), (5.3, 4.2), (0.0, 0.0))
 
 
 @pytest.fixture
@@ -66,7 +67,7 @@ def plain_surface(x, xi, mirror):
 
 @pytest.mark.parametrize("mirror", [FREE, MIRROR])
 def test_surface_equals_the_plain_twin(wavy, mirror):
-    for xi in ((0.3, 0.2), (2.5, 1.7), (4.6, 3.9), (5.3, 4.2), (0.0, 0.0)):
+    for xi in PLACES:
         assert_allclose(
             surface_at(wavy, xi, mirror)[0], plain_surface(wavy, xi, mirror), atol=1e-13
         )
@@ -81,7 +82,7 @@ def test_weights_of_the_nodes_make_the_surface(wavy, mirror):
     nodes = np.empty(16, np.int64)
     weights = np.empty((3, 16, 3))
     work = np.empty((4, 3, 4))
-    for xi in ((0.3, 0.2), (2.5, 1.7), (4.6, 3.9), (5.3, 4.2), (0.0, 0.0)):
+    for xi in PLACES:
         cell = [int(np.clip(np.floor(p), 0, n - 2)) for p, n in zip(xi, (NI, NJ))]
         nodes_of(GRID, *cell, nodes)
         weights_of(np.array(xi), GRID, AXES, mirror, weights, work)

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from blocks import Blocks, block
-from equations import end_forces, loaded
+from blocks import Blocks, block, level
+from equations import end_forces, loaded, shares
 
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 
@@ -23,8 +23,8 @@ class Pushed(Blocks):
         # the upper block ends before the lower one, which it may slide over
         depth = np.linspace(0, SIDE / 2, 3)
         super().__init__(
-            block(0, 0.1 * SIDE + 0.6 * upper, 0.2 * SIDE + 0.6 * upper, depth, lambda x, y: 0 * x),
-            block(1, lower, lower, depth, lambda x, y: 0 * x),
+            block(0, 0.1 * SIDE + 0.6 * upper, 0.2 * SIDE + 0.6 * upper, depth, level),
+            block(1, lower, lower, depth, level),
             E,
             0.0,
             quarter=False,
@@ -36,7 +36,7 @@ class Pushed(Blocks):
         """Forces (steps, 3) [N] of the upper block on the lower, when the top is driven on to `along` [m]."""
         found = []
         start = u[self.top, 0].mean()
-        for share in np.linspace(0, 1, steps + 1)[1:]:
+        for share in shares(steps):
             u[self.top] = [start + share * (along - start), 0, -descent]
             self._settle(u, self.free)
             self.surfaces.commit(self.points + u, self.numerics)

@@ -11,14 +11,18 @@ TRUTH = np.array([0.7, -0.4, 0.2])
 FREE = (np.full(3, -10.0), np.full(3, 10.0))
 
 
+def decays(x):
+    return np.exp(x[0]) * np.exp(-np.exp(x[1]) * t), np.exp(x[2]) * np.exp(-2 * t)
+
+
 def curve(x):
     """Sum of two decays, in logarithms: a curved valley, as of moduli that a compression hardly tells apart."""
-    return np.exp(x[0]) * np.exp(-np.exp(x[1]) * t) + np.exp(x[2]) * np.exp(-2 * t)
+    return sum(decays(x))
 
 
 def jacobian(x):
-    decay = np.exp(x[0]) * np.exp(-np.exp(x[1]) * t)
-    return np.stack([decay, -np.exp(x[1]) * t * decay, np.exp(x[2]) * np.exp(-2 * t)], axis=1)
+    first, second = decays(x)
+    return np.stack([first, -np.exp(x[1]) * t * first, second], axis=1)
 
 
 class Counted:

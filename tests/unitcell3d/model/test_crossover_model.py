@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from equations import assert_tangent, matrix
+from equations import assert_model_tangent
 
 from unitcell3d.assembly import constraints
 from unitcell3d.model.crossover import CrossoverModel, Load
@@ -61,14 +61,7 @@ def test_tangent_is_the_derivative(model, pressed):
     assert plates.max() > 0
     model.system(q, load)
     direction = np.random.default_rng(2).standard_normal(model.size)
-    # 3e-12 m: between rounding and the kinks of the contact's toe
-    assert_tangent(
-        matrix(model.pattern),
-        lambda q: model.constraints.reduce(model.forces(q, load)[0]),
-        q,
-        direction,
-        3e-12,
-    )
+    assert_model_tangent(model, q, load, direction)
 
 
 def test_pattern_grows_only_where_contact_moves_far(s720, coarse):

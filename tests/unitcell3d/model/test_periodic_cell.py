@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from equations import assert_tangent, dense, matrix
+from equations import assert_model_tangent, assert_tangent, dense
 from numpy.testing import assert_allclose, assert_array_equal
 
 from meshing import crossover as mesher
@@ -85,13 +85,7 @@ def test_tangent_is_the_derivative(model):
     model.forces(q, load)
     model.system(q, load)
     direction = rng.standard_normal(model.size)
-    assert_tangent(
-        matrix(model.pattern),
-        lambda q: model.constraints.reduce(model.forces(q, load)[0]),
-        q,
-        direction,
-        3e-12,
-    )
+    assert_model_tangent(model, q, load, direction)
 
 
 def test_moment_and_tensions_are_the_work_of_the_load(model):

@@ -6,8 +6,8 @@ from math import sqrt
 import pytest
 
 from fabrics import catalogue
-from shellfabric.backing.block import Backing
 from shellfabric.panel.numerics import Numerics
+from tests.shellfabric.panels import BLOCK
 from validation.cases import block, impact
 
 S728 = catalogue.load("S-728")
@@ -41,9 +41,8 @@ def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
 @pytest.mark.parametrize("plies, modulus, mass", [(1, 5.0, 1.155), (4, 1.0, 1.155)])
 def test_a_target_has_the_mass_and_modulus_of_its_case(plies, modulus, mass):
     """Table 6-2: areal density 1.155 kg/m2 of 1 or 4 plies, modulus 480 and 96 GPa."""
-    small = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
     solver = block.march(
-        plies, modulus, mass, boundary="clamped", block=small, elements=1, opening=0.05
+        plies, modulus, mass, boundary="clamped", block=BLOCK, elements=1, opening=0.05
     )
     weaves = [ply.weave for ply in solver.pack.plies]
     ply = solver.pack.plies[0]

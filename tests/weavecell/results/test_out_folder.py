@@ -87,6 +87,9 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
         (tmp_path / "r" / "kept.json").write_text('{"date": "today", "title": "S-720, 155 m/s"}')
         raise KeyboardInterrupt
 
+    def times():
+        return {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()}
+
     monkeypatch.setattr("weavecell.api.sweeps.run_cache.results", interrupted)
     over = "--over 'run.end_time=10 us,20 us'"
     one = impact_scene().replace(
@@ -100,9 +103,9 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
         (tmp_path / f"{name}.toml").write_text(text)
     assert command(f"sweep one.toml {over} --out r")[0] == 130
     assert command(f"sweep same.toml {over} --out r --resume")[0] == 130
-    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()}
+    before = times()
     code, _, err = command(f"sweep other.toml {over} --out r --resume")
     line = "error: --out = 'r': must be another folder: this one has S-720, 155 m/s of today, of other input or "
     assert code == 2
     assert err == f"{line}options; without --resume it is replaced\n"
-    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()} == before
+    assert times() == before

@@ -27,9 +27,19 @@ def values(tmp_path):
     return path
 
 
-def test_from_a_csv_file(succeed, tmp_path, values):
-    out = succeed("fabrics", "new", "mine.toml", "--from", values)
-    fabric = catalogue.load(tmp_path / "mine.toml")
+@pytest.fixture
+def made(succeed, tmp_path, values):
+    """A function that makes mine.toml of the values: what is printed, and the fabric of the file."""
+
+    def make(*options):
+        out = succeed("fabrics", "new", "mine.toml", "--from", values, *options)
+        return out, catalogue.load(tmp_path / "mine.toml")
+
+    return make
+
+
+def test_from_a_csv_file(made):
+    out, fabric = made()
     assert fabric.name == "mine"
     assert [yarn.crimp for yarn in fabric.weave.yarns] == pytest.approx([0.012, 0.008])
     assert fabric.weave.warp.EA == pytest.approx(EA)
@@ -121,10 +131,9 @@ areal_density,205 g/m^2,,data sheet
 """
 
 
-def test_numbers_of_a_data_sheet_are_enough(succeed, tmp_path, values):
+def test_numbers_of_a_data_sheet_are_enough(succeed, made, values):
     values.write_text(SHEET)
-    out = succeed("fabrics", "new", "mine.toml", "--from", values)
-    fabric = catalogue.load(tmp_path / "mine.toml")
+    out, fabric = made()
     assert fabric.weave.thickness == pytest.approx(0.30e-3)
     assert fabric.sources["thickness"]["source"] == "data sheet"
     assert fabric.failure_length == pytest.approx(1e-3)
@@ -138,14 +147,13 @@ def test_numbers_of_a_data_sheet_are_enough(succeed, tmp_path, values):
         assert word in out[out.index("what is assumed") : out.index("where each number comes from")]
 
 
-def test_a_tensile_curve_replaces_modulus_and_failure_strain(succeed, tmp_path, values):
+def test_a_tensile_curve_replaces_modulus_and_failure_strain(made, tmp_path):
     """A straight yarn of known stiffness, with a slack of 0.2 % and noise of 1 %."""
     strain = np.linspace(0, 0.032, 40)
     force = np.maximum(EA * (strain - 0.002), 0) * (1 + 0.01 * np.sin(50 * np.arange(40)))
     rows = "\n".join(f"{100 * e},{f}" for e, f in zip(strain, force))
     (tmp_path / "yarn.csv").write_text(f"strain [%], force [N]\n{rows}\n")
-    out = succeed("fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv")
-    fabric = catalogue.load(tmp_path / "mine.toml")
+    out, fabric = made("--yarn-curve", "yarn.csv")
     assert fabric.weave.warp.EA == pytest.approx(EA, rel=0.02)
     assert fabric.weave.warp.failure_strain == pytest.approx(0.030, rel=0.03)
     assert fabric.sources["weft.modulus"]["status"] == "fitted"
@@ -154,7 +162,7 @@ def test_a_tensile_curve_replaces_modulus_and_failure_strain(succeed, tmp_path, 
 
 
 @pytest.mark.parametrize("door", ["frame", "strip"])
-def test_a_curve_of_shear_replaces_the_trellis_law(command, succeed, tmp_path, values, door):
+def test_a_curve_of_shear_replaces_the_trellis_law(command, made, tmp_path, values, door):
     """Doors of the readers that test_curves.py proves: the law reaches the file, with its source."""
     known = TrellisShear(5e4, 5e5, 0.35, 0.8)
     if door == "frame":
@@ -174,8 +182,7 @@ def test_a_curve_of_shear_replaces_the_trellis_law(command, succeed, tmp_path, v
         heading = "displacement [mm], force [N]"
     lines = [heading, *(f"{first},{second}" for first, second in rows)]
     (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
-    out = succeed("fabrics", "new", "mine.toml", "--from", values, *words)
-    fabric = catalogue.load(tmp_path / "mine.toml")
+    out, fabric = made(*words)
     assert vars(fabric.shear) == pytest.approx(vars(known), rel=0.02)
     assert fabric.sources["shear.G1"]["status"] == "fitted"
     assert "assumed: [shear]" not in out

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip
@@ -18,9 +17,8 @@ from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
 
 @pytest.fixture(scope="module")
-def setup():
+def setup(fabric):
     """One element per crossover."""
-    fabric = catalogue.load("S-720").with_effective_density()
     mesh = {"elements_per_crossover": 1, "table_size": 51}
     # whole crossovers, so that no element is longer than a crossover
     opening = 48 * 2 * fabric.weave.w[0]

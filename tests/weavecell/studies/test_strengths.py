@@ -9,7 +9,6 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import weavecell as wc
-from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
@@ -24,8 +23,7 @@ ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
 
 
 @pytest.fixture(scope="module")
-def setup():
-    fabric = catalogue.load("S-720").with_effective_density()
+def setup(fabric):
     return ImpactSetup(fabric, 90.0, opening=0.03048, end_time=60e-6, table_size=51)
 
 

@@ -34,6 +34,12 @@ def setup_of(fabric, opening, **others):
     return ImpactSetup(fabric, 1.0, opening=opening, **({"elements_per_crossover": 1} | others))
 
 
+def shot_of(number, velocity, perforated):
+    """At a panel that differs in nothing from the fabric."""
+    point = (0.0, 0.0)
+    return v50.Shot(number, velocity, 0.0, perforated, 1.0, 1.0, 1.0, (1.0, 1.0), point, 0.0)
+
+
 def test_the_mesh_of_a_study(fabric):
     """Graded where nothing is said; what is said counts, and free edges have elements that are all alike."""
     plain = ImpactSetup(fabric, 1.0)
@@ -56,11 +62,6 @@ def test_the_mesh_of_a_study(fabric):
     assert free.elements_per_crossover * near[1] == 1
     pack = replace(plain, plies=2)
     assert v50.graded(pack) is pack
-
-
-@pytest.fixture(scope="module")
-def fabric():
-    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="module")
@@ -171,9 +172,7 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
     """Outcomes against the velocity, one shot without any: what was fired is kept, V50 is not determined."""
 
     def fire(setup, scatter, seed, number, velocity):
-        shot = v50.Shot(
-            number, velocity, 0.0, velocity < 50, 1.0, 1.0, 1.0, (1.0, 1.0), (0.0, 0.0), 0.0
-        )
+        shot = shot_of(number, velocity, velocity < 50)
         return replace(shot, failure="shot 3: broken") if number == 3 else shot
 
     monkeypatch.setattr(v50, "fire", fire)
@@ -377,8 +376,7 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
 
     def fire(setup, scatter, seed, number, velocity):
         fired.append(number)
-        through = velocity > limit_of(setup)
-        return v50.Shot(number, velocity, 0.0, through, 1.0, 1.0, 1.0, (1.0, 1.0), (0.0, 0.0), 0.0)
+        return shot_of(number, velocity, velocity > limit_of(setup))
 
     def digest(inputs, *_):
         name, (changed, *others) = inputs
