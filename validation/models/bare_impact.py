@@ -13,6 +13,8 @@ from shellfabric.projectile.projectile import Projectile
 if TYPE_CHECKING:
     from shellfabric.backing.block import Backing
 
+RECORDED = 20  # a step in so many
+
 
 @dataclass(frozen=True)
 class Strike:
@@ -34,26 +36,23 @@ def strike(
     velocity: float,
     end_time: float,
     *,
-    dt: float | None = None,
-    every: int = 20,
     after: float = 0.0,
 ) -> Strike:
-    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back or is through.
+    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back or is
+    through.
 
     Parameters
     ----------
     velocity : [m/s]
     end_time : [s] at the latest
-    dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
-    every : steps between records
     after : [s] for which it goes on after the projectile has turned back
 
     Raises
     ------
     InputError, UnstableError : as Block
     """
-    if dt is None:
-        dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
+    # the projectile crosses at most a twentieth of the finest brick in a step
+    dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
     block = backing.block(dt)
     quarter = 0.25 * projectile.mass
     position = np.array([0.0, 0.0, backing.standoff])
@@ -68,13 +67,13 @@ def strike(
         if n == 0:
             kick = 0.5 * dt
         before = speed[2]
-        speed[2] = speed[2] + kick * push[2] / quarter
+        speed[2] += kick * push[2] / quarter
         mean = 0.5 * (before + speed[2])
         if speed[2] <= 0 and last == np.inf:
             last = n + int(np.ceil(after / dt))
         through = position[2] > backing.standoff + backing.size[2]
         stop = n >= last or through
-        if n % every == 0 or stop:
+        if n % RECORDED == 0 or stop:
             own = block.energies()
             own["projectile"] = 0.5 * quarter * mean**2
             own["error"] = sum(own.values()) - 0.5 * quarter * velocity**2
