@@ -184,12 +184,14 @@ def packs_of_twaron() -> list[str]:
         for row in table("measured.csv")
         if row["quantity"] == "V50 of packs" and row["computed"]
     ]
-    plies = ", ".join(row["id"].split()[1] for row in rows)
-    measured = ", ".join(f"{row['measured']} ± {row['sigma']}" for row in rows)
-    computed = ", ".join(f"{float(row['computed']):.0f}" for row in rows)
+    first = rows[0]
+    last = rows[-1]
+    plies = f"{first['id'].split()[1]} to {last['id'].split()[1]}"
+    measured = f"{first['measured']} ± {first['sigma']} to {last['measured']} ± {last['sigma']}"
+    computed = f"{float(first['computed']):.0f} to {float(last['computed']):.0f}"
     within = sum(abs(float(row["E_over_u_val"])) <= 2 for row in rows)
     return [
-        f"tests of {plies} plies of Twaron: V50 {measured} m/s",
+        f"tests of {len(rows)} Twaron packs of {plies} plies: V50 {measured} m/s",
         f"{computed} m/s",
         f"{within} of {len(rows)} within intervals",
     ]

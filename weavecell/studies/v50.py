@@ -284,7 +284,8 @@ def study(
             count = min(batch, shots - begun)
             # the first round has no outcomes to go by, only the limit without scatter
             if known := [shot for shot in fired if not shot.failure]:
-                velocities = plan(*_outcomes(known), count, scatters)
+                struck, perforated = _outcomes(known)
+                velocities = plan(struck, perforated, count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
             drawn = []
