@@ -1,5 +1,5 @@
 """Fabrics of the solver's tests."""
 
-from tests.shellfabric.conftest import fabric, straight
+from tests.shellfabric.conftest import straight
 
-__all__ = ["fabric", "straight"]
+__all__ = ["straight"]
