@@ -40,7 +40,7 @@ def out_of_reach(panel):
 
 
 def momenta(solver):
-    """(plies, 3) [kg m/s] of the cloth."""
+    """(plies, 3) [kg m/s] of the plies."""
     return np.array([[state.mass @ v for v in state.v] for state in solver.states])
 
 

@@ -5,9 +5,10 @@ curve of two dimensionless numbers,
 
     V50 / U*^(1/3) = f(X),   U* = sigma eps / (2 rho) sqrt(E / rho),   X = A_d A_p / m
 
-with strength, failure strain, density and modulus of the fibre before weaving, areal density of the
+with strength, failure strain, density and modulus of the fibre as woven, areal density of the
 pack, presented area and mass of the projectile. His points are not at hand: f is a power law
-through five V50 of woven Twaron, with its scatter in inputs.toml.
+through five V50 of woven Twaron, so that for this fabric the line repeats its tests. Its numbers,
+scatter and source are in inputs.toml.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from weavecell.studies import inputs
 
 FAMILIES = ("para-aramid", "UHMWPE")
-DISAGREES = 0.25  # of the line: from here on one of the two is wrong
+DISAGREES = 0.25  # difference over the V50 of the line, from which the report says so
 
 
 def velocity_scale(setup: ImpactSetup) -> float:
@@ -37,7 +38,7 @@ def velocity_scale(setup: ImpactSetup) -> float:
 
 
 def mass_ratio(setup: ImpactSetup) -> float:
-    """X [-]: mass of the pack under the projectile, along its path, over that of the projectile."""
+    """X [-]: mass of the pack in the path of the projectile over the mass of the projectile."""
     projectile = setup.projectile
     area = pi * projectile.radius**2
     return setup.areal_density * area / (projectile.mass * cos(projectile.obliquity))
