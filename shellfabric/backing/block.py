@@ -352,9 +352,8 @@ class Block:
         count, since = self.row.substeps
         if since % CHECK_INTERVAL == 0:
             # at first a step may take all of its bound, which is that of the block at rest
-            if since == 0:
-                count = 1
-            else:
+            count = 1
+            if since:
                 count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
         self.row.substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:

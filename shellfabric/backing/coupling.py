@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numba
 import numpy as np
 
 from fabrics.base.checks import FloatArray
@@ -127,9 +128,8 @@ def dent_volume(face: FloatArray) -> float:
 def wall_angle(crater: FloatArray) -> float:
     """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of
     its depth."""
-    inner = radius_at(crater, 0.8)
-    outer = radius_at(crater, 0.2)
-    return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
+    width = radius_at(crater, 0.2) - radius_at(crater, 0.8)
+    return float(np.arctan2(0.6 * crater[:, 1].max(), width))
 
 
 def check(panel: Any) -> None:
@@ -165,6 +165,7 @@ class BackingCoupling:
     Attributes
     ----------
     block : block.Block, one step ahead of the fabric
+    threads : most that share its bricks, of the panel's numerics, or None
 
     Raises
     ------
@@ -174,18 +175,19 @@ class BackingCoupling:
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.const = const
+        self.threads = panel.numerics.threads
         self.p = backing.points
-        self._turn = None
+        self._turn = self._turned_back = None
         if panel.weave_angle:
             self._turn = axes(panel.weave_angle)
+            self._turned_back = self._turn.T
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
         self.block = replace(backing, standoff=standoff, mirrors=panel.mirrors).block(const.dt)
         areas = np.full((const.ni, const.nj), const.dx * const.dy)
         if panel.sides is not None:
             areas = np.multiply.outer(*panel.sides)
-        loose = panel.loose()
-        areas = areas * (loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:])
+        areas = areas * panel.movable()
         point = np.repeat(panel.weave.areal_density * areas.ravel() / self.p**2, self.p**2)
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
@@ -202,26 +204,31 @@ class BackingCoupling:
     def step(self, state: Any) -> None:
         """One step of the block under its contacts with fabric and projectile; stores the contact
         forces [N] in state.f_block_cloth and state.f_block_nose."""
+        others = numba.get_num_threads()
+        # of this thread of Python, for the block's kernels
+        numba.set_num_threads(min(self.threads or others, others))
+        try:
+            self._step(state)
+        finally:
+            numba.set_num_threads(others)
+
+    def _step(self, state):
         const = self.const
         block = self.block
-        to = self._turn
-        if self._turn is None:
-            back = None
-        else:
-            back = self._turn.T
         position, velocity = (
-            turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity)
+            turned_back(of, self._turn)
+            for of in (state.projectile_position, state.projectile_velocity)
         )
-        state.f_block_nose[:] = turned_back(block.strike(position, velocity, self.projectile), back)
+        state.f_block_nose[:] = turned_back(
+            block.strike(position, velocity, self.projectile), self._turned_back
+        )
         if state.counter[2] > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
-            self._loose[:] = np.broadcast_to(
-                ~eroded[..., None], (const.ni, const.nj, self.p**2)
-            ).ravel()
+            self._loose[:] = np.repeat(~eroded, self.p**2)
         places, speeds = np.empty((2, self._loose.size, 3))
         touch.at_points(state.u, self._rest, self._weights, const.nj, places)
         touch.at_points(state.v, self._none, self._weights, const.nj, speeds)
-        places, speeds = (turned_back(part, to) for part in (places, speeds))
+        places, speeds = (turned_back(part, self._turn) for part in (places, speeds))
         forces = block.press(
             places,
             speeds,
@@ -229,7 +236,7 @@ class BackingCoupling:
             damping=self._loose * self._damping,
             thickness=self.thickness,
         )
-        self._spread(turned_back(forces, back), state)
+        self._spread(turned_back(forces, self._turned_back), state)
         block.advance()
 
     def _nodal(self, values):

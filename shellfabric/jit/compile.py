@@ -27,7 +27,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 from llvmlite import ir
-from numba import njit, types
+from numba import config, njit, types
 from numba.core import event
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.typing.templates import AbstractTemplate, signature
@@ -37,6 +37,8 @@ from fabrics.base.kernel_cache import compiling, kernel_cache
 from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+# with TBB 2021.8, that of Debian 12, a process can wait for its threads for ever as it ends
+config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 UNITS: list[Unit] = []  # in the order in which their files are imported
 FAILED = -1  # status by which numba's calling convention tells of an exception
 _raised: list[BaseException] = []  # where machine code had Python compile a unit

@@ -314,13 +314,11 @@ class PanelGrid:
         """
         oblique = self.weave_angle != 0 or self.round
         if oblique:
-            loose = self.loose()
             lengths = np.multiply.outer(*self.element_sides)
-            moves = loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
             area = np.prod(self.opening)
             if self.round:
                 area *= np.pi / 4
-            scale = (lengths[moves].sum() / self.share / area) ** 0.5
+            scale = (lengths[self.movable()].sum() / self.share / area) ** 0.5
             return scale * self.opening[0], scale * self.opening[1]
         found = []
         for axis, x in enumerate(self.lines()):
@@ -553,6 +551,11 @@ class PanelGrid:
         c, s = frames.axes(self.weave_angle)[0]
         x, y = self.impact_point
         return np.stack([c * X - s * Y + x, s * X + c * Y + y])
+
+    def movable(self) -> BoolArray:
+        """(ni, nj) bool: which elements have a node that no edge holds."""
+        loose = self.loose()
+        return loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
 
     def loose(self) -> BoolArray:
         """(ni+1, nj+1) bool: which nodes no edge holds or leads."""

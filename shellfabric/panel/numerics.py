@@ -37,9 +37,9 @@ class Numerics:
         perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of
         the rows about it, fewer keep its scratch in cache
-    threads : that share the plies of a pack, at most one a ply; a single ply has one. None takes
-        all that the process may use where it pays (`barrier`), and goes on with one where other
-        processes use the processor (`driver.solver`). No result depends on it
+    threads : that share the plies of a pack, at most one a ply, and the bricks of a block. None
+        takes all that the process may use where it pays (`barrier`), and goes on with one for the
+        plies where other processes use the processor (`driver.solver`). No result depends on it
     """
 
     cfl: float = 0.9

@@ -344,8 +344,8 @@ class NumericsTable(Table):
     threads: Annotated[
         int | None,
         described(
-            "threads that share the plies of a pack, at most one for each ply; a single ply has one. If not given, "
-            "chosen by the size of the model. Results do not depend on it",
+            "threads that share the plies of a pack, at most one for each ply, and the bricks of a block. If not "
+            "given, chosen by the size of the model. Results do not depend on it",
             "a number of threads",
             example=1,
             ge=1,

@@ -35,18 +35,7 @@ def rotation(axis, angle):
 
 
 def law_of(material):
-    return np.array(
-        [
-            material.bulk,
-            material.shear,
-            material.yield_stress,
-            material.hardening,
-            material.erosion_strain,
-            material.rate_exponent,
-            material.reference_rate,
-            0.0,
-        ]
-    )
+    return replace(SMALL, material=material, viscosity=0.0).block(1e-9).row.law
 
 
 def nodal(block, dt=0.0):
@@ -245,22 +234,17 @@ def test_points_press_as_a_plate_and_give_what_they_take():
     block = replace(SMALL, outer_boundary="fixed").block(1e-7)
     side = np.linspace(0.2e-3, 5.8e-3, 24)
     places = np.stack([*np.meshgrid(side, side), np.full((24, 24), 2e-5)], axis=-1).reshape(-1, 3)
-    forces = block.press(places, np.zeros_like(places), np.full(len(places), 1e4))
+    still = np.zeros_like(places)
+    stiffness = np.full(len(places), 1e4)
+    forces = block.press(places, still, stiffness)
     assert forces == pytest.approx(np.tile([0, 0, -0.2], (len(places), 1)), abs=1e-12)
     # internal sign
     assert block.row.outer.sum(axis=0) == pytest.approx([0, 0, -0.2 * len(places)], rel=1e-12)
     assert block.energies()["contact"] == pytest.approx(0.5 * 1e4 * 4e-10 * len(places), rel=1e-12)
     # nothing within the thickness kept, nothing off the block
-    away = block.press(
-        places - np.array([0, 0, 2e-5 + 1e-4]),
-        np.zeros_like(places),
-        np.ones(len(places)),
-        thickness=1e-4,
-    )
-    assert abs(away).max() < 1e-9
-    assert not block.press(
-        places + np.array([1, 0, 0]), np.zeros_like(places), np.ones(len(places))
-    ).any()
+    away = block.press(places - [0, 0, 2e-5 + 1e-4], still, stiffness, thickness=1e-4)
+    assert abs(away).max() < 1e-5
+    assert not block.press(places + np.eye(3)[0], still, stiffness).any()
 
 
 def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
