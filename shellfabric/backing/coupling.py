@@ -105,9 +105,7 @@ def radius_at(crater: FloatArray, share: float) -> float:
     r, z = crater[np.argsort(crater[:, 0])].T
     level = share * z.max()
     k = int(np.flatnonzero(z >= level)[-1])
-    if k == r.size - 1:
-        return float(r[-1])
-    return float(np.interp(-level, [-z[k], -z[k + 1]], [r[k], r[k + 1]]))
+    return float(np.interp(-level, -z[k : k + 2], r[k : k + 2]))
 
 
 def dent_volume(face: FloatArray) -> float:
