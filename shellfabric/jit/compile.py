@@ -38,7 +38,7 @@ from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 # with TBB 2021.8, that of Debian 12, a process can wait for its threads for ever as it ends
-config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
+config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]  # type: ignore[attr-defined]
 UNITS: list[Unit] = []  # in the order in which their files are imported
 FAILED = -1  # status by which numba's calling convention tells of an exception
 _raised: list[BaseException] = []  # where machine code had Python compile a unit
