@@ -212,7 +212,15 @@ def test_hertz():
     R = 0.02
     depth = 1e-4
     time = 2.5e-4
-    backing = Backing(ELASTIC, (0.1, 0.1, 0.05), 2e-4, 2e-3, 1.45, "absorbing", contact_damping=0.3)
+    backing = Backing(
+        ELASTIC,
+        (0.1, 0.1, 0.05),
+        2e-4,
+        2e-3,
+        1.45,
+        "absorbing",
+        contact_damping=0.3,
+    )
     block = backing.block(0.9 * backing.longest_step)
     ball = Projectile(shape="sphere", radius=R)
     position = np.zeros(3)
