@@ -5,8 +5,8 @@ RESULTS ?= results
 JOBS ?= 2
 SEED ?= 1
 N ?= 1000
-# one thread a process: the work is shared out over processes instead
-RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(VENV)/bin/python -m
+# one BLAS thread a process: the work is shared out over processes instead
+RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
 # two programs, with dolfinx and without: memory that compiled code takes is given back between them
 WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)

@@ -37,7 +37,7 @@ from fabrics.base.kernel_cache import compiling, kernel_cache
 from shellfabric.jit.table import GRADED, UNIFORM, Row, RowsType, type_of
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-# with TBB 2021.8, that of Debian 12, a process can wait for its threads for ever as it ends
+# TBB 2021.8 of Debian 12 can wait for its threads for ever when a process ends
 config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]  # type: ignore[attr-defined]
 UNITS: list[Unit] = []  # in the order in which their files are imported
 FAILED = -1  # status by which numba's calling convention tells of an exception
