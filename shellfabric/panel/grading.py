@@ -32,7 +32,7 @@ from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from shellfabric.jit.aligned import aligned_zeros
 
-MOST_LINES = 8  # elements along a crossover, at most
+MOST_LINES = 16  # elements along a crossover, at most
 _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 0.33 is 1/3
 
 

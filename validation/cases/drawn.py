@@ -25,7 +25,6 @@ QUANTITIES = {
     "peak tension, warp": "peak_tension",
     "peak tension, weft": "peak_tension",
 }
-FINEST = 16  # elements per crossover
 # a smaller opening, over that of a drawn ply and of a pack, and an early end [s]: shots of seconds
 SMALLER = (0.5, 0.35)
 END = 250e-6
@@ -127,12 +126,7 @@ def targets(*, number: int, seed: int) -> Values:
     _, found = mesh_uncertainty.refine(scene, quantity, target, shoot)
     answer = shots[-1]
     cost = sum(seconds) / seconds[0]
-    table = found.setup.table()
-    finest = replace(found.setup, grading=None, elements_per_crossover=FINEST)
-    try:
-        shoot(mesh_uncertainty.halved(found.setup), table)
-    except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
-        shoot(finest, table)
+    shoot(mesh_uncertainty.halved(found.setup), found.setup.table())
     strike = {
         "residual velocity": scene.strike_velocity,
         "absorbed energy": answer.result.strike_energy,

@@ -50,7 +50,7 @@ def shoot(strike_velocity, end_time, side=0.06, **changes):
         (0.5, Fraction(1, 2)),
         (0.33, Fraction(1, 3)),
         (0.3333, Fraction(1, 3)),
-        (0.125, Fraction(1, 8)),
+        (0.0625, Fraction(1, 16)),
     ],
 )
 def test_sides_are_whole_numbers_or_parts_of_one(given, side):
