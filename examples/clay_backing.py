@@ -3,8 +3,9 @@ Dent in clay behind a pack
 ==========================
 
 Four plies of S-728 on a block of Roma Plastilina No. 1, struck by the 1.10 g fragment simulator at 150 m/s. It prints
-the back-face signature and the volume of the dent, and draws its section. Coarse: elements of 3 mm in a block of 80 x
-80 x 40 mm, and most data of clay are assumed (``weavecell show "Roma Plastilina No. 1"``). About 15 s.
+the back-face signature, or the depth of the crater if the block still moves, and draws its section. Coarse: elements of
+3 mm in a block of 80 x 80 x 40 mm, and most data of clay are assumed (``weavecell show "Roma Plastilina No. 1"``).
+About 15 s.
 Run with ``python examples/clay_backing.py``.
 """
 
