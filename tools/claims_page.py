@@ -52,13 +52,13 @@ def in_words() -> str:
     _, rows = read(DATA)
     thesis, others = of_thesis(rows), of_thesis(rows, False)
     n, more = counts(thesis), counts(others)
-    text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis. {in_short().capitalize()}.
-    The percentage leaves out {n[judge.DATA]} that compare input data or a closed form with themselves,
+    text = f"""`python -m validation claims --slow` checks {len(thesis)} claims of the thesis.
+    {in_short().capitalize()}. The percentage leaves out
+    {n[judge.DATA]} that compare input data or a closed form with themselves,
     {n[judge.WRONG]} that are evidence of an error of the thesis, {n[judge.NOT_COMPARABLE]} that are not comparable,
-    {n[judge.NOT_BUILT]} that is not built yet, {n[judge.NOT_TESTABLE]} that cannot be tested, and {n[judge.LEFT_OUT]}
-    slow ones. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced,
-    {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out. Claims on shots at one ply are checked in four variants
-    of the model as well. {_in_variants(rows)}."""
+    {n[judge.NOT_BUILT]} that is not built yet, and {n[judge.NOT_TESTABLE]} that cannot be tested.
+    Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced and {more[MISSED]}
+    missed. Claims on shots at one ply are checked in four variants of the model as well. {_in_variants(rows)}."""
     return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
 
 
@@ -81,7 +81,7 @@ def verdicts() -> str:
     thesis, others = counts(of_thesis(rows)), counts(of_thesis(rows, False))
     told = [["verdict", "of the thesis", "additional", "meaning"]]
     for name, meaning in VERDICTS.items():
-        if name != BROKEN:
+        if name not in (BROKEN, judge.LEFT_OUT):
             told.append([name, thesis[name], others[name], meaning])
     return f"\n\n{markdown(told)}\n"
 
