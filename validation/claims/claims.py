@@ -115,7 +115,7 @@ class Claim:
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
-    verdict : recorded one of `judge.VERDICTS`, with which the claim has to end; "" of slow ones not run since
+    verdict : recorded one of `judge.VERDICTS`, with which the claim has to end
     """
 
     id: str

@@ -78,7 +78,7 @@ def changed(claim: Claim, verdict: str) -> bool:
     """Whether a claim has ended with another verdict than it has to; one left out, or that lacks a package, has not."""
     if not claim.conditions or verdict in (LEFT_OUT, NOT_TESTABLE):
         return False
-    return verdict == BROKEN or verdict != (claim.verdict or verdict)
+    return verdict != claim.verdict
 
 
 def plain(value: Any) -> Any:
