@@ -51,9 +51,8 @@ def targets(*, number: int, seed: int) -> Values:
     Returns
     -------
     dict with shot, in words; quantity, its target [-] and its error [-] against the reference; outcomes on all meshes;
-    covered, whether the reference has the outcome of the first mesh and lies in all its intervals; outside, the results
-    that do not; mesh of the results; confirmed, by the command; met, whatever it says; cost [-] of the command's meshes
-    over that of the first
+    outside, the results of the reference that are not in the intervals of the first mesh; mesh of the results;
+    confirmed, by the command; met, whatever it says; cost [-] of the command's meshes over that of the first
     """
     draw = np.random.default_rng((seed, number, 1))
     quantity = str(draw.choice(sorted(set(QUANTITIES.values()))))
@@ -106,7 +105,6 @@ def targets(*, number: int, seed: int) -> Values:
         "target": target,
         "error": error,
         "outcomes": outcomes,
-        "covered": len(set(outcomes)) == 1 and not outside,
         "outside": outside,
         "mesh": found.meshes[-1],
         "confirmed": found.confirmed,
