@@ -80,21 +80,24 @@ def targets(*, number: int, seed: int) -> Values:
     cost = sum(seconds) / seconds[0]
     reference = shoot(mesh_uncertainty.halved(found.setup), found.setup.table())
     outcomes = [shot.result.outcome for shot in shots]
-    first = mesh_uncertainty.compare(*shots[:2]).intervals
-    held_against = mesh_uncertainty.compare(shots[0], reference).intervals
-    finest = {one.name: one.other for one in held_against}
+    reference_values = {}
+    for interval in mesh_uncertainty.compare(shots[0], reference).intervals:
+        reference_values[interval.name] = interval.other
     outside = []
-    for one in first:
-        if one.name in finest and abs(finest[one.name] - one.value) > one.uncertainty:
-            outside.append(one.name)
+    for interval in mesh_uncertainty.compare(*shots[:2]).intervals:
+        # a reference with another outcome has no values
+        value = reference_values.get(interval.name, interval.value)
+        if abs(value - interval.value) > interval.uncertainty:
+            outside.append(interval.name)
     strike = {
         "residual velocity": scene.strike_velocity,
         "absorbed energy": answer.result.strike_energy,
     }
     error = 0.0  # of what is not there
-    for one in mesh_uncertainty.compare(answer, reference).intervals:
-        if QUANTITIES[one.name] == quantity:
-            share = abs(one.other - one.value) / strike.get(one.name, one.other)
+    for interval in mesh_uncertainty.compare(answer, reference).intervals:
+        if QUANTITIES[interval.name] == quantity:
+            scale = strike.get(interval.name, interval.other)
+            share = abs(interval.other - interval.value) / scale
             error = max(error, share)
     plies = ""
     if scene.plies > 1:
