@@ -193,7 +193,7 @@ class Constants(Row):
     window_limits = numbers(4, "-", "largest contact window (i0, i1, j0, j1)", "int64")
     points_per_side = integer("-", "contact points along each side of an element")
     point_law = row(
-        PointLaw, "constants of the contact law of a point, see projectile.contact.PointLaw"
+        PointLaw, "constants of the contact law of a point (`projectile.contact`)"
     )
     projectile_radius = number("m", "radius of the projectile's cylinder")
     projectile_mass = number("kg", "mass of the modelled part of the projectile")
@@ -322,7 +322,7 @@ class State(Row, kept=True):
         "slots uint8",
         "-",
         "damage bits of the elements: 1 a warp yarn failed, 2 a weft yarn failed, 4 "
-        "eroded (no longer in contact), 16 torn and "
+        "eroded (no longer in contact), 8 torn and "
         "drawn out to twice its size",
     )
     block_damage = array(

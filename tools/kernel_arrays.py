@@ -60,7 +60,7 @@ TERMS = {
     ),
     "element flag": (
         "Bits of an element: 1 a warp yarn failed, 2 a weft yarn failed, 4 eroded (no "
-        "longer in contact), 16 torn and drawn out to "
+        "longer in contact), 8 torn and drawn out to "
         "twice its size."
     ),
     "equilibrium form, variational form": (

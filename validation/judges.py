@@ -11,7 +11,7 @@ A chart, [cost]: the reference of the quantities of each of `groups` is the limi
 extrapolation, a quarter of its step beyond the finest mesh, and what the changes of `finer` move the first mesh by. The
 error of a method is the largest of its group. Methods are Pareto-optimal which no cheaper one matches; an error within
 what is known of the reference counts as that, and a dearer method has to take a tenth off. Costs are the CPU time of
-one thread, after compilation (`study.solve`).
+one thread, after compilation (`runner.solve`).
 """
 
 from __future__ import annotations

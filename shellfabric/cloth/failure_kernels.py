@@ -28,7 +28,7 @@ import numpy as np
 
 from shellfabric.cloth import strength_kernels
 from shellfabric.cloth.energy_kernels import edges_in_row
-from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT, WEFT_FAILED
+from shellfabric.cloth.membrane_kernels import REDO, WARP_FAILED, WEFT, WEFT_FAILED
 from shellfabric.cloth.table_kernels import max_value
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
@@ -161,7 +161,7 @@ def flag_elements(const, state, family, i, j):
         if 0 <= p < const.ni and 0 <= q < const.nj:
             state.element_flag[np.uint64(p * const.row_stride + q)] |= bit
     for row in range(max(i - 2, 0), min(i + 2, const.ni - 1) + 1):
-        state.block_damage[row // const.rows_per_block] = 2
+        state.block_damage[row // const.rows_per_block] = REDO
 
 
 @unit("2 numbers", later=True)

@@ -568,7 +568,7 @@ class ImpactResult:
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
-    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
+    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
     step_factor: float = 1.0
 
     @property

@@ -7,7 +7,7 @@ direction, and how far they are deflected; at each edge of the panel the force o
 nodes there, which where they are held is the reaction; of a ply in a pack, with the force of its
 neighbours on these nodes.
 
-A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it;
+A recording is a list of rows of numbers (`PackSolver.histories`), so that checkpoints can keep it;
 `unpack` gives it back its names. Of a pack the same is recorded of every ply, or of the plies that
 are named.
 """

@@ -23,7 +23,7 @@ from fabrics.ply_laws import TESTED, between_plies
 
 def compression_gap(areal_density: float, plies: int = TESTED) -> float:
     """[m] all that neighbouring plies close in the tests of packs; parameters as
-    `fabrics.ply_law.between_plies`."""
+    `fabrics.ply_laws.between_plies`."""
     return float(between_plies(areal_density, plies)[1][-1])
 
 

@@ -3,7 +3,7 @@
 The energy that the yarns store follows from their stretches. The work done on them is more. In the
 equilibrium form, whose forces are no gradient, the difference is the energy "formulation_residual".
 In the variational form it is "yarn_snap": what the trapezoid of a step takes where yarns stiffen in
-it (`membrane_kernels.yarn_forces`). The energy error is what is then left; quality checks hold
+it (`membrane_kernels.pull_yarns`). The energy error is what is then left; quality checks hold
 both.
 """
 

@@ -28,7 +28,7 @@ from validation.values import Values, largest
 
 VELOCITY = 300.0
 PROJECTILE = Projectile(mass=8.1e-3)
-# half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
+# half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.numerics.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
 BLOCK = Backing(min_size=1.5e-3, refined_depth=9e-3, growth=1.25, points=1)

@@ -1,7 +1,7 @@
 """The biaxial tests of Buet-Gautier and Boisse on two glass weaves (thesis section 5.3, Tables 5-3 and 5-4).
 
 A cross-shaped specimen is stretched along warp and weft at a fixed ratio of the two strains, and the tension per yarn
-is recorded (`cell.biaxial_path.to_strength`). The thesis fits the compression law to equal strains and predicts the
+is recorded (`studies.biaxial_path.to_strength`). The thesis fits the compression law to equal strains and predicts the
 ratios 0.5 and 2 and the free edge. Its measured points stand in figures that we do not have: the curves are those that
 the thesis's own parameters give.
 """
