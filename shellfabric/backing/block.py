@@ -30,8 +30,8 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.hex8 import Bricks
+from shellfabric.backing.state import BlockPoints, BlockRow
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.state import BlockPoints, BlockRow
 
 ENERGIES = (
     "kinetic",

@@ -30,7 +30,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
 from shellfabric.cell import coefficients, fill_kernels
 from shellfabric.cell import crossover_kernels as kernels
-from shellfabric.state import CellYarn, Crossover
+from shellfabric.cell.state import CellYarn, Crossover
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 MODELS = ("compressible", "incompressible", "decoupled")

@@ -31,7 +31,7 @@ from fabrics.base.checks import FloatArray
 from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
-from shellfabric.state import CellYarn
+from shellfabric.cell.state import CellYarn
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
 BISECTIONS = 60

@@ -22,9 +22,9 @@ from fabrics.base.checks import BoolArray, FloatArray
 from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
+from shellfabric.coupon.state import Segments
 from shellfabric.driver import memory
 from shellfabric.panel.failure import mean_weights
-from shellfabric.state import Segments
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave

@@ -24,7 +24,8 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.state import BarRow, unit
+from shellfabric.projectile.state import BarRow
+from shellfabric.state import unit
 
 WORK, PLASTIC = 0, 1  # of BarRow.energy
 TIP, TAIL, CENTRE = 0, 1, 2  # of BarRow.motion: velocities; three further on the ways

@@ -13,7 +13,8 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.projectile import bar_kernels
-from shellfabric.state import BarRow, Body
+from shellfabric.projectile.state import BarRow
+from shellfabric.state import Body
 
 if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar

@@ -19,7 +19,7 @@ import numpy as np
 from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import contact_kernels
-from shellfabric.state import Zone, unit
+from shellfabric.state import unit
 from shellfabric.yarns.chain_kernels import (
     AHEAD,
     COUNTED,
@@ -32,6 +32,7 @@ from shellfabric.yarns.chain_kernels import (
     nodes_of,
 )
 from shellfabric.yarns.nose_kernels import nose_forces
+from shellfabric.yarns.state import Zone
 from shellfabric.yarns.zone_kernels import inner_forces
 
 PRESENT = 0  # of zone.outer_force

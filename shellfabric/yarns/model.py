@@ -24,9 +24,10 @@ from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
 from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
 from shellfabric.panel.slots import by_node
-from shellfabric.state import Constants, State, Zone
+from shellfabric.state import Constants, State
 from shellfabric.yarns import chain_kernels, coupling_kernels
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
+from shellfabric.yarns.state import Zone
 
 DATA = tomllib.loads((Path(__file__).parent / "assumed.toml").read_text("utf-8"))
 HALF_WIDTH = 20e-3  # [m] of the zone at least, by default

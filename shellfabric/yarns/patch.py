@@ -35,8 +35,8 @@ from fabrics import assumed
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import failure
-from shellfabric.state import Zone
 from shellfabric.yarns import chain_kernels, crossing_kernels, neighbour_kernels
+from shellfabric.yarns.state import Zone
 
 CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0
 CROSSING_DAMPING = 0.1  # of sqrt(k m), the hardest crossing on the lightest node

@@ -13,8 +13,8 @@ from shellfabric.backing import block_kernels, brick_kernels
 from shellfabric.backing import contact_kernels as backing_contact_kernels
 from shellfabric.backing.block import Backing, graded
 from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
+from shellfabric.backing.state import BlockRow
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.state import BlockRow
 
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)

@@ -1,0 +1,115 @@
+"""The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
+
+from shellfabric.jit.table import Row, array, number
+
+
+class Zone(Row):
+    """Resolved yarns: chains, crossings, neighbours, points under the nose, ties to the membrane (`yarns.patch`)."""
+
+    dt = number("s", "time step")
+    first = array("2 int64", "-", "first node of the warp yarns, of the weft yarns")
+    yarns = array("2 int64", "-", "number of warp yarns, of weft yarns")
+    nodes = array("2 int64", "-", "nodes of a warp yarn, of a weft yarn")
+    x = array("3, all nodes", "m", "places of the nodes of all chains, yarn after yarn", kept=True)
+    v = array("3, all nodes", "m/s", "velocities, half a step behind", kept=True)
+    f = array("3, all nodes", "N", "forces", kept=True)
+    mass = array("all nodes", "kg", "lumped masses of the chains")
+    inverse_mass = array("all nodes", "1/kg", "0 of nodes that are tied to the membrane or led")
+    rest_length = array("all nodes", "m", "of the segment from a node to the next")
+    whole = array(
+        "all nodes boolean",
+        "-",
+        "whether the segment bears; false at the end of a chain",
+        kept=True,
+    )
+    pull = array("3, all nodes", "N", "force of the segment on its node")
+    breaking = array(
+        "all nodes boolean", "-", "whether the segment breaks in the next step", kept=True
+    )
+    torn = array(
+        "2, n boolean", "-", "whether a yarn of warp or weft has a broken segment", kept=True
+    )
+    stiffness = array("2", "N", "EA of warp and weft")
+    drag = array("2", "N s/m", "viscosity of a segment of warp and weft")
+    tension = array("all nodes", "N", "elastic tension of the segment", kept=True)
+    viscous_force = array("all nodes", "N", "viscous force of the segment", kept=True)
+    strength = array("all nodes", "N", "of the segment's yarn")
+    half_strength = array("all nodes", "N", "tension below which the filtered one stays put")
+    filtered = array("all nodes", "N", "F of the failure criterion", kept=True)
+    filter_factor = array("2", "-", "share of M that F takes over in a step, of warp and weft")
+    rate_damage = array("n", "-", "damage by strain rate; empty without", kept=True)
+    rate_law = array("2, 3, n", "-", "as Constants.rate_law; empty without")
+    mean_first = array(
+        "all yarns int64",
+        "-",
+        "first yarn that has a weight in the mean about each; warp before weft",
+    )
+    mean_weights = array(
+        "all yarns, n", "-", "weights in the mean tension of this and the next yarns"
+    )
+    peak_tension = array("2", "N", "highest of warp and weft so far", kept=True)
+    peak_segment = array("2 int64", "-", "segments that had it", kept=True)
+    place = array(
+        "warp, weft, 2", "-", "indices of a crossing on its warp and on its weft", kept=True
+    )
+    slider = array("warp, weft, 3", "m", "friction spring of a crossing", kept=True)
+    touching = array(
+        "warp, weft boolean", "-", "false once a yarn of the crossing has torn", kept=True
+    )
+    pinned = array("warp, weft boolean", "-", "whether nothing slips there")
+    sign = array("warp, weft", "-", "1 with the warp on top, else -1")
+    contact = array(
+        "warp, weft, 4",
+        "N, J, m, N",
+        "force, energy, distance at which contact begins, damping",
+        kept=True,
+    )
+    law = array(
+        "n, 3",
+        "N, J, N/m",
+        "force, energy and stiffness of a crossing at equal steps of its closure",
+    )
+    law_scale = number("1/m", "steps of the law in a metre")
+    gap = number("m", "distance of the yarns of a crossing at rest")
+    friction = number("-", "coefficient of yarn on yarn")
+    friction_stiffness = number("N/m", "of the friction springs")
+    damping = number("N s/m", "of a crossing, along its normal")
+    foot = array(
+        "all nodes, 4",
+        "-, J, m, -",
+        "point on the next yarn: index, energy, distance at which contact begins, steps to wait",
+        kept=True,
+    )
+    beside = array(
+        "2, 4",
+        "m, N/m, m, N/m",
+        "width, lateral stiffness, closest distance and its stiffness, of warp and weft",
+    )
+    rod = number("m", "half thickness of a yarn under the nose")
+    nose_stiffness = number("N/m", "penalty of a point")
+    nose_energy = array(
+        "all nodes, 2", "J", "that the points at a node and behind it hold", kept=True
+    )
+    rubbed = array(
+        "n, 2, 6",
+        "m, N",
+        "friction springs of these points, and their forces; empty without friction",
+        kept=True,
+    )
+    counter = array(
+        "4 int64",
+        "-",
+        "points of whole yarns ahead of the nose, torn segments that the ply knows of, segments to break, "
+        "steps in a step of the ply",
+        kept=True,
+    )
+    tied_node = array("ends int64", "-", "ends of the chains")
+    tied_slot = array("ends int64", "-", "slots of the membrane's nodes that they are")
+    tied_rest = array("ends, 3", "m", "their places at rest")
+    outer_force = array(
+        "2, n, 3",
+        "N",
+        "on these and the nose, mean over this and the last step of the ply",
+        kept=True,
+    )
+    books = array("12", "J, -", "energies, works and counts (yarns.chain_kernels)", kept=True)
