@@ -3,7 +3,12 @@
 import inspect
 
 from shellfabric import state
+from shellfabric.backing import state as backing
+from shellfabric.cell import state as cell
+from shellfabric.coupon import state as coupon
 from shellfabric.jit.table import Row
+from shellfabric.projectile import state as projectile
+from shellfabric.yarns import state as yarns
 
 HEAD = """# Arrays of the kernels
 
@@ -85,7 +90,8 @@ TERMS = {
 
 def tables():
     """The tables, in the order of their file."""
-    classes = [kind for kind in vars(state).values() if inspect.isclass(kind)]
+    files = (state, projectile, backing, yarns, cell, coupon)
+    classes = [kind for file in files for kind in vars(file).values() if inspect.isclass(kind)]
     return [kind for kind in classes if issubclass(kind, Row) and kind.fields]
 
 

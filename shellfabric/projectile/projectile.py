@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, inf, pi, radians, remainder, sin, tan
+from math import cos, inf, pi, radians, remainder, sin
 
 import numpy as np
 
@@ -25,59 +25,13 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
+from shellfabric.projectile.shapes import SHAPES, chisel
 from shellfabric.projectile.solid import Solid
 from shellfabric.state import Nose
 
 STEEPEST = radians(
     75
 )  # of flight and axis against the normal: beyond, the shot passes along the panel
-
-
-def _no_form(shot):
-    return ()
-
-
-def _cone(shot):
-    """The shoulder's centre lies where the flank is tangent to tip and shoulder."""
-    tip = shot.tip_radius
-    rho = shot.edge_radius
-    angle = shot.half_angle
-    shoulder = (tip - rho - (shot.radius - rho) * cos(angle)) / sin(angle) - tip
-    return tip, sin(angle), cos(angle), shoulder
-
-
-def _chisel(shot):
-    """Half the strip of the body K within, whose flats are set back by the edge radius."""
-    return (
-        0.5 * shot.flat_width - shot.edge_radius * tan(0.5 * shot.flat_angle),
-        sin(shot.flat_angle),
-        cos(shot.flat_angle),
-    )
-
-
-# name: (number in the kernels, form there, depth behind the nose from which it has its full width,
-# keys of its own)
-SHAPES = {
-    "flat": (sdf_kernels.FLAT, _no_form, lambda shot: shot.edge_radius, ()),
-    "hemisphere": (sdf_kernels.HEMISPHERE, _no_form, lambda shot: shot.radius, ()),
-    "cone": (sdf_kernels.CONE, _cone, lambda shot: -_cone(shot)[3], ("half_angle", "tip_radius")),
-    "sphere": (sdf_kernels.SPHERE, _no_form, lambda shot: shot.radius, ()),
-    "chisel": (
-        sdf_kernels.CHISEL,
-        _chisel,
-        lambda shot: (
-            shot.edge_radius
-            + (shot.radius - shot.edge_radius - _chisel(shot)[0]) * tan(shot.flat_angle)
-        ),
-        ("flat_width", "flat_angle"),
-    ),
-    "stl": (
-        sdf_kernels.STL,
-        lambda shot: shot.solid.form,
-        lambda shot: shot.solid.shoulder,
-        ("solid",),
-    ),
-}
 
 
 @dataclass(frozen=True)
@@ -210,8 +164,8 @@ class Projectile:
             )
 
     def _check_form(self):
-        for shape, (_, _, _, keys) in SHAPES.items():
-            for key in keys:
+        for shape, known in SHAPES.items():
+            for key in known.keys:
                 value = getattr(self, key)
                 given = isinstance(value, Solid) or (value is not None and 0 < value < inf)
                 if shape == self.shape and not given:
@@ -237,7 +191,7 @@ class Projectile:
                 raise InputError(
                     key="flat_angle", value=self.flat_angle, allowed="below a right angle"
                 )
-            if not 0 < _chisel(self)[0] < self.radius - self.edge_radius:
+            if not 0 < chisel(self)[0] < self.radius - self.edge_radius:
                 allowed = "above the rounding of its edges and below the diameter"
                 raise InputError(key="flat_width", value=self.flat_width, allowed=allowed)
         if self.solid is not None:
@@ -262,12 +216,12 @@ class Projectile:
     @property
     def number(self) -> int:
         """Of the shape in `sdf_kernels`."""
-        return SHAPES[self.shape][0]
+        return list(SHAPES).index(self.shape)
 
     @property
     def form(self) -> FloatArray:
         """(n,) the numbers that `sdf_kernels` needs of the shape, at least 4."""
-        values = SHAPES[self.shape][1](self)
+        values = SHAPES[self.shape].form(self)
         if self.solid is not None:
             return values
         return np.array([*values, *[0.0] * (4 - len(values))])
@@ -286,7 +240,7 @@ class Projectile:
     @property
     def shoulder(self) -> float:
         """[m] depth behind the nose from which it has its full width."""
-        return SHAPES[self.shape][2](self)
+        return SHAPES[self.shape].shoulder(self)
 
     @property
     def nose_radius(self) -> float:
@@ -302,7 +256,7 @@ class Projectile:
 
     def seen_from(self, angle: float) -> Projectile:
         """The same shot in a frame that is turned by `angle` [rad] about the panel's normal."""
-        if not self.roaming and self.shape not in ("chisel", "stl"):
+        if not self.roaming and SHAPES[self.shape].turned:
             return self  # it looks alike from everywhere
         azimuth, roll = (remainder(each - angle, 2 * pi) for each in (self.azimuth, self.roll))
         return replace(self, azimuth=azimuth, roll=roll)
@@ -412,7 +366,7 @@ class Projectile:
         if self.solid is not None:
             own = np.abs(frame[:2, axis])
             return min(own) < 1e-12 and self.solid.even[int(np.argmax(own))]
-        return self.shape != "chisel" or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
+        return SHAPES[self.shape].turned or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
 
 
 def _towards(angle, azimuth):

@@ -18,7 +18,7 @@ gradient is of length 1.
                 by an angle to the nose's plane
     STL         any body, by samples of its distance on a grid (`solid`), interpolated by tricubic B-splines
 
-A new shape is one function here and one line in `distance` and in `projectile.SHAPES`.
+A new shape is one function here, one line in `distance`, and an entry of `shapes.SHAPES`.
 
 form, the numbers that a shape needs beside R and rho:
     CONE   (tip radius, sine and cosine of the half angle, height of the shoulder's centre)
@@ -34,7 +34,7 @@ from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.state import unit
 
-FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = 0, 1, 2, 3, 4, 5
+FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = range(6)  # in the order of `shapes.SHAPES`
 STL_HEAD = 7  # numbers before the coefficients
 
 

@@ -232,10 +232,10 @@ def _is_of_a_projectile(name):
 
 def _projectile(name):
     """Where each number of a projectile comes from."""
-    from weavecell.scenes.impact import SHAPES
+    from shellfabric.projectile.shapes import SHAPES
 
     shape, data = projectile_data.entry(name)
-    title = f"{name}, {SHAPES[shape]}"
+    title = f"{name}, {SHAPES[shape].words}"
     if name in projectile_data.list_names():
         title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
     return Tables({title: _sources(data)})

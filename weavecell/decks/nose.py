@@ -17,13 +17,12 @@ from scipy.ndimage import map_coordinates
 
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.shapes import SHAPES
 
 # Least and most elements along a side of the grid; one more if an element, not a node, is to face
 # the middle.
 _LEAST = 6
 _MOST = 24
-# shapes whose tip is a node
-_POINTED = "cone", "stl"
 # [radii] arc from the tip to the sides of the square grid
 _GRID = 0.5
 # [radii] arc from the tip to the first ring that is a circle
@@ -47,7 +46,7 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
         along the grid
     """
     n = int(np.clip(np.ceil(0.5 * np.pi * shot.radius / size), _LEAST, _MOST)) // 2 * 2 + (
-        shot.shape not in _POINTED
+        not SHAPES[shot.shape].pointed
     )
     surface = shot.surface(rise=_RAYS, around=_TURNS)
     arc, measure = _meridian(surface[:, 0], 0.5 * np.pi * shot.radius / n)

@@ -24,18 +24,10 @@ from fabrics.base.schema import (
     validated,
     whole,
 )
+from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import honoured, stl_file
 from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
 from weavecell.scenes.panel import PanelTable
-
-SHAPES = {  # of `shellfabric.projectile.projectile`, in words
-    "flat": "a cylinder",
-    "hemisphere": "a round-nosed cylinder",
-    "cone": "a conical projectile",
-    "sphere": "a sphere",
-    "chisel": "a chisel-nosed fragment simulator",
-    "stl": "a body from an STL file",
-}
 
 
 def _name_or_size(schema):

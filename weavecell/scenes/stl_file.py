@@ -26,6 +26,7 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.units import si
 from shellfabric.projectile import solid as solid_body
+from shellfabric.projectile.shapes import SHAPES
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -38,11 +39,6 @@ WIDTHS = (0.5e-3, 100e-3)
 DENSITIES = (500.0, 23000.0)
 # [diameters] length of a body, from a disc to a long rod, if it is not given
 LENGTHS = (0.25, 30.0)
-LEAST = {
-    "cone": 1 / 3,
-    "chisel": 1 / 2,
-    "hemisphere": 2 / 3,
-}  # [cylinders] volume of a body of a shape, else 1
 # [deg] an edge is sharp if the normals of its triangles differ by more
 SHARP = 30.0
 # samples of the distance within an edge radius (docs/reports/numerics.md)
@@ -324,7 +320,7 @@ def check_mass(shot: Any) -> None:
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    least = LEAST.get(shot.shape, 1.0)
+    least = SHAPES[shot.shape].least_volume
     size = "diameter and length"
     lengths = [shot.length, shot.length]
     if shot.shape == "sphere":

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import degrees
 
-from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable
+from shellfabric.projectile.shapes import SHAPES
+from weavecell.scenes.impact import BackingTable, ProjectileTable
 from weavecell.scenes.panel import PanelTable
 
 
@@ -13,7 +14,9 @@ def shot_in_words(shot: ProjectileTable) -> str:
     words = ""
     if shot.name:
         words = f"{shot.name}, "
-    words += f"{SHAPES[shot.shape]} of {1e3 * shot.mass:.4g} g and {1e3 * shot.diameter:.4g} mm"
+    words += (
+        f"{SHAPES[shot.shape].words} of {1e3 * shot.mass:.4g} g and {1e3 * shot.diameter:.4g} mm"
+    )
     if shot.obliquity:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
     if shot.body == "elastic_bar":

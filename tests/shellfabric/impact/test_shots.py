@@ -16,7 +16,8 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.slots import by_node
 from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
-from shellfabric.projectile.projectile import SHAPES, Projectile
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.shapes import SHAPES
 from shellfabric.solver.pack_solver import PackSolver
 
 OFTEN = {"table_size": 51, "audit_interval": 1e-6}

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from shellfabric.projectile.projectile import SHAPES, Projectile
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.projectile.shapes import SHAPES
 
 ANALYTIC = [shape for shape in SHAPES if shape != "stl"]  # of which `test_solid` has any shape
 R = 2.7e-3

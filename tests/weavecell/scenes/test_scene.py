@@ -7,7 +7,8 @@ import pytest
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
-from shellfabric.projectile.projectile import SHAPES
+from shellfabric.projectile import sdf_kernels
+from shellfabric.projectile.shapes import SHAPES
 from tests.scene_text import merged
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
@@ -93,5 +94,5 @@ def test_a_shot_in_words(shot):
     assert told["projectile" in shot].endswith(said)
 
 
-def test_every_shape_of_the_solver_is_a_shape_of_scenes():
-    assert list(scenes_impact.SHAPES) == list(SHAPES)
+def test_shapes_have_the_order_of_their_numbers():
+    assert [getattr(sdf_kernels, name.upper()) for name in SHAPES] == list(range(len(SHAPES)))
