@@ -6,7 +6,7 @@
 
 From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a
 checkpoint keeps (`kept`) and the page for developers. A kernel gets a row as one pointer to words
-of eight bytes: a number is a word, an array its address and its shape. It loads the words of what
+of eight bytes: a number is a word, an array its address and its shape, a total its address. It loads the words of what
 it names; they do not change, so the loads are invariant. Who makes a row keeps the arrays alive,
 and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is compiled
 does not depend on how many there are.
@@ -27,6 +27,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.imputils import lower_setattr_generic
 from numba.core.typing.templates import (
     AbstractTemplate,
     AttributeTemplate,
@@ -76,6 +77,11 @@ class Field:
 def number(unit: str, meaning: str) -> Any:
     """Field of a floating-point number."""
     return Field("number", unit, meaning, (types.float64,) * 2)
+
+
+def total(unit: str, meaning: str, *, kept: bool = False) -> Any:
+    """Field of a number that kernels set; for Python an array without dimensions."""
+    return Field("total", unit, meaning, (TOTAL, TOTAL), kept)
 
 
 def integer(unit: str, meaning: str) -> Any:
@@ -136,6 +142,14 @@ def parts_of(shape: str) -> tuple[list[int], list[str], str]:
     return [int(count) for count in counts], " ".join(words).split(", "), kind
 
 
+class TotalType(types.Type):
+    """numba type of the place of a number that kernels set."""
+
+    def __init__(self) -> None:
+        super().__init__(name="total")
+
+
+TOTAL = TotalType()
 PER_SLOT = types.float64, array_type("slots")  # on a uniform and on a graded grid
 
 
@@ -271,6 +285,11 @@ class Row:
         return cls(**{name: _nothing(field) for name, field in cls.fields.items()})
 
     @classmethod
+    def totals(cls) -> list[str]:
+        """Names of its totals."""
+        return [name for name, field in cls.fields.items() if field.shape == "total"]
+
+    @classmethod
     def kept(cls) -> list[str]:
         """Names of what a checkpoint has."""
         return [name for name, field in cls.fields.items() if field.kept]
@@ -314,6 +333,8 @@ def _made(table, values):
 def _nothing(field):
     """The least value of a field."""
     kind = field.kinds[UNIFORM]
+    if kind == TOTAL:
+        return np.zeros(())
     if kind == array_type(field.shape):
         return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):
@@ -349,6 +370,8 @@ def _grid_of(table, values):
 
 def _zeros(shape, sizes):
     """Zeros of a shape, or None where one of its sizes is not known."""
+    if shape == "total":
+        return np.zeros(())
     counts, dimensions, kind = parts_of(shape)
     known = sizes | {name: int(name) for name in dimensions if name.isdigit()}
     if not known.keys() >= set(dimensions):
@@ -387,6 +410,8 @@ def words_of(kind: Any, value: Any, name: str) -> list[int]:
         if getattr(value, "_numba_type_", None) != kind:
             raise TypeError(f"{name} must be a row of {kind}, not {_said(value)}")
         return [value._address]
+    if kind == TOTAL and isinstance(value, np.ndarray) and value.shape == ():
+        return [value.ctypes.data]
     if isinstance(kind, types.Array):
         dtype = numpy_support.as_dtype(kind.dtype)
         if not (
@@ -492,15 +517,33 @@ class _Attribute(AttributeTemplate):
     key = RowType
 
     def generic_resolve(self, kind, name):
-        if name in kind.members:
-            return kind.members[name][0]
-        return None
+        if name not in kind.members:
+            return None
+        member = kind.members[name][0]
+        if member == TOTAL:
+            return types.float64
+        return member
 
 
 @lower_getattr_generic(RowType)
 def _member(context, builder, kind, pointer, name):
     member, first = kind.members[name]
+    if member == TOTAL:
+        return builder.load(_place_of_total(builder, pointer, first))
     return _loaded(context, builder, member, pointer, first)
+
+
+@lower_setattr_generic(RowType)
+def _set_total(context, builder, sig, arguments, name):
+    member, first = sig.args[0].members[name]
+    if member != TOTAL:
+        raise TypeError(f"{sig.args[0]}.{name} is no total: kernels cannot set it")
+    builder.store(arguments[1], _place_of_total(builder, arguments[0], first))
+
+
+def _place_of_total(builder, pointer, first):
+    address = _load_word(builder, pointer, first)
+    return builder.inttoptr(address, ir.DoubleType().as_pointer())
 
 
 def _loaded(context, builder, kind, pointer, first):

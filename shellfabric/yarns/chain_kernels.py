@@ -21,11 +21,6 @@ from shellfabric.cloth.membrane_kernels import SUM
 from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
 
-# of zone.books [J]: energies at present, then works so far, then counts
-STORED, CROSSINGS, NEIGHBOURS, NOSE = 0, 1, 2, 3
-VISCOUS, FRICTION, FAILED, SLACK, NOSE_FRICTION, SNAP = 4, 5, 6, 7, 8, 9
-TORN, TANGLED = 10, 11
-BOOKS = 12
 # of zone.counter
 AHEAD = 0
 COUNTED = 1
@@ -64,7 +59,7 @@ def chain_forces(zone):
     """Forces of all segments, in place of what zone.f has."""
     if zone.counter[BREAKING] > 0:
         break_segments(zone)
-    zone.books[STORED] = 0.0
+    zone.stored = 0.0
     for family in range(2):
         stretch_segments(zone, family, *nodes_of(zone, family))
     for c in range(3):
@@ -87,9 +82,9 @@ def break_segments(zone):
                 way = 0.5 * zone.dt * dot(velocity, side) / math.sqrt(dot(side, side))
                 strain = zone.tension[n] / zone.stiffness[family]
                 stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
-                zone.books[FAILED] += stored + zone.tension[n] * way
-                zone.books[VISCOUS] += zone.viscous_force[n] * way
-                zone.books[TORN] += 1.0
+                zone.lost_with_yarns += stored + zone.tension[n] * way
+                zone.damped += zone.viscous_force[n] * way
+                zone.torn_segments += 1.0
                 zone.whole[n] = False
                 zone.tension[n] = zone.viscous_force[n] = 0.0
                 zone.torn[family, yarn_of(zone, family, n)] = True
@@ -147,9 +142,9 @@ def stretch_segments(zone, family, first, last):
         pull_x[n] = force * side_x
         pull_y[n] = force * side_y
         pull_z[n] = force * side_z
-    zone.books[STORED] += stored
-    zone.books[VISCOUS] += 0.5 * zone.dt * damped
-    zone.books[SNAP] += snapped
+    zone.stored += stored
+    zone.damped += 0.5 * zone.dt * damped
+    zone.lost_in_snaps += snapped
 
 
 @kernel(_nrt=False, inline="always")

@@ -20,17 +20,7 @@ from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import unit
-from shellfabric.yarns.chain_kernels import (
-    AHEAD,
-    COUNTED,
-    CROSSINGS,
-    NOSE,
-    NOSE_FRICTION,
-    STEPS,
-    TORN,
-    move,
-    nodes_of,
-)
+from shellfabric.yarns.chain_kernels import AHEAD, COUNTED, STEPS, move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.state import Zone
 from shellfabric.yarns.zone_kernels import inner_forces
@@ -42,7 +32,7 @@ BEFORE = 1
 @unit("number", later=True, own=Zone)
 def yarn_forces(state, const, own, first, last, acting):
     """[J] that the crossings of a zone store; it acts where the nose does."""
-    return own.books[CROSSINGS]
+    return own.stored_at_crossings
 
 
 @unit("number", later=True, own=Zone)
@@ -64,7 +54,7 @@ def march_zone(state, const, own, first, last, acting):
         state.projectile_position[c] = end[c]
     give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
     write_to_ply(own, state)
-    return own.books[NOSE]
+    return own.stored_at_nose
 
 
 @kernel(_nrt=False)
@@ -107,17 +97,17 @@ def give_outer_forces(zone, state, ahead):
 def write_to_ply(zone, state):
     """Copy what the ply keeps of the zone: work, energies of the contact with the nose, peak tensions, torn yarns."""
     state.yarns_ahead[0] = zone.counter[AHEAD]
-    state.yarn_work[0] = zone.books[:TORN].sum()
-    state.contact_energy[contact_kernels.CONTACT] = zone.books[NOSE]
-    state.contact_energy[contact_kernels.SPRING] = zone.books[NOSE]
-    state.contact_energy[contact_kernels.FRICTION] = zone.books[NOSE_FRICTION]
+    state.yarn_work[0] = stored_and_lost(zone)
+    state.contact_energy[contact_kernels.CONTACT] = zone.stored_at_nose
+    state.contact_energy[contact_kernels.SPRING] = zone.stored_at_nose
+    state.contact_energy[contact_kernels.FRICTION] = zone.nose_friction_work
     for family in range(2):
         if zone.peak_tension[family] > state.peak_tension[family]:
             state.peak_tension[family] = zone.peak_tension[family]
             state.peak_segment[family, 0] = edge_of(zone, family, zone.peak_segment[family])
             state.peak_segment[family, 1] = state.counter[0]
-    if zone.books[TORN] > zone.counter[COUNTED]:
-        zone.counter[COUNTED] = int(zone.books[TORN])
+    if zone.torn_segments > zone.counter[COUNTED]:
+        zone.counter[COUNTED] = int(zone.torn_segments)
         for family in range(2):
             for n in range(*nodes_of(zone, family)):
                 k = edge_of(zone, family, n)
@@ -125,6 +115,16 @@ def write_to_ply(zone, state):
                     state.failed[family][k] = 1
                     state.failure_sums[0] += 1.0
                     state.failure_sums[1] += zone.filtered[n] / zone.strength[n]
+
+
+@kernel()
+def stored_and_lost(zone):
+    """[J] work done so far on resolved yarns and on the contacts of theirs."""
+    stored = (
+        zone.stored + zone.stored_at_crossings + zone.stored_at_neighbours + zone.stored_at_nose
+    )
+    lost = stored + zone.damped + zone.friction_work + zone.lost_with_yarns + zone.lost_when_slack
+    return lost + zone.nose_friction_work + zone.lost_in_snaps
 
 
 @kernel(_nrt=False)

@@ -26,7 +26,6 @@ from shellfabric.cloth.vector_kernels import (
     three,
 )
 from shellfabric.jit.compile import kernel
-from shellfabric.yarns.chain_kernels import CROSSINGS, FAILED, FRICTION, SLACK, TANGLED, VISCOUS
 from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
 # of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
@@ -46,7 +45,7 @@ def crossing_forces(zone):
         for j in range(zone.yarns[1]):
             if zone.touching[i, j]:
                 stored += crossing_force(zone, i, j)
-    zone.books[CROSSINGS] = stored
+    zone.stored_at_crossings = stored
 
 
 @kernel(_nrt=False)
@@ -136,7 +135,7 @@ def crossing_force(zone, i, j):
         slack = contact[ONSET] < zone.gap
         if not slack:
             whole = False
-            zone.books[TANGLED] += 1.0
+            zone.tangled += 1.0
     if has_left(zone.place[i, j, 0], zone.nodes[0]) or has_left(zone.place[i, j, 1], zone.nodes[1]):
         zone.touching[i, j] = False
         slack = True
@@ -163,10 +162,10 @@ def drop(zone, i, j, whole):
     square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2
     dropped = contact[ENERGY] + 0.5 * zone.friction_stiffness * square
     if whole:
-        zone.books[SLACK] += dropped
+        zone.lost_when_slack += dropped
     else:
         zone.touching[i, j] = False
-        zone.books[FAILED] += dropped
+        zone.lost_with_yarns += dropped
     contact[FORCE] = contact[ENERGY] = contact[DAMPING] = 0.0
     contact[ONSET] = -1.0
     slider[0] = slider[1] = slider[2] = 0.0
@@ -182,7 +181,7 @@ def normal_force(zone, contact, distance, opening):
     if distance < contact[ONSET]:
         force, energy = compression(zone, contact[ONSET] - distance)
         damping = max(-zone.damping * opening, -force)
-    zone.books[VISCOUS] -= 0.5 * zone.dt * (damping + contact[DAMPING]) * opening
+    zone.damped -= 0.5 * zone.dt * (damping + contact[DAMPING]) * opening
     contact[FORCE] = force
     contact[ENERGY] = energy
     contact[DAMPING] = damping
@@ -204,7 +203,7 @@ def slide(zone, i, j, velocity, normal, limit):
         after = scaled(most / math.sqrt(square), after)
     stored = 0.5 * k * dot(after, after)
     work = 0.5 * k * zone.dt * dot(add_scaled(before, 1.0, after), velocity)
-    zone.books[FRICTION] += work - stored + 0.5 * k * dot(before, before)
+    zone.friction_work += work - stored + 0.5 * k * dot(before, before)
     for c in range(3):
         zone.slider[i, j, c] = after[c]
     return stored

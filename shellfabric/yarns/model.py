@@ -25,7 +25,7 @@ from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
 from shellfabric.panel.slots import by_node
 from shellfabric.state import Constants, State
-from shellfabric.yarns import chain_kernels, coupling_kernels
+from shellfabric.yarns import coupling_kernels
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
 from shellfabric.yarns.state import Zone
 
@@ -352,16 +352,15 @@ def slip_at_rim(zone: Zone) -> float:
 
 def audit(zone: Zone) -> dict[str, float]:
     """{energy: [J]} of a zone besides that of its crossings, by the names that its ply's have, or of ENERGIES."""
-    books = zone.books
     return {
         "kinetic_fabric": kinetic_energy(zone),
-        "yarn_strain": books[chain_kernels.STORED],
-        "yarn_snap": books[chain_kernels.SNAP],
-        "viscous": books[chain_kernels.VISCOUS],
-        "failure_dissipation": books[chain_kernels.FAILED],
-        "neighbour_contact": books[chain_kernels.NEIGHBOURS],
-        "crossover_friction": books[chain_kernels.FRICTION],
-        "slack_contact": books[chain_kernels.SLACK],
+        "yarn_strain": float(zone.stored),
+        "yarn_snap": float(zone.lost_in_snaps),
+        "viscous": float(zone.damped),
+        "failure_dissipation": float(zone.lost_with_yarns),
+        "neighbour_contact": float(zone.stored_at_neighbours),
+        "crossover_friction": float(zone.friction_work),
+        "slack_contact": float(zone.lost_when_slack),
     }
 
 

@@ -19,7 +19,6 @@ import math
 
 from shellfabric.cloth.vector_kernels import dot, scaled, subtract
 from shellfabric.jit.compile import kernel
-from shellfabric.yarns.chain_kernels import FAILED, NEIGHBOURS, SLACK
 from shellfabric.yarns.crossing_kernels import CLOSE, moved
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 
@@ -47,7 +46,7 @@ def neighbour_forces(zone):
                     zone.foot[n, WAIT] -= 1.0
                     continue
                 stored += neighbour_force(zone, family, start, n)
-    zone.books[NEIGHBOURS] = stored
+    zone.stored_at_neighbours = stored
 
 
 @kernel(_nrt=False)
@@ -83,12 +82,12 @@ def neighbour_force(zone, family, start, n):
     touch = zone.beside[family, TOUCH]
     m, weights, d, square, step = closest_point(zone, family, start, n)
     if not (zone.whole[n - 1] and zone.whole[n] and zone.whole[m - 1] and zone.whole[m]):
-        zone.books[FAILED] += foot[ENERGY]
+        zone.lost_with_yarns += foot[ENERGY]
         foot[PLACE] = -1.0
         foot[ENERGY] = 0.0
         return 0.0
     if abs(step) > RUNS:
-        zone.books[SLACK] += foot[ENERGY]
+        zone.lost_when_slack += foot[ENERGY]
         foot[ENERGY] = 0.0
         foot[ONSET] = -1.0
         return 0.0

@@ -20,7 +20,7 @@ from shellfabric.cloth.vector_kernels import (
 )
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
-from shellfabric.yarns.chain_kernels import AHEAD, FAILED, NOSE, NOSE_FRICTION
+from shellfabric.yarns.chain_kernels import AHEAD
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
@@ -33,7 +33,7 @@ def nose_forces(zone, state, const):
     """Forces of the nose, into zone.f and state.f_contact_nose; counts points of whole yarns ahead of it."""
     for c in range(3):
         state.f_contact_nose[c] = 0.0
-    zone.books[NOSE] = 0.0
+    zone.stored_at_nose = 0.0
     zone.counter[AHEAD] = 0
     for family in range(2):
         for yarn in range(zone.yarns[family]):
@@ -66,7 +66,7 @@ def beyond_reach(zone, state, const, n):
 def nose_point(zone, state, const, n, kind, weights, whole, held):
     """Contact of one point."""
     if not whole:
-        zone.books[FAILED] += zone.nose_energy[n, kind]
+        zone.lost_with_yarns += zone.nose_energy[n, kind]
         zone.nose_energy[n, kind] = 0.0
         return
     place = add_scaled(gather(zone.x, n, weights), -1.0, state.projectile_position)
@@ -89,7 +89,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
     normal = combined(const.frame, normal)
     push = zone.nose_stiffness * depth
     zone.nose_energy[n, kind] = 0.5 * push * depth
-    zone.books[NOSE] += zone.nose_energy[n, kind]
+    zone.stored_at_nose += zone.nose_energy[n, kind]
     force = scaled(push, normal)
     if const.friction > 0.0:
         force = add_scaled(
@@ -109,5 +109,5 @@ def nose_friction(zone, state, const, n, kind, weights, normal, push):
     force, taken, _ = friction_kernels.friction_force(
         zone.rubbed[n, kind], limit, spring, zone.dt, normal, velocity
     )
-    zone.books[NOSE_FRICTION] += taken
+    zone.nose_friction_work += taken
     return force

@@ -35,7 +35,7 @@ from fabrics import assumed
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import failure
-from shellfabric.yarns import chain_kernels, crossing_kernels, neighbour_kernels
+from shellfabric.yarns import crossing_kernels, neighbour_kernels
 from shellfabric.yarns.state import Zone
 
 CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0
@@ -381,7 +381,7 @@ class YarnPatch:
             outer_force=np.zeros((2, chains["tied_node"].size + 1, 3)),
             tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),
             tied_rest=chains["x"][:, chains["tied_node"]].T,
-            books=np.zeros(chain_kernels.BOOKS),
+            **{name: np.zeros(()) for name in Zone.totals()},
         )
 
 

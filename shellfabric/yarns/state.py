@@ -1,6 +1,6 @@
 """The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
 
-from shellfabric.jit.table import Row, array, number
+from shellfabric.jit.table import Row, array, number, total
 
 
 class Zone(Row):
@@ -112,4 +112,15 @@ class Zone(Row):
         "on these and the nose, mean over this and the last step of the ply",
         kept=True,
     )
-    books = array("12", "J, -", "energies, works and counts (yarns.chain_kernels)", kept=True)
+    stored = total("J", "that the yarns store", kept=True)
+    stored_at_crossings = total("J", "that crossings store", kept=True)
+    stored_at_neighbours = total("J", "that neighbours store", kept=True)
+    stored_at_nose = total("J", "that points at the nose store", kept=True)
+    damped = total("J", "work of viscous forces so far", kept=True)
+    friction_work = total("J", "work of friction at crossings", kept=True)
+    lost_with_yarns = total("J", "lost with yarns that tore", kept=True)
+    lost_when_slack = total("J", "lost by contacts of slack yarns", kept=True)
+    nose_friction_work = total("J", "work of friction at the nose", kept=True)
+    lost_in_snaps = total("J", "lost by steps in which yarns stiffen", kept=True)
+    torn_segments = total("-", "segments that tore", kept=True)
+    tangled = total("-", "crossings without a common perpendicular", kept=True)

@@ -7,6 +7,7 @@ from yarn_patches import march, only_first_warp, patch
 from fabrics import assumed, catalogue
 from fabrics.yarn import striking_velocity
 from shellfabric.yarns import chain_kernels
+from shellfabric.yarns.coupling_kernels import stored_and_lost
 
 STRAIN = 0.01
 
@@ -53,7 +54,7 @@ def test_a_chain_keeps_energy_and_momentum():
     def watch(zone):
         after = zone.v + zone.dt * zone.inverse_mass * zone.f
         kinetic = 0.5 * (zone.mass * zone.v * after)[:, nodes].sum()
-        energies.append(kinetic + zone.books[: chain_kernels.TORN].sum())
+        energies.append(kinetic + stored_and_lost(zone))
 
     march(zone, 400, watch)
     after = zone.v[:, nodes] @ zone.mass[nodes]
@@ -75,12 +76,12 @@ def test_a_segment_breaks_when_the_mean_of_its_neighbours_has_been_above_the_str
     )
     zone.inverse_mass[:] = 0.0
     steps = 0
-    while zone.books[chain_kernels.TORN] == 0 and steps < 10_000:
+    while zone.torn_segments == 0 and steps < 10_000:
         march(zone, 1)
         steps += 1
     delay = -1 / np.log1p(-zone.filter_factor[0])  # [steps] of t_f
     assert steps == pytest.approx(delay * np.log(2), abs=3)
-    lost = zone.books[chain_kernels.FAILED]
+    lost = zone.lost_with_yarns
     assert lost == pytest.approx(
         0.5 * load * zone.strength[0] * strain * zone.rest_length[~zone.whole & zone.breaking].sum()
     )

@@ -45,7 +45,7 @@ def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
     assert energies_hold(result, 1e-3)
     zone = result.target.plies[0].zone()
     assert result.energies["crossover_friction"][-1] > 1e-3 * result.strike_energy
-    assert zone.books.max() == 0.0  # a run leaves the panel at rest
+    assert zone.stored == zone.friction_work == 0.0  # a run leaves the panel at rest
     assert 1e-4 < result.max_deflection < 60.0 * 40e-6
 
 

@@ -5,9 +5,8 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.yarns import chain_kernels, zone_kernels
+from shellfabric.yarns.coupling_kernels import stored_and_lost
 from shellfabric.yarns.patch import YarnPatch, kinetic_energy
-
-ENERGIES = slice(chain_kernels.STORED, chain_kernels.TORN)
 
 
 def patch(crossings=(6, 5), **values):
@@ -33,7 +32,7 @@ def march(zone, steps, watch=None):
 
 def energy(zone):
     """[J] of a free zone: kinetic, stored, and all that has been dissipated."""
-    return kinetic_energy(zone) + zone.books[ENERGIES].sum()
+    return kinetic_energy(zone) + stored_and_lost(zone)
 
 
 def only_first_warp(zone):
