@@ -185,7 +185,6 @@ class Block:
     row : state.BlockRow, what the kernels work on
     x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
     mass, alpha, gone, energy : as in `row`
-    time : [s]
     """
 
     def __init__(self, backing: Backing, dt: float) -> None:
@@ -195,7 +194,6 @@ class Block:
             )
         self.backing = backing
         self.dt = float(dt)
-        self.time = 0.0
         self.shape = nx, ny, nz = backing.count
         grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
         grid[..., 2] += backing.standoff
@@ -238,9 +236,6 @@ class Block:
         self.gone = self.row.gone
         self.energy = self.row.energy
         self.points: BlockPoints | None = None  # of `press`
-        # what contacts take from projectile and points: known when their next velocities are
-        self._before: dict[str, np.ndarray] = {}
-        self._taken = self._kick = 0.0
 
     def _set_boundaries(self, bricks, found):
         """Masses, supports, dashpots and contact springs of the nodes, into the arrays `found`."""
@@ -292,7 +287,9 @@ class Block:
         position = np.asarray(position, float)
         touch.nose_forces(self.row, position, np.asarray(speed, float), projectile.nose)
         push = self.row.shot[kernels.ELASTIC_FORCE : kernels.DAMPING_FORCE]
-        return self._take("shot", push + self.row.shot[kernels.DAMPING_FORCE :], speed)
+        return self._take(
+            self.row.force_before, push + self.row.shot[kernels.DAMPING_FORCE :], speed
+        )
 
     def press(
         self,
@@ -322,7 +319,7 @@ class Block:
         if damping is not None:
             points.damping[:] = damping
         touch.point_forces(self.row, points, float(thickness), self.dt)
-        return self._take("points", points.force + points.drag, velocities)
+        return self._take(points.force_before, points.force + points.drag, velocities)
 
     def _make_points(self, places, thickness):
         """BlockPoints that have not touched yet, above the columns of the block at rest."""
@@ -334,12 +331,12 @@ class Block:
         points.memory[:, 0] = places[:, 2] + thickness - self.backing.standoff
         return points
 
-    def _take(self, who, force, speed):
+    def _take(self, before, force, speed):
         """Add what contact takes from a partner that moves at `speed` in half a step before now, by
-        its force of now, and by that of a step ago; the force."""
-        both = self._before.get(who, 0.0) + force
-        self._taken -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
-        self._before[who] = force
+        its force of now, and by that of a step ago, which it replaces; the force."""
+        both = before + force
+        self.row.taken[...] -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
+        before[...] = force
         return force
 
     def advance(self) -> None:
@@ -361,27 +358,29 @@ class Block:
                 f"a brick is flattened: the block needs {count} steps in one of the run"
             )
         step = self.dt / count
-        if self._kick not in (0.0, step) or count > 1:
+        kick = float(self.row.kick)
+        if kick not in (0.0, step) or count > 1:
             # the impulse of a whole step of the run, in the first of these; of half a step at first
             duration = self.dt
-            if not self._kick:
+            if not kick:
                 duration = 0.5 * self.dt
-            whole = duration / (0.5 * (self._kick + step))
+            whole = duration / (0.5 * (kick + step))
             self.row.outer[:] *= whole
             self.row.drags[:] *= whole
         for _ in range(count):
             self._step(step)
             self.row.outer[:] = 0.0
             self.row.drags[:] = 0.0
-        self.time += self.dt
+        self.row.time[...] += self.dt
 
     def _step(self, dt):
-        kernels.forces(self.row, self._kick)
+        kick = float(self.row.kick)
+        kernels.forces(self.row, kick)
         inside_out = np.isnan(self.energy[:, kernels.ELASTIC])
         if inside_out.any():
             raise self._unstable("a brick is turned inside out", int(np.argmax(inside_out)))
-        kernels.move(self.row, 0.5 * (self._kick + dt), dt)
-        self._kick = dt
+        kernels.move(self.row, 0.5 * (kick + dt), dt)
+        self.row.kick[...] = dt
 
     def _unstable(self, what, brick=None):
         """The error of a brick; without one, of that which bears the shortest step."""
@@ -389,7 +388,7 @@ class Block:
             brick = int(np.argmin(self._bounds()))
         places = 1e3 * self.x[self.bricks[brick]].mean(axis=0)
         where = "the block's brick at ({:.3g}, {:.3g}, {:.3g}) mm".format(*places)
-        return UnstableError(what, where=where, when=f"after {1e6 * self.time:.4g} us")
+        return UnstableError(what, where=where, when=f"after {1e6 * float(self.row.time):.4g} us")
 
     def stable_step(self) -> float:
         """[s] bound of the step for the bricks as they are now: 1 / (c (2 sum |grad N_a|^2)^(1/2)),
@@ -429,9 +428,14 @@ class Block:
             row.work[:, 1].sum(),
             bricks[kernels.ERODED],
             held,
-            self._taken + (row.work[:, 2] - row.work[:, 3]).sum() - held,
+            row.taken + (row.work[:, 2] - row.work[:, 3]).sum() - held,
         )
         return dict(zip(ENERGIES, map(float, values)))
+
+    @property
+    def time(self) -> float:
+        """[s] since it was at rest."""
+        return float(self.row.time)
 
     @property
     def bricks(self) -> IntArray:
@@ -467,29 +471,6 @@ class Block:
         face = self.x[np.take_along_axis(self.nodes, beside[..., None], axis=2)[..., 0]].copy()
         face[..., 2] -= self.backing.standoff
         return face
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """{name: array} of all that its motion goes on from; `restore` takes it back."""
-        found = {name: getattr(self.row, name) for name in BlockRow.kept()}
-        found["clock"] = np.array([self.time, self._kick, self._taken])
-        if self.points is not None:
-            found |= {name: getattr(self.points, name) for name in BlockPoints.kept()}
-        return found | {f"{who}_force": force for who, force in self._before.items()}
-
-    def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Go on from `arrays` of a block of the same backing and step."""
-        for name in BlockRow.kept():
-            getattr(self.row, name)[...] = arrays[name]
-        self.time, self._kick, self._taken = map(float, arrays["clock"])
-        if "columns" in arrays:
-            self.points = BlockPoints(**BlockPoints.zeros(points=len(arrays["columns"])))
-            for name in BlockPoints.kept():
-                getattr(self.points, name)[...] = arrays[name]
-        self._before = {
-            who: np.array(arrays[f"{who}_force"])
-            for who in ("shot", "points")
-            if f"{who}_force" in arrays
-        }
 
 
 def _corners(grid):

@@ -1,6 +1,6 @@
 """The arrays of a block behind the fabric, and of the points that touch its face."""
 
-from shellfabric.jit.table import Row, array, integer
+from shellfabric.jit.table import Row, array, integer, total
 
 
 class BlockRow(Row):
@@ -52,6 +52,10 @@ class BlockRow(Row):
         "7", "J, N", "contact with a projectile: stored; elastic and damping force", kept=True
     )
     points = array("7", "J, N", "contact with points: stored", kept=True)
+    force_before = array("3", "N", "force of the projectile of a step ago", kept=True)
+    time = total("s", "since the block was at rest", kept=True)
+    kick = total("s", "length of the last step", kept=True)
+    taken = total("J", "work that contacts have taken from projectile and points", kept=True)
     substeps = array(
         "2 int64", "-", "steps in one of the run, and steps since they were found", kept=True
     )
@@ -79,3 +83,4 @@ class BlockPoints(Row):
     )
     force = array("points, 3", "N", "elastic force on each")
     drag = array("points, 3", "N", "damping force on each")
+    force_before = array("points, 3", "N", "force on each a step ago", kept=True)

@@ -191,13 +191,6 @@ class ExplicitSolver:
         """{name: list of equal rows} of what has been recorded."""
         return {"samples": self.samples}
 
-    def checkpoint_extra(self) -> dict[str, Any]:
-        """{name: array} of what is not restored in place; see `restore_extra`."""
-        return {}
-
-    def restore_extra(self, arrays: Mapping[str, Any]) -> None:
-        """Go on from what `checkpoint_extra` has returned."""
-
     # the driver
 
     @property

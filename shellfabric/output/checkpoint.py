@@ -2,7 +2,7 @@
 Needs h5py.
 
 What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`,
-`checkpoint_extra` and `counters`, its step history and its snapshots. A checkpoint carries digests
+`counters`, its step history and its snapshots. A checkpoint carries digests
 of all that determines the run and its records, the code among it, and is refused by any other run.
 """
 
@@ -66,8 +66,6 @@ def write(solver: ExplicitSolver, path: FilePath) -> None:
             file[f"arrays/{name}"] = np.array(array)
         for name, rows in solver.checkpoint_records().items():
             file[f"records/{name}"] = np.array(rows)
-        for name, array in solver.checkpoint_extra().items():
-            file[f"extra/{name}"] = array
         file["steps"] = np.concatenate(
             [np.empty((0, solver.history_columns)), *solver.step_history]
         )
@@ -93,7 +91,6 @@ def _restore(solver, file):
         array[...] = file[f"arrays/{name}"][()]
     for name, rows in solver.checkpoint_records().items():
         rows[:] = list(file[f"records/{name}"][()])
-    solver.restore_extra({name: data[()] for name, data in file.get("extra", {}).items()})
     for name in solver.counters:
         setattr(solver, name, file.attrs[name].item())
     ends = np.cumsum(file["chunks"][()])

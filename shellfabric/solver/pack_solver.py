@@ -8,7 +8,6 @@ the plies of a pack; the results are the same to the last bit with any number of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -457,6 +456,8 @@ class PackSolver(ExplicitSolver):
             found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
         if self.bar:
             found["bar"] = self.bar
+        if self.backing:
+            found |= {"block": self.backing.block.row, "block_points": self.backing.block.points}
         return found | {
             "contact": self.contact,
             "stack": self.stack,
@@ -469,14 +470,3 @@ class PackSolver(ExplicitSolver):
             "ply_samples": self.ply_samples,
             "histories": self.histories,
         }
-
-    def checkpoint_extra(self) -> dict[str, Any]:
-        """See ExplicitSolver."""
-        if self.backing:
-            return self.backing.block.arrays()
-        return {}
-
-    def restore_extra(self, arrays: Mapping[str, Any]) -> None:
-        """See ExplicitSolver."""
-        if self.backing:
-            self.backing.block.restore(arrays)

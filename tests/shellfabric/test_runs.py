@@ -212,7 +212,6 @@ def contents(solver):
     """{name: array} of the whole state and of all records of a run, but the surfaces, which each step places anew."""
     kept = {
         "arrays": dict(checkpoint._arrays(solver)),
-        "block": solver.checkpoint_extra(),
         "reason": solver.reason,
         "records": solver.checkpoint_records(),
         "steps": solver.step_history,
