@@ -23,6 +23,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
 from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.slots import by_node
 from shellfabric.state import Constants, State
 from shellfabric.yarns import coupling_kernels
@@ -40,6 +41,8 @@ MOST_STEPS = 3  # of the yarns in a step of the membrane
 # runs with resolved yarns of four fabrics gave 1.9 to 3.1
 HOLDING = 2.8
 WIDEST = 4.0  # radius [spacings] of the noses from which it comes
+# of Numerics: what the contact of the nose with the membrane has, and that with yarns has not
+MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "widest")
 REACH = 2.0  # spacings between the nose and the rim at least
 # energies of a zone that a ply without one does not have
 ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
@@ -125,6 +128,11 @@ class YarnPanel(Panel):
             if value != allowed:
                 text = "left out" if allowed is None else str(allowed)
                 raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
+        usual = Numerics()
+        for key in MEMBRANE_CONTACT:
+            value = getattr(self.numerics, key)
+            if value != getattr(usual, key):
+                raise InputError(key=key, value=value, allowed="left out with resolved yarns")
         super().__post_init__()
         self._check_zone()
 

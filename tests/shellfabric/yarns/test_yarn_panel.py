@@ -12,6 +12,7 @@ from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output.checkpoint import Checkpoints
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.yarns.chain_kernels import STEPS
@@ -222,6 +223,10 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
         ({"crossovers": YarnZone(3e-3)}, "zone"),
         ({"round": True, "crossovers": YarnZone(25e-3)}, "zone"),
         ({"plies": 2}, "crossovers"),
+        ({"numerics": Numerics(penalty=0.1)}, "penalty"),
+        ({"numerics": Numerics(contact_damping=0.0)}, "contact_damping"),
+        ({"numerics": Numerics(contact_points=2)}, "contact_points"),
+        ({"numerics": Numerics(widest=2.0)}, "widest"),
     ],
 )
 def test_what_a_zone_does_not_have_is_refused(table, values, key):
