@@ -40,7 +40,7 @@ from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import display, out_folder, progress, run_folder
+from weavecell.results import display, keys, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -325,7 +325,7 @@ class CouponResult(Result):
         facts = self.record.facts
         lines = []
         for name, (unit, values) in self._measured().items():
-            value = display.text(values[-1], unit, name)
+            value = display.text(values[-1], unit)
             lines.append(f"{name:<34}{value}{self._flag(name)}")
         share = facts["yarn_stiffness_share"]
         if share < 1:
@@ -368,10 +368,9 @@ class CouponResult(Result):
         return self.table()
 
     def _measured(self):
-        """{column: (SI unit, values)}."""
-        return {
-            name: (self.record.unit(name), values) for name, values in self.record.columns.items()
-        }
+        """{column: (unit, values)}."""
+        columns = self.record.columns
+        return {name: (keys.COUPON_MEASURES[name].unit, columns[name]) for name in columns}
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""

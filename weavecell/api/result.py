@@ -121,7 +121,7 @@ class Result:
             key = known.get(name) or keys.of_name(name)
             # numbers get their unit; a truth value is a word
             if isinstance(value, (int, float)) and not isinstance(value, bool):
-                rows.append((key.label, display.number(value, key.unit, name)))
+                rows.append((key.label, display.number(value, key.unit)))
             elif plain(value) and value not in (None, ""):
                 rows.append((key.label, value))
         return DataFrame(rows, columns=["quantity", "value"])

@@ -520,7 +520,7 @@ class ShotResult(ImpactRecord, Result):
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
             lines += [self.contact_words, f"by ply: {cut}", self.gap_words]
-        error = text(self.energy_error_max, "1", "error", ".3f")
+        error = text(self.energy_error_max, "%", ".3f")
         energy = f"{self.strike_energy:.2f} J"
         lines.append(f"energy error at most {error} of the strike energy, {energy}")
         if self.step_factor < 1.0:
@@ -531,7 +531,7 @@ class ShotResult(ImpactRecord, Result):
             lines.append(self.rigid_check)
         if self.backing is not None:
             lines.append(chapters_shot.dent(self))
-        viscous = text(self.viscous_energy_fraction, "1", "share", ".1f")
+        viscous = text(self.viscous_energy_fraction, "%", ".1f")
         if self.cut_yarns[-1]:
             lost = f"failure dissipation {self.energies['failure_dissipation'][-1]:.2f} J"
             lines.append(f"{lost}, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")

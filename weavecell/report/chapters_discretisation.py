@@ -127,8 +127,8 @@ def _verdict(pair):
         verdict = "confirmed"
     uncertainty = "not known"
     if pair.uncertainty < inf:
-        uncertainty = display.text(pair.uncertainty, "1", "share", ".2g")
-    target = display.text(pair.target, "1", "share", ".2g")
+        uncertainty = display.text(pair.uncertainty, "%", ".2g")
+    target = display.text(pair.target, "%", ".2g")
     quantity = pair.quantity.replace("_", " ")
     return [f"accuracy {verdict}: {pair.meshes[-1]}; {quantity} {uncertainty} (target {target})"]
 

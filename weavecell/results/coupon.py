@@ -22,6 +22,7 @@ from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
 from fabrics.fabric_tables import FAMILIES
 from weavecell.results.hdf5_file import put
+from weavecell.results.keys import COUPON_MEASURES
 
 if TYPE_CHECKING:
     from shellfabric.coupon.dynamic_relaxation import State
@@ -34,11 +35,12 @@ CHECKPOINT = "weavecell coupon checkpoint 3"
 PULL_OUT_FORMAT = "weavecell pull-out 2"
 # stretches along each side of the cell's table, as many as in impacts
 TABLE_SIZE = 201
-PRESCRIBED = {  # by each test: name, unit
-    "bias_extension": ("elongation", "m"),
-    "picture_frame": ("shear angle", "rad"),
-    "uniaxial": ("strain of the strip", "1"),
-    "biaxial": ("strain of the cross", "1"),
+# by each test
+PRESCRIBED = {
+    "bias_extension": "elongation",
+    "picture_frame": "shear angle",
+    "uniaxial": "strain of the strip",
+    "biaxial": "strain of the cross",
 }
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
@@ -61,11 +63,11 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
         "uniaxial": _uniaxial,
         "biaxial": _biaxial,
     }[test]
-    name, unit = PRESCRIBED[test]
-    measures = {name: (unit, solved.prescribed)} | measure(inputs, solved)
+    prescribed = PRESCRIBED[test]
+    measures = {prescribed: solved.prescribed} | measure(inputs, solved)
     facts |= {
-        "prescribed_name": name,
-        "prescribed_unit": unit,
+        "prescribed_name": prescribed,
+        "prescribed_unit": COUPON_MEASURES[prescribed].si_unit,
         "outcome": solved.outcome,
         "elements": len(solved.coupon.quads),
         "yarn_stiffness_share": solved.coupon.yarn_share,
@@ -78,13 +80,12 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 
 
 def _record_of(measures, facts):
-    """The Record of {name: (unit, values)} and facts."""
-    columns = {}
+    """Return the Record of {name: values} and facts; keys.toml has units and meanings."""
     meanings = {}
-    for name, (unit, values) in measures.items():
-        columns[name] = values
-        meanings[name] = f"[{unit}] {name}"
-    return Record(columns, meanings, facts)
+    for name in measures:
+        key = COUPON_MEASURES[name]
+        meanings[name] = f"[{key.si_unit}] {key.meaning}"
+    return Record(measures, meanings, facts)
 
 
 def _residual_max(solved):
@@ -97,29 +98,29 @@ def _bias(inputs, solved):
     size = quasistatic.bias_size(solved)
     shear = np.array([solved.shear(step) for step in range(len(solved.states))])
     zones = quasistatic.zones(solved.coupon, *size)
-    measures = {"load": ("N", np.abs(solved.force(1, 1)))}
+    measures = {"load": np.abs(solved.force(1, 1))}
     angles = []
     for number, zone in enumerate(quasistatic.ZONES):
         angle = 0.5 * pi - shear[:, zones == number].mean(axis=1)
         angles.append(angle)
-        measures[f"angle in zone {zone}"] = ("rad", angle)
+        measures[f"angle in zone {zone}"] = angle
     a, b, c = angles
     rigid = [quasistatic.inextensible_shear(*size, end) for end in solved.prescribed]
     concentration = [quasistatic.concentration(gamma, zones == 2) for gamma in shear]
     return measures | {
-        "B less the mean of A and C": ("rad", b - 0.5 * (a + c)),
-        "zone C, yarns that do not stretch": ("rad", 0.5 * pi - np.array(rigid)),
-        "shear concentration": ("1", np.array(concentration)),
+        "B less the mean of A and C": b - 0.5 * (a + c),
+        "zone C, yarns that do not stretch": 0.5 * pi - np.array(rigid),
+        "shear concentration": np.array(concentration),
     }
 
 
 def _frame(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    measures = {"shear stress": ("Pa", quasistatic.frame_stress(solved))}
+    measures = {"shear stress": quasistatic.frame_stress(solved)}
     law = solved.coupon.table.model.fabric.shear
     if law is not None:
-        measures["trellis law"] = ("Pa", law.stress(solved.prescribed))
+        measures["trellis law"] = law.stress(solved.prescribed)
     return measures
 
 
@@ -135,10 +136,10 @@ def _uniaxial(inputs, solved):
     strain = quasistatic.middle_strain(solved, 0.2 * (size if along == 0 else size[::-1]))
     load = solved.force(1, 0)
     return {
-        "load": ("N", load),
-        "load of a yarn": ("N", load / yarns),
-        "strain in the middle, along": ("1", strain[:, along]),
-        "strain in the middle, across": ("1", strain[:, 1 - along]),
+        "load": load,
+        "load of a yarn": load / yarns,
+        "strain in the middle, along": strain[:, along],
+        "strain in the middle, across": strain[:, 1 - along],
     }
 
 
@@ -152,10 +153,10 @@ def _biaxial(inputs, solved):
     loads = solved.force(1, 0), solved.force(3, 1)
     measures = {}
     for family, load, strain in zip(FAMILIES, loads, strains.T):
-        measures[f"load of a {family} yarn"] = ("N", load / inputs.centre)
-        measures[f"strain in the middle, {family}"] = ("1", strain)
+        measures[f"load of a {family} yarn"] = load / inputs.centre
+        measures[f"strain in the middle, {family}"] = strain
     for family, name in zip(FAMILIES, ("N1", "N2")):
-        measures[f"cell at these strains, {family}"] = ("N", cell[name])
+        measures[f"cell at these strains, {family}"] = cell[name]
     return measures
 
 
@@ -175,11 +176,11 @@ def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """The record of a curve, a row a sample; `facts` come first."""
     coupon = curve.coupon
     measures = {
-        "displacement of the crosshead": ("m", curve.displacement),
-        "load": ("N", curve.load),
-        "crossovers in slip": ("1", curve.sliding),
-        "crossovers left": ("1", curve.left),
-        "work of friction": ("J", curve.friction_work),
+        "displacement of the crosshead": curve.displacement,
+        "load": curve.load,
+        "crossovers in slip": curve.sliding,
+        "crossovers left": curve.left,
+        "work of friction": curve.friction_work,
     }
     facts |= {
         "crossings": coupon.crossings,

@@ -36,7 +36,7 @@ def write_group(group: Any, source: object, table: Iterable[Key]) -> None:
     attributes."""
     for key in table:
         if key.unit:
-            put(group, key.name, key.value(source), key.unit)
+            put(group, key.name, key.value(source), key.si_unit)
         else:
             group.attrs[key.name] = key.value(source)
 

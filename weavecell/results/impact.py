@@ -334,7 +334,7 @@ class ImpactRecord:
 
         def add(prefix, key, history):
             columns[f"{prefix}{key.name}"] = history
-            meanings[f"{prefix}{key.name}"] = f"[{key.unit}] {key.meaning}"
+            meanings[f"{prefix}{key.name}"] = f"[{key.si_unit}] {key.meaning}"
 
         # the tables in keys.toml give the order, the unit and the meaning of each column
         for key in TABLES["histories"]:
@@ -356,7 +356,7 @@ class ImpactRecord:
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
-        units = {key.name: key.unit for key in TABLES["ply_histories"]}
+        units = {key.name: key.si_unit for key in TABLES["ply_histories"]}
         with write_hdf5(path, FORMAT) as file:
 
             def write_table(name, source, table):

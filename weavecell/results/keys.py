@@ -23,10 +23,12 @@ _UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
 
 
 class Key(NamedTuple):
-    """A key of a result file, with its unit ("1": a number without) and its meaning.
+    """A key of a result file, with its unit and its meaning.
 
     Parameters
     ----------
+    unit : SI unit, "1" of a number without; "%" of a share, which is a number in files and shown in
+        %; "wall s" of the time that a computer took; "" of what is no number
     path : where an object holds it, its name if not given: attributes, keys of dicts and indices
         with dots between them
     """
@@ -44,9 +46,12 @@ class Key(NamedTuple):
     @property
     def label(self) -> str:
         """The beginning of its meaning, with the unit in which it is shown."""
-        return display.heading(
-            self.meaning.partition(";")[0].replace("`", ""), self.unit, self.name
-        )
+        return display.heading(self.meaning.partition(";")[0].replace("`", ""), self.unit)
+
+    @property
+    def si_unit(self) -> str:
+        """Unit of the number in the files."""
+        return display.si_unit(self.unit)
 
     def value(self, source: Any) -> Any:
         """Of an object, such as a record."""
@@ -95,7 +100,11 @@ OF_IMPACTS = (
 )
 DATASETS = tuple(key for key in OF_IMPACTS if key.unit)
 ATTRIBUTES = tuple(key for key in OF_IMPACTS if not key.unit)
-COUPON_DATASETS = (*TABLES["coupon_datasets"], *_under("coupon", TABLES["coupon_mesh"]))
+COUPON_DATASETS = (
+    *_under("histories", TABLES["coupon_measures"]),
+    *TABLES["coupon_datasets"],
+    *_under("coupon", TABLES["coupon_mesh"]),
+)
 
 
 def table(*names: str) -> tuple[Key, ...]:
@@ -104,16 +113,30 @@ def table(*names: str) -> tuple[Key, ...]:
 
 
 SHARED = table("run", "folder")
+# what a test on a coupon prescribes and measures: the columns of its record
+COUPON_MEASURES = {key.name: key for key in table("coupon_measures")}
 IMPACT = table("impact", *OF_SOME.values(), "failure", "stacking", "impact_folder")
 
 
+# numbers of summaries and of tables of shots without an SI unit, by name
+_UNITS = {
+    key.name.removeprefix("shots."): key.unit
+    for key in table("run", *OF_SOME.values(), "failure", "critical_velocity", "impact")
+}
+
+
 def of_name(name: str) -> Key:
-    """The key of a name that no table has: its words, and the unit that it ends in.
+    """Return the key of a column by its name: its words, and the unit of this name in keys.toml,
+    else the unit that it ends in.
 
     Examples
     --------
-    >>> of_name("strike_velocity_m_s").label
-    'strike velocity [m/s]'
+    >>> of_name("strike_velocity_m_s").label, of_name("energy_error_max").label
+    ('strike velocity [m/s]', 'energy error max [%]')
     """
-    words, *unit = _UNIT.split(name)
-    return Key(name, unit[0].replace("_", "/") if unit else "1", words.replace("_", " "))
+    words, *ending = _UNIT.split(name)
+    unit = "1"
+    if ending:
+        unit = ending[0].replace("_", "/")
+    unit = _UNITS.get(name) or unit
+    return Key(name, unit, words.replace("_", " "))

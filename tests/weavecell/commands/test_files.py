@@ -66,7 +66,7 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
             assert set(item.attrs) - SCALES == {"unit"}
             key = find(name, keys.DATASETS if impact else keys.COUPON_DATASETS)
             assert key is not None, name
-            assert key.unit in ("", item.attrs["unit"]), name
+            assert key.si_unit in ("", item.attrs["unit"]), name
 
     with h5py.File(folder / "histories.h5") as file:
         file.visititems(see)
@@ -91,8 +91,8 @@ def test_energies_of_the_solvers_are_documented_and_drawn():
 def test_a_quantity_has_its_unit_at_the_end_of_its_key():
     units = {"m/s": "m_s", "kg": "kg", "s": "s", "m": "m", "N": "N", "J": "J", "rad": "rad"}
     for key in (*keys.SHARED, *keys.IMPACT):
-        if key.unit in units and not key.name.endswith(".*"):
-            assert key.name.endswith((f"_{units[key.unit]}", "_ns")), key.name
+        if key.si_unit in units and not key.name.endswith(".*"):
+            assert key.name.endswith((f"_{units[key.si_unit]}", "_ns")), key.name
 
 
 def test_another_format_is_refused(tmp_path):

@@ -85,7 +85,7 @@ def _load(record):
     if record.cut_yarns[-1]:
         return cut(record.cut_yarns[-1:])
     family, peak = max(record.peaks.items(), key=lambda item: item[1].share)
-    return f"peak tension {text(peak.share, '1', 'share', '.3g')} of the strength ({family})"
+    return f"peak tension {text(peak.share, '%', '.3g')} of the strength ({family})"
 
 
 def cut(counts: Sequence[float]) -> str:
@@ -123,7 +123,7 @@ def results(record: ImpactRecord) -> Table:
     rows = [("outcome", record.outcome)]
     for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
         if key.unit and key.name in facts:
-            rows.append((key.label, display.number(facts[key.name], key.unit, key.name)))
+            rows.append((key.label, display.number(facts[key.name], key.unit)))
     return Table(("result", "value"), tuple(rows), "Results", ("value",))
 
 
@@ -134,12 +134,12 @@ def ply_table(record: ImpactRecord) -> Table:
         {
             "ply": ("", np.arange(1, record.count + 1)),
             "cut yarns": ("", np.round(record.plies["cut_yarns"][-1], 1)),
-            "peak tension / strength, warp": ("1", shares[:, 0]),
-            "peak tension / strength, weft": ("1", shares[:, 1]),
+            "peak tension / strength, warp": ("%", shares[:, 0]),
+            "peak tension / strength, weft": ("%", shares[:, 1]),
             "energy at the end": ("J", record.plies["energy"][-1]),
         }
     )
-    deepest = text(record.max_penetration_ratio.max(), "1", "share", ".0f")
+    deepest = text(record.max_penetration_ratio.max(), "%", ".0f")
     caption = (
         f"Plies, from the front. Cut yarns: {PARTS}. The energy of a ply is its kinetic and stored energy and what it "
         f"has dissipated. A ply was pressed into the next by at most {deepest} of its thickness. The force of the "
@@ -456,7 +456,7 @@ def _block(record):
 def dent(record: ImpactRecord) -> str:
     """The back-face signature; of a block that still moves at the end, that there is none yet."""
     if record.block_moves:
-        moves = text(record.block_motion, "1", "share", ".2g")
+        moves = text(record.block_motion, "%", ".2g")
         return f"no back-face signature yet: the block moves with {moves} of the strike energy"
     return f"back-face signature {record.back_face_signature_mm:.3g} mm (dent in the block)"
 
