@@ -133,7 +133,7 @@ class InputErrors(InputError):
         for name in ("message", "file", "key", "value", "allowed"):
             setattr(self, name, getattr(first, name))
 
-    # exceptions come back from worker processes pickled, and pickle calls the class with `args`
+    # exceptions come back from worker processes pickled, and pickle calls the class with `Exception.args`
     def __reduce__(self) -> tuple[Any, ...]:
         return InputErrors, (self.problems,)
 

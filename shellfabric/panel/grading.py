@@ -212,10 +212,11 @@ def slots(
     def spread(row, column, factor=1.0):
         grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))
         grid = grid[: ni + 1, : nj + 1]
+        # kernels load eight slots at a time, beyond the last one too
         flat = aligned_zeros(1, (ni + 2) * (nj + 1) + 32)[0]
         flat[:] = factor * grid[0, 0]
-        flat[16 : 16 + grid.size] = factor * grid.ravel()
-        return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
+        flat[: grid.size] = factor * grid.ravel()
+        return flat
 
     rows = np.ones(ni + 1)
     columns = np.ones(nj + 1)

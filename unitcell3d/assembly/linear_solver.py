@@ -3,7 +3,7 @@ for a whole run.
 
 MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its
 scaling is left out, since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps
-a factorisation alive through each wrapper that `getPC` returns, so the solver is configured through
+a factorisation alive through each wrapper that `PETSc.KSP.getPC` returns, so the solver is configured through
 the options database and its PC is never used.
 """
 

@@ -1,0 +1,321 @@
+"""References in docstrings and comments name what exists.
+
+A reference stands in backticks. It is looked up in the syntax trees of the packages, without importing them:
+
+- `module`, `folder.module`, `folder.module.name`, `module.Class.member`: each part is in the part before it.
+- `Class.member`: a class of the packages has the member, or one of its bases has it.
+- `value.member`, where `value` is no module and no class: some class or module of the packages has the member.
+- `name`: it stands in the code of the same file, or a file of the packages defines it.
+- `folder/file.py`, `page.md`: such a file is in the repository.
+- `make target`: the Makefile has it.
+
+What is no reference, such as an expression or a line of an input file, is left alone.
+"""
+
+import ast
+import builtins
+import io
+import keyword
+import re
+import tokenize
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
+IN_BACKTICKS = re.compile(r"`+([^`\n]+)`+")
+DOTTED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\(\))?")
+SOURCE_FILE = re.compile(r"[\w./-]+\.(py|md|toml|csv|sh|ipynb)")
+# files that users write and runs make
+USERS_FILES = (".toml", ".csv", ".json", ".h5", ".vtu", ".png", ".html", ".k", ".inp")
+MAKE = re.compile(r"make ([a-z-]+)")
+DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+
+
+class Index:
+    """Names that the packages define, found in their syntax trees."""
+
+    def __init__(self, root):
+        self.root = root
+        self.trees = {}  # path: tree
+        self.modules = {}  # dotted name of a module or folder: names in it
+        self.classes = {}  # name of a class: [(its members, names of its bases)]
+        self.members = set()  # names that any class, module or table defines
+        self.libraries = set()  # names that come from other libraries
+        self.files = set()  # paths of the repository's files
+        for package in PACKAGES:
+            for path in sorted((root / package).rglob("*.py")):
+                self._add_module(path)
+            for path in sorted((root / package).rglob("*.toml")):
+                text = path.read_text("utf-8")
+                self.members |= set(re.findall(r"^([A-Za-z_]\w*) *=", text, re.MULTILINE))
+                for table in re.findall(r"^\[+([^]]+)\]", text, re.MULTILINE):
+                    self.members |= set(table.split("."))
+        for path in (root / "tests", root / "tools", root / "benchmarks"):
+            for file in path.rglob("*.py"):
+                self._add_name(file.relative_to(root).with_suffix("").parts, {"*"})
+        for path in root.rglob("*"):
+            name = path.relative_to(root).as_posix()
+            if not name.startswith((".", "results/")) and "node_modules" not in name:
+                self.files.add(name)
+        makefile = root / "Makefile"
+        text = makefile.read_text("utf-8") if makefile.exists() else ""
+        self.targets = set(re.findall(r"^([a-z-]+):", text, re.MULTILINE))
+
+    def _add_module(self, path):
+        tree = ast.parse(path.read_text("utf-8"))
+        self.trees[path] = tree
+        parts = path.relative_to(self.root).with_suffix("").parts
+        if parts[-1] == "__init__":
+            parts = parts[:-1]
+        names = assigned(tree)
+        self._add_name(parts, names)
+        self.members |= names
+        for node in ast.walk(tree):
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                self._add_libraries(node)
+            elif isinstance(node, ast.ClassDef):
+                members = assigned(node) | attributes_of_self(node)
+                bases = [ast.unparse(base).split(".")[-1] for base in node.bases]
+                self.classes.setdefault(node.name, []).append((members, bases))
+                self.members |= members | {node.name}
+            elif isinstance(node, DEFINITIONS):
+                self.members.add(node.name)
+            elif isinstance(node, ast.Dict):
+                self.members |= {key.value for key in node.keys if isinstance(key, ast.Constant)}
+
+    def _add_libraries(self, node):
+        module = getattr(node, "module", None)
+        for alias in node.names:
+            root = (module or alias.name).split(".")[0]
+            if root not in PACKAGES:
+                self.libraries |= {root, (alias.asname or alias.name).split(".")[0]}
+
+    def _add_name(self, parts, names):
+        self.modules.setdefault(".".join(parts), set()).update(names)
+        if len(parts) > 1:
+            self.modules.setdefault(".".join(parts[:-1]), set()).add(parts[-1])
+            self._add_name(parts[:-1], set())
+
+    @cache  # noqa: B019
+    def modules_called(self, name):
+        """Modules whose dotted name is `name`, or ends with it."""
+        return [full for full in self.modules if f".{full}".endswith(f".{name}")]
+
+    def class_has(self, name, member):
+        """Tell whether a class has a member, itself or by a base of the packages."""
+        for members, bases in self.classes.get(name, ()):
+            if member in members or "__getattr__" in members:
+                return True
+            for base in bases:
+                if base in self.classes and self.class_has(base, member):
+                    return True
+                if base not in self.classes and base not in ("object", "Protocol", "ABC"):
+                    return True  # a class of another library: its members are not known here
+        return False
+
+
+def assigned(node):
+    """Collect the names that the body of a module or a class defines, imports included."""
+    names = set()
+    for child in node.body:
+        names |= names_of_statement(child)
+    return names
+
+
+def names_of_statement(node):
+    """Collect the names that one statement defines; those of `if`, `try`, `with` and loops too."""
+    if isinstance(node, DEFINITIONS):
+        return {node.name}
+    if isinstance(node, (ast.Import, ast.ImportFrom)):
+        return {(alias.asname or alias.name).split(".")[0] for alias in node.names}
+    if isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        return {
+            part.id for target in targets for part in ast.walk(target) if isinstance(part, ast.Name)
+        }
+    names = set()
+    for block in ("body", "orelse", "finalbody"):
+        for child in getattr(node, block, ()):
+            names |= names_of_statement(child)
+    for handler in getattr(node, "handlers", ()):
+        names |= assigned(handler)
+    return names
+
+
+def attributes_of_self(node):
+    """Collect the names that methods of a class assign to `self`."""
+    return {
+        part.attr
+        for part in ast.walk(node)
+        if isinstance(part, ast.Attribute)
+        and isinstance(part.ctx, ast.Store)
+        and isinstance(part.value, ast.Name)
+        and part.value.id == "self"
+    }
+
+
+def names_in_code(tree):
+    """Collect every name of a file's code: variables, arguments, attributes, keywords, short strings."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name):
+            names.add(node.id)
+        elif isinstance(node, (ast.arg, ast.keyword)):
+            names.add(node.arg)
+        elif isinstance(node, ast.Attribute):
+            names.add(node.attr)
+        elif isinstance(node, DEFINITIONS):
+            names.add(node.name)
+        elif isinstance(node, ast.alias):
+            names.update((node.asname or node.name).split("."))
+        elif isinstance(node, ast.Constant) and is_short_text(node.value):
+            names.update(re.findall(r"[A-Za-z_]\w*", node.value))
+    return names
+
+
+def is_short_text(value):
+    """Tell whether a constant is a text that may be a name or two: a key, a column, a choice."""
+    return isinstance(value, str) and len(value) < 40 and "`" not in value
+
+
+def names_in_displays(text):
+    """Collect the names in indented lines of a docstring: equations and code that it shows."""
+    displays = re.findall(r"^ {4,}.*$", text, re.MULTILINE)
+    return set(
+        re.findall(r"[A-Za-z_]\w*", " ".join(re.sub("`[^`]*`", "", one) for one in displays))
+    )
+
+
+def texts(path, tree):
+    """Yield (line, text) of each docstring, comment and text in a file."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "`" in node.value:
+            yield node.lineno, node.value
+    for token in tokenize.generate_tokens(io.StringIO(path.read_text("utf-8")).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+
+
+def exists(index, reference, code):
+    """Tell whether a reference names something; `code` has the names of its own file's code."""
+    target = MAKE.fullmatch(reference)
+    if target:
+        return target[1] in index.targets
+    if SOURCE_FILE.fullmatch(reference) and not DOTTED.fullmatch(reference):
+        return file_exists(index, reference)
+    if not DOTTED.fullmatch(reference):
+        return True
+    if reference.endswith((".py", ".md", ".ipynb")):
+        return file_exists(index, reference)
+    if reference.endswith(USERS_FILES):
+        return True
+    parts = reference.removesuffix("()").split(".")
+    if len(parts) == 1:
+        return (
+            parts[0] in code
+            or parts[0] in index.members
+            or bool(index.modules_called(parts[0]))
+            or hasattr(builtins, parts[0])
+            or keyword.iskeyword(parts[0])
+        )
+    return dotted_exists(index, parts)
+
+
+def file_exists(index, name):
+    """Tell whether a file of the repository has this path, or a path that ends with it."""
+    name = name.removeprefix("./")
+    if "/" in name and not (index.root / name.split("/")[0]).exists() and not name.endswith(".py"):
+        return True  # a file of the user's
+    return any(f"/{one}".endswith(f"/{name}") for one in index.files)
+
+
+def dotted_exists(index, parts):
+    """Tell whether `module.name`, `Class.member` or `value.member` names something."""
+    for length in range(len(parts), 0, -1):
+        found = index.modules_called(".".join(parts[:length]))
+        if not found:
+            continue
+        rest = parts[length:]
+        if not rest:
+            return True
+        for module in found:
+            names = index.modules[module]
+            if "*" in names or rest[0] in names:
+                return len(rest) == 1 or rest[0] not in index.classes or index.class_has(*rest[:2])
+        if length > 1 or parts[0].endswith("_kernels") or parts[0] in PACKAGES:
+            return False
+    if parts[0] in index.classes:
+        return index.class_has(parts[0], parts[1])
+    if parts[0] in index.libraries or hasattr(builtins, parts[0]):
+        return True
+    return all(part in index.members for part in parts[1:])
+
+
+def dead_references(root):
+    """Yield "file:line `reference`" of each reference of the packages that names nothing."""
+    index = Index(root)
+    for path, tree in index.trees.items():
+        code = names_in_code(tree)
+        for line, text in texts(path, tree):
+            shown = names_in_displays(text)
+            for reference in IN_BACKTICKS.findall(text):
+                if not exists(index, reference, code | shown):
+                    yield f"{path.relative_to(root)}:{line} `{reference}`"
+
+
+def test_references_name_what_exists():
+    assert sorted(dead_references(ROOT)) == []
+
+
+@pytest.fixture(scope="module")
+def small_house(tmp_path_factory):
+    """Write a package with a module, a class, a kernel file, a folder and a Makefile."""
+    root = tmp_path_factory.mktemp("house")
+    folder = root / "shellfabric" / "cloth"
+    folder.mkdir(parents=True)
+    (root / "Makefile").write_text("lint:\n\ttrue\n")
+    (root / "shellfabric" / "__init__.py").write_text("")
+    (folder / "__init__.py").write_text("")
+    (folder / "yarn_kernels.py").write_text(
+        "import numpy as np\n\ndef pull_yarns(u):\n    return u\n"
+    )
+    (folder / "panel.py").write_text(
+        "class Base:\n    width: float\n\n"
+        "class Panel(Base):\n    def mesh(self):\n        self.sides = 2\n\n"
+        "class Grid:\n    kept: int\n"
+    )
+    return root
+
+
+ALIVE = [
+    "pull_yarns", "yarn_kernels", "cloth.yarn_kernels", "yarn_kernels.pull_yarns", "shellfabric.cloth.panel.Panel",
+    "Panel.mesh", "Panel.width", "Panel.sides", "panel.Panel.mesh", "state.sides", "np.linalg.solve", "mesh()",
+    "cloth/panel.py", "make lint", "x * y + 1", "local", "print", "not", "folder/of/a/user.toml",
+]  # fmt: skip
+DEAD = [
+    "pull_yarn", "yarns_kernels", "cloth.grid", "yarn_kernels.difference", "shellfabric.cloth.panel.Plate",
+    "Panel.meshed", "Grid.width", "Base.sides", "panel.Panel.kept", "state.counter", "lapack.solve", "meshes()",
+    "cloth/plates.py", "make nothing", "shellfabric.solver", "panel.model.Numerics", "shellfabric/gone.toml",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("written", ["docstring", "comment", "message"])
+@pytest.mark.parametrize(
+    ("reference", "dead"), [(one, 0) for one in ALIVE] + [(one, 1) for one in DEAD]
+)
+def test_planted_references_are_found_if_they_name_nothing(small_house, reference, dead, written):
+    text = f"as `{reference}` has it"
+    lines = {
+        "docstring": f'"""Solve\n{text}."""\nlocal = 1\n',
+        "comment": f"local = 1  # {text}\n",
+        "message": f'local = 1\nraise ValueError("{text}")\n',
+    }
+    (small_house / "shellfabric" / "planted.py").write_text(lines[written])
+    found = list(dead_references(small_house))
+    assert len(found) == dead
+    if dead:
+        assert found[0].startswith("shellfabric/planted.py:")
+        assert found[0].endswith(f"`{reference}`")
