@@ -34,7 +34,8 @@ TABLES = {
 
 
 def with_shear(fabric: Fabric) -> Fabric:
-    """The fabric with a trellis law, that of its fibre family if its file gives none.
+    """Return the fabric with a trellis law: its own, or that of its fibre family if its file gives
+    none.
 
     Raises
     ------
@@ -44,7 +45,8 @@ def with_shear(fabric: Fabric) -> Fabric:
 
 
 def with_solid_laws(fabric: Fabric) -> Fabric:
-    """The fabric with solid laws of its yarns, those of its fibre family if its file gives none.
+    """Return the fabric with solid laws of its yarns: its own, or those of its fibre family if its
+    file gives none.
 
     Raises
     ------
@@ -54,8 +56,8 @@ def with_solid_laws(fabric: Fabric) -> Fabric:
 
 
 def transverse_moduli(fabric: Fabric) -> tuple[float, float]:
-    """(warp, weft) [Pa] of packed yarn across its fibres; of yarns of no known family the lowest of
-    all families."""
+    """Return the transverse moduli (warp, weft) [Pa] of packed yarn; yarns of no known family have
+    the lowest of all families."""
     if fabric.solid_laws is None and family_of(fabric) is None:
         known = [law.E_c for family in list_families() for law in family.solid_laws("nominal")]
         return min(known), min(known)
@@ -65,8 +67,8 @@ def transverse_moduli(fabric: Fabric) -> tuple[float, float]:
 
 
 def with_strain_rate(fabric: Fabric) -> Fabric:
-    """The fabric with ratios of strength and modulus against the strain rate, those of its fibre
-    family where its file gives none.
+    """Return the fabric with ratios of strength and modulus against the strain rate: its own, or
+    those of its fibre family if its file gives none.
 
     Raises
     ------
@@ -77,14 +79,14 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its trellis law}; empty if none of its numbers
-    has a range."""
+    """Return the fabric with each end of its trellis law, {"soft", "stiff": Fabric}; empty if none
+    of its numbers has a range."""
     return _ends(fabric, "shear", (fabric.shear,), lambda law: replace(fabric, shear=law))
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its solid laws}; empty if none of their numbers
-    has a range."""
+    """Return the fabric with each end of its solid laws, {"soft", "stiff": Fabric}; empty if none
+    of their numbers has a range."""
     laws = fabric.solid_laws
     return _ends(fabric, "solid", laws, lambda *both: replace(fabric, solid_laws=both))
 
@@ -140,7 +142,7 @@ def _usual_ranges(fabric, table):
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
-    """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre
+    """Give the guessed numbers of [shear] and [solid] of a fabric the ranges of its fibre
     family."""
     ranges = dict(fabric.ranges)
     for key in fabric.guessed:
@@ -152,7 +154,8 @@ def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
 
 
 def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
-    """A fabric whose crimp was computed from its thickness, with `factor` times that thickness.
+    """Return a fabric whose crimp was computed from its thickness with `factor` times that
+    thickness.
 
     An assumed trellis law follows the crimp.
 
@@ -182,8 +185,8 @@ def _crimp_is_computed(fabric):
 
 
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{words: the fabric with one end of the thickness or of the warp's share that its crimp was
-    computed from}.
+    """Return the fabric with each end of the thickness, or of the warp's share, that its crimp was
+    computed from: {words: Fabric}.
 
     Empty if both crimps are given; the share is varied if neither is.
     """
@@ -206,7 +209,8 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{words: the fabric with one end of its assumed failure length}; empty if that is given."""
+    """Return the fabric with each end of its assumed failure length, {words: Fabric}; empty if the
+    length is given."""
     length = entries()["failure_length"]
     usual: tuple[float, ...] = ()
     if "failure_length" in fabric.assumed:
@@ -218,7 +222,8 @@ def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
-    """{what is assumed of a fabric: {words: the fabric with this end}}, without the solid laws."""
+    """Collect what is assumed of a fabric, without the solid laws: {what: {words: the fabric with
+    this end}}."""
     variants = {"crimp": crimp_ends(fabric)}
     for name in OF_YARNS:
         pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
@@ -245,7 +250,7 @@ def _scaled(fabric, name, ratios):
 
 
 def given(fabric: Fabric, *names: str) -> Fabric:
-    """The fabric that no longer counts these as assumed, such as "solid" after a fit; their values
+    """Mark tables of a fabric, such as "solid" after a fit, as no longer assumed; their values
     stay."""
     ranges = {}
     for key, ratios in fabric.ranges.items():
@@ -256,8 +261,9 @@ def given(fabric: Fabric, *names: str) -> Fabric:
 
 
 def family_of(fabric: Fabric) -> Family | None:
-    """The family that the file names, with wider ranges if the yarns do not belong to it; else the
-    one that both yarns belong to, by modulus and fibre density; None if there is none."""
+    """Find the fibre family of a fabric: the one that the file names, with wider ranges if the
+    yarns do not belong to it; else the one that both yarns belong to, by modulus and fibre density;
+    None if there is none."""
     yarns = fabric.weave.yarns
     if fabric.family is None:
         return next((family for family in list_families() if all(map(family.holds, yarns))), None)
@@ -268,13 +274,13 @@ def family_of(fabric: Fabric) -> Family | None:
 
 
 def laws(fabric: Fabric) -> list[str]:
-    """The lines of `lines` that a quasi-static result follows from."""
+    """Select from `lines` those that a quasi-static result follows from."""
     return lines(given(fabric, "failure_length", *OF_SHOTS))
 
 
 def lines(fabric: Fabric) -> list[str]:
-    """One line for each table that was assumed, for crimp computed from the thickness, for the
-    failure length and for what no data sheet gives."""
+    """Write one line for each table that was assumed, for crimp computed from the thickness, for
+    the failure length and for what no data sheet gives."""
     family = family_of(fabric)
     name = "unknown"
     if family is not None:

@@ -25,14 +25,14 @@ def _data():
 
 
 def list_names() -> tuple[str, ...]:
-    """Names of the backings, in the order of the file."""
+    """Return the names of the backings, in the order of the file."""
     return tuple(_data())
 
 
 def entry(
     name: str, *, file: FilePath | None = None, key: str = "material"
 ) -> Mapping[str, Mapping[str, str]]:
-    """{key: value, source and status} of a backing.
+    """Look up a backing: {key: value, source and status}.
 
     Raises
     ------
@@ -51,7 +51,8 @@ def table(
     file: FilePath | None = None,
     key: str = "material",
 ) -> dict[str, Any]:
-    """The table [backing] of a backing: its name and data, over which goes what is `given`.
+    """Return the table [backing] of a backing: its name and data, with the keys in `given` in their
+    place.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def table(
 
 
 def load(name: str) -> Isotropic:
-    """The material of a backing.
+    """Return the material of a backing.
 
     Raises
     ------
@@ -74,8 +75,8 @@ def load(name: str) -> Isotropic:
 
 
 def assumed_line(name: str, block: Isotropic) -> str:
-    """Line that names the constants of a block, of a backing or of "" (the thesis), that are
-    assumed."""
+    """Write the line that names the assumed constants of a block, of a backing or of "" (the
+    thesis)."""
     if name:
         data = entry(name)
     else:

@@ -78,12 +78,12 @@ class CompressionLaw:
 
     @classmethod
     def incompressible(cls) -> CompressionLaw:
-        """The limit of a yarn that keeps its thickness."""
+        """Return the limit of a yarn that keeps its thickness."""
         return cls(0.0, 0.0, provenance="incompressible limit")
 
     def ends(self) -> dict[str, CompressionLaw]:
-        """{"soft", "stiff": the law at this end of its assumed range}; empty if nothing was
-        assumed."""
+        """Return the law at each end of its assumed range, {"soft", "stiff": CompressionLaw}; empty
+        if nothing was assumed."""
         laws = {}
         for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ()):
             provenance = f"{self.provenance}; {end} end of the assumed range"
@@ -91,8 +91,8 @@ class CompressionLaw:
         return laws
 
     def outside_ends(self) -> list[str]:
-        """A line for each end of the assumed range that the law lies outside of, up to the largest
-        force of its fit.
+        """Write a line for each end of the assumed range that the law lies outside of, up to the
+        largest force of its fit.
 
         The soft end is to be compressed more than the law, the stiff end less.
         """
@@ -144,8 +144,8 @@ class CompressionLaw:
         return 0.0
 
     def d(self, F: ArrayLike) -> FloatArray:
-        """Compression [m] at the contact force `F` [N]; no force, no compression (regularised
-        form)."""
+        """Compute the compression [m] at the contact force `F` [N]; without force it is zero
+        (regularised form)."""
         F = np.asarray(F, float)
         if self.a == 0:
             return np.zeros_like(F)
@@ -156,7 +156,7 @@ class CompressionLaw:
         return closure
 
     def F(self, d: ArrayLike) -> FloatArray:
-        """Contact force [N] at the compression `d` [m]; infinite from d = a on."""
+        """Compute the contact force [N] at the compression `d` [m]; infinite from d = a on."""
         d = np.asarray(d, float)
         with np.errstate(divide="ignore", invalid="ignore"):
             force = np.where(d < self.a, (self.b / (self.a - d)) ** 3 - self._shift, np.inf)
@@ -165,7 +165,7 @@ class CompressionLaw:
         return force
 
     def dd_dF(self, F: ArrayLike) -> FloatArray:
-        """Compliance [m/N] at the contact force `F` [N] (eq. 4-28)."""
+        """Compute the compliance [m/N] at the contact force `F` [N] (eq. 4-28)."""
         F = np.asarray(F, float)
         if self.a == 0:
             return np.zeros_like(F)
@@ -173,8 +173,8 @@ class CompressionLaw:
             return self.b / 3 * (np.maximum(F, 0) + self._shift) ** (-4 / 3)
 
     def energy(self, d: ArrayLike) -> FloatArray:
-        """Work [J] of the contact force from zero compression to `d` [m], 0 <= d < a (regularised
-        form)."""
+        """Compute the work [J] of the contact force from zero compression to `d` [m], 0 <= d < a
+        (regularised form)."""
         d = np.asarray(d, float)
         return self.b**3 / 2 * ((self.a - d) ** -2 - self.a**-2) - self._shift * d
 

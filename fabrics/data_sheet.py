@@ -45,14 +45,14 @@ NOTED = 0.01
 
 @cache
 def entries() -> dict[str, Entry]:
-    """{name: Entry} of `data_sheet.toml`."""
+    """Read `data_sheet.toml`: {name: Entry}."""
     return of_tables(read_data(Path(__file__).with_suffix(".toml")))
 
 
 def crimps(
     w: Sequence[float], thickness: float, known: Crimps = (None, None), share: float | None = None
 ) -> tuple[float, float]:
-    """Crimp of warp and weft [-] of a weave of this thickness.
+    """Compute the crimp of warp and weft [-] of a weave of this thickness.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def crimps(
 def strain_at_strength(
     strength: float, unit: str, linear_density: float, fibre_density: float, E: float
 ) -> float:
-    """Strain [-] at which a yarn of modulus `E` [Pa] carries its strength.
+    """Compute the strain [-] at which a yarn of modulus `E` [Pa] carries its strength.
 
     Parameters
     ----------
@@ -112,12 +112,14 @@ def strain_at_strength(
 
 
 def modulus(yarn: YarnTable) -> float:
-    """[Pa] of the fibre, of a table [warp] or [weft] that may state it over the density."""
+    """Compute the modulus [Pa] of the fibre from a table [warp] or [weft], which may state it over
+    the density."""
     return yarn.modulus.value * (1.0 if yarn.modulus.unit == "Pa" else yarn.fibre_density.value)
 
 
 def linear_density(yarn: YarnTable) -> float:
-    """[kg/m] of a table [warp] or [weft] that may state the axial stiffness in its place."""
+    """Compute the linear density [kg/m] from a table [warp] or [weft], which may state the axial
+    stiffness in its place."""
     if yarn.axial_stiffness is None:
         return yarn.linear_density.value
     return yarn.axial_stiffness.value * yarn.fibre_density.value / modulus(yarn)
@@ -154,7 +156,8 @@ def check_fibre(yarn: Yarn, key: str) -> None:
 def disagreement(
     computed: float, stated: float, key: str, value: str, allowed: str
 ) -> float | None:
-    """[-] by which what other data give is above a stated quantity; None if that is below NOTED.
+    """Compute by how much [-] what other data give is above a stated quantity; None if that is
+    below NOTED.
 
     Raises
     ------
@@ -171,7 +174,7 @@ def disagreement(
 
 
 def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> str:
-    """A line if a given failure strain disagrees with the strength, else an empty text.
+    """Write a line if a given failure strain disagrees with the strength, else an empty text.
 
     Raises
     ------
@@ -195,7 +198,7 @@ def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> 
 
 
 def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
-    """A line where counts, linear densities and crimps give another mass of the fabric than is
+    """Write a line if counts, linear densities and crimps give another mass of the fabric than is
     stated.
 
     The measured areal density of the thesis's fabrics stands beside the nominal linear densities:
@@ -227,7 +230,7 @@ def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
 
 
 def width_notes(file: FabricFile) -> list[str]:
-    """A line about yarns that are wider than their spacing leaves room for.
+    """Write a line about yarns that are wider than their spacing leaves room for.
 
     Raises
     ------
@@ -250,7 +253,7 @@ def width_notes(file: FabricFile) -> list[str]:
 
 
 def thickness_note(weave: Weave, stated: float) -> list[str]:
-    """A line if the crimps give another thickness than the stated one [m].
+    """Write a line if the crimps give another thickness than the stated one [m].
 
     Raises
     ------

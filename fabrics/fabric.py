@@ -108,7 +108,8 @@ class Fabric:
         )
 
     def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
-        """This fabric with other values of its yarns; further changes are in `fabrics.variants`.
+        """Return this fabric with other values of its yarns; further changes are in
+        `fabrics.variants`.
 
         Parameters
         ----------
@@ -126,8 +127,8 @@ class Fabric:
         return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
 
     def with_effective_density(self) -> Fabric:
-        """This fabric with the linear densities that the shell runs of the thesis used (erratum
-        E-07).
+        """Return this fabric with the linear densities that the shell runs of the thesis used
+        (erratum E-07).
 
         Raises
         ------
@@ -138,8 +139,8 @@ class Fabric:
         return self.with_yarns(linear_density=self.effective_linear_density)
 
     def at_high_rate(self) -> Fabric:
-        """This fabric with the modulus that its yarns have at the highest rate of `strain_rate`;
-        strengths stay.
+        """Return this fabric with the modulus that its yarns have at the highest rate of
+        `strain_rate`; strengths stay.
 
         Raises
         ------
@@ -155,8 +156,8 @@ class Fabric:
         return self.with_yarns(E=moduli, failure_strain=strains)
 
     def with_weaving_damage(self, damage: WeavingDamage) -> Fabric:
-        """This fabric with modulus and strength of its yarns after weaving; geometry, masses and
-        laws stay.
+        """Return this fabric with modulus and strength of its yarns after weaving; geometry, masses
+        and laws stay.
 
         The shares go into `sources`, with their source and status.
 
@@ -177,7 +178,7 @@ class Fabric:
 
 
 def pair(value: float | Iterable[float]) -> tuple[float, float]:
-    """(warp, weft) of a number for both families, or of a pair."""
+    """Return (warp, weft) of a number for both families, or of a pair."""
     if isinstance(value, Iterable):
         warp, weft = value
     else:

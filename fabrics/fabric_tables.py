@@ -75,12 +75,12 @@ class Quantity:
     meaning: str
 
     def limits(self, unit: str) -> tuple[float, float]:
-        """(lowest, highest) value in the SI `unit`."""
+        """Return the (lowest, highest) value in the SI `unit`."""
         low, _, rest = self.bounds[unit].partition(" to ")
         return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
 
     def read(self, value: Any, *, key: str | None = None) -> tuple[float, str]:
-        """(number, its SI unit) of a value as it is written.
+        """Read a value as it is written: (number, its SI unit).
 
         Raises
         ------
@@ -94,7 +94,8 @@ class Quantity:
         return number, unit
 
     def datum(self, entry: Any, info: Any) -> Datum:
-        """The Datum of an entry of a file, whose name is the source of one that gives none."""
+        """Return the Datum of an entry of a file, whose name is the source if the entry gives
+        none."""
         sourced = isinstance(entry, dict) and bool(entry.get("source"))
         if not isinstance(entry, dict):
             entry = {"value": entry, "source": info.context["source"]}
@@ -155,17 +156,17 @@ class DataTable(Table):
 
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
-        """As of Table."""
+        """Return the message of an unknown key, as `Table.unknown` does."""
         return _unknown(near, cls.model_fields)
 
     @classmethod
     def quantities(cls) -> dict[str, Quantity]:
-        """{key: Quantity} of the numbers of the table."""
+        """Return the numbers of the table: {key: Quantity}."""
         parts = ((key, part) for key, field in cls.model_fields.items() for part in field.metadata)
         return {key: part for key, part in parts if isinstance(part, Quantity)}
 
     def data(self, prefix: str = "") -> dict[str, Datum]:
-        """{dotted key: Datum} of all numbers of the table and of those in it."""
+        """Collect all numbers of the table and of those in it: {dotted key: Datum}."""
         numbers = {}
         for key, value in self:
             if isinstance(value, Datum):

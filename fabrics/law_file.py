@@ -13,7 +13,7 @@ FORMAT = "weavecell compression law 1"
 
 
 def read(path: FilePath) -> dict[str, Any]:
-    """The content of a law.json.
+    """Read a law.json.
 
     Raises
     ------

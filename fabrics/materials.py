@@ -96,12 +96,12 @@ class Isotropic:
 
 
 def read_table(name: str) -> dict[str, dict]:
-    """{constant: its table} of a material of `materials.toml`."""
+    """Read a material of `materials.toml`: {constant: its table}."""
     return read_data(_FILE)[name]
 
 
 def load(name: str) -> Isotropic:
-    """The material "steel" or "backing" of `materials.toml`.
+    """Return the material "steel" or "backing" of `materials.toml`.
 
     Raises
     ------
@@ -113,8 +113,8 @@ def load(name: str) -> Isotropic:
 
 
 def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
-    """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have
-    their defaults."""
+    """Return the material of {key: {"value": its text, ...}}, as data files have it; keys left out
+    have their defaults."""
     read = in_si(table, _UNITS, file)
     return Isotropic(**read, erosion_strain=float(table["erosion_strain"]["value"]))
 
@@ -122,7 +122,8 @@ def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropi
 def in_si(
     table: Mapping[str, Mapping[str, str]], units: Mapping[str, str], file: FilePath
 ) -> dict[str, float]:
-    """The values of a table of a data file in the SI units of its keys; a key may be missing."""
+    """Convert the values of a table of a data file to the SI units of its keys; a key may be
+    missing."""
     values = {}
     for key, unit in units.items():
         if key in table:
@@ -131,7 +132,7 @@ def in_si(
 
 
 def plain(text: str) -> float | str:
-    """A number if the text is one: ratios carry no unit."""
+    """Return the number that a text is, else the text: ratios carry no unit."""
     try:
         return float(text)
     except ValueError:
@@ -139,5 +140,5 @@ def plain(text: str) -> float | str:
 
 
 def round_projectile() -> dict:
-    """diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
+    """Read diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
     return in_si(read_table("rcc"), _ROUND, _FILE)

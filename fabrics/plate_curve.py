@@ -71,13 +71,13 @@ class PlateCurve:
             raise InputError(key="pressure", value=float(self.pressure[0]), allowed="positive")
 
     def at(self, pressure: ArrayLike) -> FloatArray:
-        """Closure [m] at pressures [Pa] inside the curve."""
+        """Interpolate the closure [m] at pressures [Pa] inside the curve."""
         return np.interp(np.log(pressure), np.log(self.pressure), self.closure)
 
     @classmethod
     def pressure_law(cls, areal_density: float, plies: int = 1) -> PlateCurve:
-        """The law of the thesis for a Kevlar 129 plain weave: a ply, or a pack of 4, 8 or 16 (Table
-        2-2, erratum E-02).
+        """Compute the law of the thesis for a Kevlar 129 plain weave: a ply, or a pack of 4, 8 or
+        16 (Table 2-2, erratum E-02).
 
         Parameters
         ----------

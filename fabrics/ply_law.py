@@ -83,12 +83,12 @@ class PlyLaw:
     __hash__ = None  # type: ignore[assignment]
 
     def words(self) -> str:
-        """Travel, pressure at its end, and stiffness beyond, for the reader."""
+        """Describe travel, pressure at its end, and stiffness beyond, for the reader."""
         beyond = f"{self.stiffness:.3g} Pa/m beyond"
         return f"{1e6 * self.travel:.1f} um up to {1e-6 * self.pressure[-1]:.3g} MPa, {beyond} ({self.status})"
 
     def table(self) -> dict[str, Any]:
-        """The law as `from_table` reads it."""
+        """Return the law as the table that `from_table` reads."""
         return {
             "closure": [f"{1e6 * value:.6g} um" for value in self.closure],
             "pressure": [f"{1e-6 * value:.6g} MPa" for value in self.pressure],
@@ -97,8 +97,8 @@ class PlyLaw:
         }
 
     def between(self, other: PlyLaw) -> PlyLaw:
-        """The law of a ply of this fabric on one of another: half of the closure of each at every
-        pressure."""
+        """Compute the law of a ply of this fabric on one of another: half of the closure of each at
+        every pressure."""
         if other is self or other == self:
             return self
         pressure = np.union1d(self.pressure, other.pressure)
@@ -115,7 +115,7 @@ class PlyLaw:
         return PlyLaw(closure, pressure, stiffness, source, status)
 
     def scaled(self, factor: float) -> PlyLaw:
-        """The law with `factor` times the pressure at every closure."""
+        """Return the law with `factor` times the pressure at every closure."""
         return replace(self, pressure=factor * self.pressure, stiffness=factor * self.stiffness)
 
     @property
@@ -129,19 +129,20 @@ class PlyLaw:
         return float(self.closure[-1])
 
     def pressure_at(self, closure: ArrayLike) -> FloatArray:
-        """Pressure [Pa] at a closure [m]; zero where plies are apart."""
+        """Compute the pressure [Pa] at a closure [m]; zero while plies are apart."""
         d = np.asarray(closure, float)
         beyond = np.maximum(d - self.travel, 0.0)
         return np.interp(d, self.closure, self.pressure) + self.stiffness * beyond
 
     def closure_at(self, pressure: ArrayLike) -> FloatArray:
-        """Closure [m] at a pressure [Pa]; the inverse of `pressure_at`."""
+        """Compute the closure [m] at a pressure [Pa]; the inverse of `pressure_at`."""
         p = np.asarray(pressure, float)
         beyond = np.maximum(p - self.pressure[-1], 0.0)
         return np.interp(p, self.pressure, self.closure) + beyond / self.stiffness
 
     def energy_at(self, closure: ArrayLike) -> FloatArray:
-        """Energy per area [J/m2] stored at a closure [m]: the integral of the pressure."""
+        """Compute the energy per area [J/m2] stored at a closure [m]: the integral of the
+        pressure."""
         d = np.maximum(np.asarray(closure, float), 0.0)
         steps = 0.5 * np.diff(self.closure) * (self.pressure[1:] + self.pressure[:-1])
         stored = np.concatenate([[0.0], np.cumsum(steps)])

@@ -34,7 +34,7 @@ UNITS = {"closure": "m", "pressure": "Pa"}
 
 
 def default(fabric: Fabric) -> PlyLaw:
-    """The law of a fabric: the first source of the list above that it has.
+    """Choose the law of a fabric: the first source of the list above that it has.
 
     Raises
     ------
@@ -46,8 +46,8 @@ def default(fabric: Fabric) -> PlyLaw:
 
 
 def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
-    """The law that a user names: "solid", "pressure_law", or a file (see `read`); a PlyLaw as it
-    is.
+    """Return the law that a user names: "solid", "pressure_law", or a file (see `read`); a PlyLaw
+    is returned as it is.
 
     Raises
     ------
@@ -69,8 +69,8 @@ def fitted_data(choice: PlyLaw | FilePath) -> str:
 
 
 def of_packs(fabric: Fabric) -> PlyLaw:
-    """The pressure law of packs (thesis eqs. 5-1 to 5-4), "fitted" to tests of Kevlar 129 plain
-    weaves.
+    """Compute the pressure law of packs (thesis eqs. 5-1 to 5-4), "fitted" to tests of Kevlar 129
+    plain weaves.
 
     Its closure counts from the 10 N on the platen at which the records begin (erratum E-02), and so
     does its pressure here: 28 kPa less than that of the test, 0.1 % at its end.
@@ -96,7 +96,7 @@ def of_packs(fabric: Fabric) -> PlyLaw:
 
 
 def read(path: FilePath, fabric: Fabric) -> PlyLaw:
-    """The law of a file, which goes on as solid fibre of the fabric.
+    """Read the law of a file; beyond its last row it continues as solid fibre of the fabric.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def read(path: FilePath, fabric: Fabric) -> PlyLaw:
 
 
 def stands_in(path: FilePath) -> bool:
-    """True if a law.json holds a contact law of plies too; False also if it cannot be read."""
+    """Tell whether a law.json holds a contact law of plies too; False also if it cannot be read."""
     try:
         return law_file.read(path).get("ply_contact") is not None
     except InputError:
@@ -140,8 +140,8 @@ def stands_in(path: FilePath) -> bool:
 
 
 def from_table(table: Any, fabric: Fabric, file: FilePath) -> PlyLaw:
-    """The law of a table `ply_contact`: closure and pressure as lists of texts with units, source
-    and status.
+    """Read the law of a table `ply_contact`: closure and pressure as lists of texts with units,
+    source and status.
 
     A table { file = "curve.csv" } names a file beside it (`read`).
 
@@ -184,8 +184,8 @@ def _checked(columns, source, status, fabric, file, where="ply_contact."):
 
 
 def solid_fibre(fabric: Fabric) -> PlyLaw:
-    """Solid fibre from the first touch on: the law of a fabric of which no travel is known,
-    "assumed".
+    """Compute the law of solid fibre from the first touch on, for a fabric of which no travel is
+    known; its status is "assumed".
 
     Between the two faces of a ply lie its warp and its weft, each as a solid sheet of its mass, in
     series:
@@ -212,8 +212,8 @@ def solid_fibre(fabric: Fabric) -> PlyLaw:
 
 
 def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray, FloatArray]:
-    """Pressure [Pa] and what two neighbouring plies of a pack close (thesis eqs. 5-1 to 5-4,
-    erratum E-02) [m].
+    """Compute pressure [Pa] and closure [m] of two neighbouring plies of a pack (thesis eqs. 5-1 to
+    5-4, erratum E-02).
 
     A pack of N plies closes d_N = 2 d_m + (N - 1) d_f between platens, one ply d_1 = 2 d_m, with
     d_m between a middle surface and a platen and d_f between two middle surfaces: d_f = (d_N - d_1)
@@ -236,8 +236,8 @@ NAMED = {"solid": solid_fibre, "pressure_law": of_packs}
 
 
 def packing_stiffness(fabric: Fabric) -> float:
-    """[N/m] stiffness of a ply, in its plane, as solid fibre: the sum over both yarns of E_c A /
-    rho_f
+    """Compute the stiffness [N/m] of a ply, in its plane, as solid fibre: the sum over both yarns
+    of E_c A / rho_f
 
     with A = areal density of one yarn family, rho_f the density of its fibre and E_c its transverse
     modulus.

@@ -33,17 +33,19 @@ def _data():
 
 
 def list_names() -> tuple[str, ...]:
-    """Names of the projectiles, in the order of the file: kind by kind, from small to large."""
+    """List the names of the projectiles, in the order of the file: kind by kind, from small to
+    large."""
     return tuple(_data()["projectile"])
 
 
 def density() -> float:
-    """[kg/m3] of the steel that all of them are made of."""
+    """Return the density [kg/m3] of the steel that all of them are made of."""
     return si(_data()["steel"]["density"]["value"], "kg/m^3")
 
 
 def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tuple[str, Entry]:
-    """(shape, data) of a projectile by name, or by the path of its file from the folder of `file`.
+    """Look up a projectile by name, or by the path of its file from the folder of `file`: (shape,
+    data).
 
     Raises
     ------
@@ -75,7 +77,8 @@ def table(
     file: FilePath | None = None,
     key: str = "name",
 ) -> dict[str, Any]:
-    """The table [projectile] of a projectile: its name and data, over which goes what is `given`.
+    """Return the table [projectile] of a projectile: its name and data, with the keys in `given` in
+    their place.
 
     With another shape, only the data that the shapes share are taken.
 

@@ -64,5 +64,6 @@ class SolidLaw:
         return self.K_G * self.E_c / 2
 
     def transverse_modulus(self, V_f: ArrayLike) -> FloatArray:
-        """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14)."""
+        """Compute the secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10
+        .. 3-14)."""
         return self.a_E / (self.b_E - np.clip(V_f, self.Vf0, self.V_c))

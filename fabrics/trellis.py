@@ -47,7 +47,7 @@ class TrellisShear:
             )
 
     def stress(self, gamma: ArrayLike) -> FloatArray:
-        """Shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35
+        """Compute the shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35
         integrated)."""
         gamma = np.asarray(gamma, float)
         g = np.abs(gamma)
@@ -58,8 +58,8 @@ class TrellisShear:
 
 
 def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> float:
-    """G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length (eq.
-    4-49).
+    """Compute G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length
+    (eq. 4-49).
 
     The thesis took the cell length along the warp for the section (erratum E-07).
     """
@@ -67,7 +67,7 @@ def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> fl
 
 
 def touching_angle(width: float, spacing: float) -> float:
-    """gamma1 [rad] from yarn width and spacing (eq. 4-32).
+    """Compute gamma1 [rad], at which yarns touch, from yarn width and spacing (eq. 4-32).
 
     Raises
     ------
@@ -81,8 +81,8 @@ def touching_angle(width: float, spacing: float) -> float:
 
 
 def locking_angle(A_s: float, K_s: float, thickness: float, spacing: float) -> float:
-    """gamma2 [rad] from a packed ellipse of area A_s / K_s and axes u2, thickness / 2 (eqs. 4-33,
-    4-34, erratum E-08).
+    """Compute gamma2 [rad], at which yarns lock, from a packed ellipse of area A_s / K_s and axes
+    u2, thickness / 2 (eqs. 4-33, 4-34, erratum E-08).
 
     Raises
     ------

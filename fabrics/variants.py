@@ -35,8 +35,8 @@ Value: TypeAlias = float | Iterable[float]
 
 
 def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
-    """The "nominal" linear densities, or the "effective" ones if the fabric has such (erratum
-    E-07).
+    """Return the fabric with the "nominal" linear densities, or the "effective" ones if the fabric
+    has such (erratum E-07).
 
     A caller that needs the effective ones uses `Fabric.with_effective_density`, which refuses a
     fabric without them.
@@ -47,7 +47,7 @@ def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
 
 
 def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
-    """Values of the yarns, each times a factor [-]; `factors` by the fields of `Yarn`."""
+    """Multiply values of the yarns by factors [-], named by the fields of `Yarn`."""
     warp, weft = fabric.weave.yarns
     changed = {}
     for name, of_family in factors.items():
@@ -57,8 +57,8 @@ def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
 
 
 def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
-    """Linear densities times a factor [-] at constant axial stiffness E A_s of the yarns (thesis
-    section 6.3.3).
+    """Multiply the linear densities by a factor [-] at constant axial stiffness E A_s of the yarns
+    (thesis section 6.3.3).
 
     The section of the fibres grows with the linear density, so that the modulus is divided by the
     factor.
@@ -70,7 +70,7 @@ def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
 
 
 def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
-    """Both constants of the compression laws, each times a factor [-]; a fabric without laws is
+    """Multiply both constants of the compression laws by factors [-]; a fabric without laws is
     returned as it is."""
     if fabric.laws is None:
         return fabric
@@ -79,7 +79,7 @@ def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
 
 
 def with_shear(fabric: Fabric, **values: float) -> Fabric:
-    """Other values of the trellis.
+    """Replace values of the trellis.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def with_shear(fabric: Fabric, **values: float) -> Fabric:
 
 
 def scale_shear(fabric: Fabric, moduli: float = 1.0, angles: float = 1.0) -> Fabric:
-    """Moduli and angles of the trellis, each times a factor [-]; a fabric without trellis is
+    """Multiply moduli and angles of the trellis by factors [-]; a fabric without trellis is
     returned as it is."""
     if fabric.shear is None:
         return fabric
@@ -110,7 +110,7 @@ def scale_shear(fabric: Fabric, moduli: float = 1.0, angles: float = 1.0) -> Fab
 
 
 def with_solids(fabric: Fabric, **values: Value) -> Fabric:
-    """Other values of the solid laws; `values` by the fields of `SolidLaw`.
+    """Replace values of the solid laws, named by the fields of `SolidLaw`.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def with_solids(fabric: Fabric, **values: Value) -> Fabric:
 
 
 def with_failure_length(fabric: Fabric, length: float) -> Fabric:
-    """Another failure length [m], which then counts as given.
+    """Set another failure length [m], which then counts as given.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def data_digest(fabric: Fabric) -> str:
 
 
 def rotated_90(fabric: Fabric) -> Fabric:
-    """The fabric rotated by a right angle: warp and weft exchanged, with their counts and
+    """Rotate the fabric by a right angle: warp and weft are exchanged, with their counts and
     compression laws."""
     weave = fabric.weave
     weave = replace(

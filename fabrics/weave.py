@@ -23,7 +23,7 @@ from fabrics.yarn import Yarn
 
 
 def arc_length(w: ArrayLike, h: ArrayLike) -> FloatArray:
-    """Length of a yarn of height `h` over the whole cell 2 w (eq. 4-3).
+    """Compute the length of a yarn of height `h` over the whole cell 2 w (eq. 4-3).
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def arc_length(w: ArrayLike, h: ArrayLike) -> FloatArray:
 
 
 def height_from_length(w: float, S: float) -> float:
-    """Height of the centreline of a yarn of length `S` over the cell 2 w: the inverse of
-    `arc_length` (eq. 4-5).
+    """Compute the height of the centreline of a yarn of length `S` over the cell 2 w: the inverse
+    of `arc_length` (eq. 4-5).
 
     Newton's method on k = pi h / 2 w. The length is convex and rising in k, so every step after the
     first comes from above and the iteration cannot fail.

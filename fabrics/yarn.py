@@ -65,7 +65,7 @@ class Yarn:
         return (self.E / self.fibre_density) ** 0.5
 
     def woven(self, damage: WeavingDamage) -> Yarn:
-        """This yarn after weaving; its failure strain is then strength over modulus.
+        """Return this yarn after weaving; its failure strain is then strength over modulus.
 
         Raises
         ------
@@ -76,8 +76,8 @@ class Yarn:
 
 
 def striking_velocity(c: float, strain: float) -> float:
-    """[m/s] velocity across a straight yarn of the wave speed `c` [m/s] that leaves the strain
-    behind its waves (Smith's closed form; docs/theory-panel.md, "Wave speeds")."""
+    """Compute the velocity [m/s] across a straight yarn of the wave speed `c` [m/s] that leaves the
+    strain behind its waves (Smith's closed form; docs/theory-panel.md, "Wave speeds")."""
     return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 

@@ -77,11 +77,13 @@ class ConformingSection:
         return 4 * (self.arch * self.span / np.pi * np.sin(np.pi * y / self.span) + self.offset * y)
 
     def half_thickness(self, y: ArrayLike) -> FloatArray:
-        """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
+        """Compute the half thickness q(y) [m] at the distances `y` [m] from the middle, |y| up to
+        the half width."""
         return self.arch * np.cos(np.pi * np.asarray(y, float) / self.span) + self.offset
 
     def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut, in equal steps."""
+        """Compute the places y [m] of the n + 1 mesh lines from the middle to the cut, in equal
+        steps."""
         return np.linspace(0, self.half_width, n + 1)
 
 
@@ -93,7 +95,7 @@ YarnSection: TypeAlias = Section | ConformingSection
 def conform(
     widths: Sequence[float], areas: Sequence[float], weave: Weave, tip_thickness_ratio: float
 ) -> tuple[ConformingSection, ConformingSection]:
-    """The two sections that touch everywhere, with areas in the ratio of `areas`.
+    """Fit the two sections that touch everywhere, with areas in the ratio of `areas`.
 
     Parameters
     ----------

@@ -19,7 +19,8 @@ CORNERS = np.array(
 
 
 def bricks(nodes: IntArray, right: bool) -> IntArray:
-    """Bricks in VTK order, edges 0-1, 3-2, 4-5 and 7-6 along the fibre towards growing i.
+    """List the bricks of a grid of nodes in VTK order, edges 0-1, 3-2, 4-5 and 7-6 along the fibre
+    towards growing i.
 
     Parameters
     ----------
@@ -40,8 +41,8 @@ def bricks(nodes: IntArray, right: bool) -> IntArray:
 
 
 def quads(sheet: IntArray, flip: bool) -> IntArray:
-    """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with
-    `flip`."""
+    """List the quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it
+    with `flip`."""
     cells = np.stack(
         [sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1
     ).reshape(-1, 4)
@@ -49,8 +50,8 @@ def quads(sheet: IntArray, flip: bool) -> IntArray:
 
 
 def faces(nodes: IntArray, right: bool) -> dict[str, IntArray]:
-    """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1",
-    "k0", "k1"."""
+    """List the six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0",
+    "j1", "k0", "k1"."""
     left = not right
     return {
         "i0": quads(nodes[0], right),
@@ -63,13 +64,13 @@ def faces(nodes: IntArray, right: bool) -> dict[str, IntArray]:
 
 
 def bars(nodes: IntArray) -> IntArray:
-    """Node pairs (nx, ny+1, nz+1, 2) of the mesh edges along the fibre."""
+    """List the mesh edges along the fibre as node pairs (nx, ny+1, nz+1, 2)."""
     return np.stack([nodes[:-1], nodes[1:]], axis=-1)
 
 
 def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
-    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a
-    corner to that node.
+    """Compute the share of each node of a section in its area: each quadrilateral gives the part
+    nearest to a corner to that node.
 
     Parameters
     ----------

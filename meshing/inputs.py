@@ -50,7 +50,7 @@ def one_of(key: str, value: Any, allowed: Sequence[str]) -> None:
 
 
 def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tuple[int, int, int]:
-    """(nx, ny, nz), hexahedra along, across and through a quarter yarn.
+    """Choose (nx, ny, nz), hexahedra along, across and through a quarter yarn.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def _ceil(ratio):
 
 
 def counts(value: Sequence[int]) -> tuple[int, int]:
-    """(n, m) whole numbers of warp and weft yarns, at least 1 each.
+    """Read (n, m) whole numbers of warp and weft yarns, at least 1 each.
 
     Raises
     ------
@@ -122,8 +122,8 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
 
 
 def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
-    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and
-    A-2), or given.
+    """Return the fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1
+    and A-2), or given.
 
     The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table
     A-3 (erratum E-27).
@@ -165,8 +165,8 @@ def thickness(key: str, value: float | None) -> None:
 
 
 def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[float]:
-    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the
-    other.
+    """Choose the widths (warp, weft) [m] of the lenses; the spacing of one family is the cell
+    length of the other.
 
     Without gap and width they are those of the fabric's yarns where known, else the spacings.
 
@@ -205,8 +205,8 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
 
 
 def fractions(fabric: Fabric) -> list[float]:
-    """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its
-    yarns have no area.
+    """Return the (warp, weft) initial fibre volume fractions of the fabric's solid laws, without
+    which its yarns have no area.
 
     Raises
     ------

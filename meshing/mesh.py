@@ -187,7 +187,7 @@ def place(
     heights: FloatArray,
     across: float = 0.0,
 ) -> FloatArray:
-    """Node positions of a yarn.
+    """Compute the node positions of a yarn.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
 
 
 def outer_faces(sides: dict[str, dict[str, IntArray]]) -> dict[str, IntArray]:
-    """Names of the outer faces of whole yarns, as `YarnMesh.groups` lists them."""
+    """Name the outer faces of whole yarns, as `YarnMesh.groups` lists them."""
     named = {}
     for yarn, of in sides.items():
         named[f"{yarn}_contact"] = of["contact"]

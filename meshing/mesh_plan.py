@@ -83,12 +83,13 @@ class Plan:
         return cls(fabric.name, weave, section_fit, elements, end_shells)
 
     def along(self, family: int) -> FloatArray:
-        """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
+        """Compute the places (nx+1,) [m] of the mesh planes from the crossing to the end of the
+        cell."""
         return np.linspace(0, self.weave.w[family], self.size[0] + 1)
 
     def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a
-        section."""
+        """Compute places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1)
+        [m2] of a section."""
         section = self.section_fit.sections[family]
         _, ny, nz = self.size
         y = section.stations(ny)
@@ -102,7 +103,7 @@ class Plan:
         return y, heights, weight / weight.sum() * share * self.weave.yarns[family].A_s
 
     def fields(self) -> dict:
-        """Those fields of a `YarnMesh` that do not depend on its extent."""
+        """Return those fields of a `YarnMesh` that do not depend on its extent."""
         weave = self.weave
         return {
             "fabric": self.fabric,
@@ -116,8 +117,8 @@ class Plan:
 
 
 def with_room(fabric: Fabric) -> Fabric:
-    """The fabric, thicker within the range of its thickness where the crimp computed from that
-    leaves too little room.
+    """Thicken the fabric within the range of its thickness if the crimp computed from that leaves
+    too little room.
 
     As it is where its sections fit, its crimp is given, or no thickness of the range suffices.
     """
@@ -144,5 +145,5 @@ def with_room(fabric: Fabric) -> Fabric:
 
 
 def mirrored(half: FloatArray) -> FloatArray:
-    """Places (2 n + 1,) on both sides of zero, from those (n + 1,) on one."""
+    """Mirror places (n + 1,) on one side of zero to both sides, (2 n + 1,)."""
     return np.concatenate([-half[:0:-1], half])

@@ -16,8 +16,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 
 def least_gap(mesh: Any) -> float:
-    """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a
-    `YarnMesh`."""
+    """Compute the least vertical gap [m] of the facets of any warp and any weft yarn that cross in
+    a `YarnMesh`."""
     yarns: tuple[list, list] = ([], [])
     for grid, family in zip(mesh.grids, mesh.families):
         yarns[family].append(mesh.points[grid])

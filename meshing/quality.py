@@ -19,13 +19,14 @@ NEIGHBOURS = np.array(
 
 
 def corner_edges(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
-    """(m, 8, 3, 3) edges that leave each corner of hexahedra (m, 8) in VTK order, one a row."""
+    """Compute the edges (m, 8, 3, 3) that leave each corner of hexahedra (m, 8) in VTK order, one a
+    row."""
     corners = np.asarray(points, float)[np.asarray(hexes)]
     return corners[:, NEIGHBOURS] - corners[:, :, None]
 
 
 def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
-    """Worst corner of each element.
+    """Compute the scaled Jacobian of the worst corner of each element.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class Section:
 
     @classmethod
     def of_area(cls, kind: str, width: float, area: float, tip_thickness_ratio: float) -> Section:
-        """The section of this width whose area [m2] between the cuts is `area`."""
+        """Return the section of this width whose area [m2] between the cuts is `area`."""
         unit = cls(kind, width, 1.0, tip_thickness_ratio)
         return cls(kind, width, area / unit.area, tip_thickness_ratio)
 
@@ -85,14 +85,15 @@ class Section:
         return self.thickness * self.width * (c * np.sqrt(1 - c * c) + np.arcsin(c)) / 2
 
     def half_thickness(self, y: ArrayLike) -> FloatArray:
-        """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
+        """Compute the half thickness q(y) [m] at the distances `y` [m] from the middle, |y| up to
+        the half width."""
         eta = np.clip(2 * abs(np.asarray(y, float)) / self.width, 0, 1)
         shape = np.cos(np.pi / 2 * eta) if self.kind == "sine" else np.sqrt(1 - eta**2)
         return self.thickness / 2 * shape
 
     def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the
-        angle of the ellipse.
+        """Compute the places y [m] of the n + 1 mesh lines from the middle to the cut: equal steps
+        of y, or of the angle of the ellipse.
 
         Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is
         then of order 2.

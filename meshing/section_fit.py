@@ -55,8 +55,8 @@ YARNS = ("warp", "weft")
 
 
 def clearance(section: YarnSection, w: float, h: float) -> float:
-    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn
-    that crosses it.
+    """Compute the least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch
+    of the yarn that crosses it.
 
     Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
 
@@ -294,7 +294,7 @@ def _least(fit, weave, crimp_at):
 
 
 def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
-    """The least factor between `low`, which does not fit, and `high`, which does, to within
+    """Find the least factor between `low`, which does not fit, and `high`, which does, to within
     `FACTOR` above it."""
     found = bisect(lambda factor: fits(factor) - 0.5, low, high, xtol=0.5 * FACTOR)
     return float(found) + 0.5 * FACTOR

@@ -40,13 +40,13 @@ COLOURS = ("#e8eef7", "#d7e5f2", "#cfe3d8", "#f4e6cf", "#f0d9d5")
 
 
 def purpose(folder):
-    """First line of the docstring of a package."""
+    """Return the first line of the docstring of a package."""
     text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8"))) or ""
     return text.splitlines()[0] if text else ""
 
 
 def folders(package):
-    """(name, purpose) of a package and of its sub-packages."""
+    """Yield (name, purpose) of a package and of its sub-packages."""
     for folder in [
         ROOT / package,
         *sorted(path.parent for path in (ROOT / package).glob("*/__init__.py")),
@@ -55,7 +55,7 @@ def folders(package):
 
 
 def kernels():
-    """Kernel files behind the step of one ply, in the order of their names."""
+    """List the kernel files behind the step of one ply, in the order of their names."""
     sources = kernel_cache.kernel_sources(ROOT / "shellfabric" / "solver" / "loop.py")
     return [name for name, _ in sources if name.endswith("_kernels.py")]
 
@@ -138,7 +138,8 @@ def diagram():
 
 
 def layer_rows(layers, width=47):
-    """Lines of the folders of a package, the highest layer first; a layer that is too long goes on in the next line."""
+    """Lay out the folders of a package in lines, the highest layer first; a layer that is too long
+    goes on in the next line."""
     lines = []
     for layer in reversed(layers):
         lines += textwrap.wrap(" | ".join(sorted(layer)), width, subsequent_indent="    ")
@@ -171,7 +172,7 @@ def _box(axes, x, y, width, height, title, lines, colour):
 
 
 def text():
-    """The text of the page."""
+    """Write the text of the page."""
     lines = [
         "# Architecture",
         "",

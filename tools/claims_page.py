@@ -18,37 +18,37 @@ Table = list[dict[str, str]]
 
 
 def markdown(rows: Sequence[Sequence[object]]) -> str:
-    """Rows, the first of which is the head, as a table in Markdown."""
+    """Format rows, the first of which is the head, as a table in Markdown."""
     rows = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
     return "".join("| " + " | ".join(map(str, row)) + " |\n" for row in rows)
 
 
 def counts(table: Table) -> Counter[str]:
-    """{verdict: number of rows}."""
+    """Count the rows of each verdict: {verdict: number}."""
     return Counter(row["verdict"] for row in table)
 
 
 def of_thesis(table: Table, own: bool = True) -> Table:
-    """The rows of the claims of the thesis, or those of the additional claims."""
+    """Select the rows of the claims of the thesis, or those of the additional claims."""
     added = {entry["id"] for entry in claims.entries(claims.FILES[1])}
     return [row for row in table if (row["id"] not in added) is own]
 
 
 def decided_and_reproduced() -> tuple[int, int]:
-    """How many claims of the thesis are decided, and how many of these are reproduced."""
+    """Count the claims of the thesis that are decided, and those of these that are reproduced."""
     found = counts(of_thesis(read(DATA)[1]))
     return found[REPRODUCED] + found[MISSED], found[REPRODUCED]
 
 
 def in_short() -> str:
-    """How many claims of the thesis are reproduced, in short."""
+    """Say in short how many claims of the thesis are reproduced."""
     decided, reproduced = decided_and_reproduced()
     share = f"{100 * reproduced / decided:.0f} %"
     return f"of the {decided} that are decided, {reproduced} are reproduced ({share}) and {decided - reproduced} missed"
 
 
 def in_words() -> str:
-    """The counts of the ledger in words."""
+    """Write the counts of the ledger in words."""
     _, rows = read(DATA)
     thesis, others = of_thesis(rows), of_thesis(rows, False)
     n, more = counts(thesis), counts(others)
@@ -71,12 +71,12 @@ def _in_variants(table):
 
 
 def made() -> str:
-    """How the file of claims was made."""
+    """Say how the file of claims was made."""
     return f" {read(DATA)[0]}"
 
 
 def verdicts() -> str:
-    """How many claims have each verdict, as a table."""
+    """Tabulate how many claims have each verdict."""
     _, rows = read(DATA)
     thesis, others = counts(of_thesis(rows)), counts(of_thesis(rows, False))
     told = [["verdict", "of the thesis", "additional", "meaning"]]
@@ -87,7 +87,7 @@ def verdicts() -> str:
 
 
 def missed() -> str:
-    """Claims missed by topic, most first; the topics with the fewest in one row."""
+    """Tabulate the missed claims by topic, most first; the topics with the fewest in one row."""
     parts: dict[str, Table] = {topic: [] for topic in claims.topics()}
     for row in read(DATA)[1]:
         parts[row["topic"]].append(row)

@@ -16,6 +16,7 @@ FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 
 
 def main(folder=FIGURES):
+    """Draw all drawings and write them to a folder."""
     for name, draw in DRAWINGS.items():
         with plots() as pyplot:
             figure = draw(pyplot)
@@ -23,7 +24,7 @@ def main(folder=FIGURES):
 
 
 def bare(pyplot, count, size, **widths):
-    """Figure with axes without frame and with equal scales."""
+    """Make a figure with axes without frame and with equal scales."""
     figure, axes = pyplot.subplots(1, count, figsize=size, **widths)
     for ax in np.atleast_1d(axes):
         ax.set_aspect("equal")
@@ -32,7 +33,7 @@ def bare(pyplot, count, size, **widths):
 
 
 def arrow(ax, start, end, text="", at=(0, 0), colour=INK, style="-|>"):
-    """Arrow from start to end; its label stands `at` from the middle."""
+    """Draw an arrow from start to end; its label stands `at` from the middle."""
     ax.annotate(
         "",
         end,
@@ -44,11 +45,12 @@ def arrow(ax, start, end, text="", at=(0, 0), colour=INK, style="-|>"):
 
 
 def measure(ax, start, end, text, at):
+    """Draw a double arrow with its label."""
     arrow(ax, start, end, text, at, style="<|-|>")
 
 
 def band(ax, x, z, half, colour):
-    """A yarn along its centreline: a band of the half thickness, and the line."""
+    """Draw a yarn along its centreline: a band of the half thickness, and the line."""
     slope = np.gradient(z, x)
     n = np.array([-slope, np.ones_like(slope)]) / np.hypot(1, slope)
     upper, lower = np.array([x, z]) + half * n, np.array([x, z]) - half * n
@@ -59,6 +61,7 @@ def band(ax, x, z, half, colour):
 
 
 def weave(pyplot):
+    """Draw a plain weave from above and in section, with its dimensions."""
     figure, (plan, section) = bare(pyplot, 2, (11, 4.0), width_ratios=(1, 1.35))
     count, spacing, width = 4, 1.0, 0.74
     for k in range(count):
@@ -99,6 +102,7 @@ def weave(pyplot):
 
 
 def cell(pyplot):
+    """Draw the unit cell at rest and stretched, with its lengths."""
     figure, axes = bare(pyplot, 2, (11, 3.6), width_ratios=(1, 1.15))
     states = (
         (2.0, 0.75, 0.35, 0.52, 0.58, 1.7, "0"),
@@ -136,6 +140,7 @@ def cell(pyplot):
 
 
 def mesh(pyplot):
+    """Draw the membrane's elements on the yarns, and the points of an element."""
     figure, (net, points) = bare(pyplot, 2, (11, 4.6))
     for k in range(4):
         net.plot([-0.4, 3.4], [k, k], color=WARP, lw=1.2, alpha=0.5)
@@ -170,6 +175,7 @@ def mesh(pyplot):
 
 
 def contact(pyplot):
+    """Draw the contact of nose and fabric, of two plies, and the law of a point."""
     figure, (nose, plies, law) = bare(pyplot, 3, (12, 3.5), width_ratios=(1, 1.05, 0.95))
     angle = np.linspace(0, 0.5 * np.pi, 40)
     outline = np.array(

@@ -16,7 +16,8 @@ reproduces other printed numbers, but the thesis does not say it."""
 
 
 def page() -> str:
-    """The text of the page: a section for each part of the thesis, a paragraph for each erratum."""
+    """Write the text of the page: a section for each part of the thesis, a paragraph for each
+    erratum."""
     made, rows = read(DATA)
     parts = [HEAD, f"Table made {made}."]
     for section, entries in groupby(rows, key=itemgetter("section")):
@@ -26,7 +27,7 @@ def page() -> str:
 
 
 def entry(row: dict[str, str]) -> str:
-    """The text of a row under its number, grade and title."""
+    """Write the text of a row under its number, grade and title."""
     if not row["no"]:
         title = f"### {row['what']}\n\n" if row["what"] else ""
         return title + row["text"]

@@ -29,22 +29,25 @@ FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg")
 
 
 def main(demo, only):
+    """Make the figures that are named."""
     for name in only:
         MAKERS[name](demo)
 
 
 def from_demo(demo):
+    """Copy the pictures of the demo."""
     for name in FROM_DEMO:
         keep(demo / "pictures" / name, name)
 
 
 def impact(_):
-    """The picture at the head of README."""
+    """Make the picture at the head of README."""
     hero.main(hero.HERO)
 
 
 def report(_):
-    """The head of the report of a shot in a browser, and the movie of the shot."""
+    """Take a picture of the head of the report of a shot in a browser, and make the movie of the
+    shot."""
     with TemporaryDirectory() as folder:
         wc.impact(COUPONS.parent / "S-720-perforates.toml", out=folder)
         wc.view(folder, movie=FIGURES / "perforation.gif")

@@ -39,7 +39,7 @@ Made from readers and writers. [Reference](../reference.md) says what the files 
 
 
 def page() -> str:
-    """The text of the page."""
+    """Write the text of the page."""
     parts = [HEAD, "## Output of the commands", markdown(outputs())]
     parts += [
         "## Fabric file",
@@ -52,7 +52,7 @@ def page() -> str:
 
 
 def case() -> str:
-    """The table of case.h5, whose columns are declared by code that needs dolfinx."""
+    """Tabulate case.h5, whose columns are declared by code that needs dolfinx."""
     try:
         return markdown(case_file())
     except ModuleNotFoundError:
@@ -60,7 +60,7 @@ def case() -> str:
 
 
 def fabric_file() -> list[list[str]]:
-    """Keys of a fabric file."""
+    """Tabulate the keys of a fabric file."""
     rows = [["table", "key", "unit or bounds", "meaning"]]
     tables = {
         "top level": fabric_tables.FabricFile,
@@ -85,14 +85,14 @@ def fabric_file() -> list[list[str]]:
 
 
 def surface_file() -> list[list[str]]:
-    """Datasets of surface.h5."""
+    """Tabulate the datasets of surface.h5."""
     return [["dataset", "unit", "meaning"]] + [
         [f"`{name}`", unit, ARRAYS[name]] for name, unit in surface._UNITS.items()
     ]
 
 
 def case_file() -> list[list[str]]:
-    """Columns of case.h5, of every case of `weavecell crossover`."""
+    """Tabulate the columns of case.h5, of every case of `weavecell crossover`."""
     from unitcell3d.solver.recorded import MEANINGS
 
     rows = [["column", "unit and meaning"]]
@@ -100,7 +100,8 @@ def case_file() -> list[list[str]]:
 
 
 def outputs() -> list[list[str]]:
-    """Files that each command writes, from the docstrings of the modules of the commands."""
+    """Tabulate the files that each command writes, from the docstrings of the modules of the
+    commands."""
     rows = [["command", "file", "contents"]]
     folders = (ROOT / "weavecell" / name for name in ("api", "results"))
     for path in sorted(

@@ -23,7 +23,8 @@ def copy(folder):
 
 
 def figures(block, block_vars, gallery_conf):
-    """Image scraper: matplotlib figures among the variables that a block has made, since plot() closes its own."""
+    """Scrape images: the matplotlib figures among the variables that a block has made, since plot()
+    closes its own."""
     from matplotlib.figure import Figure
     from sphinx_gallery.scrapers import figure_rst
 
@@ -37,12 +38,12 @@ def figures(block, block_vars, gallery_conf):
 
 
 def forget(gallery_conf, name):
-    """Between two scripts: figures that are gone may hand on their identity."""
+    """Forget figures between two scripts: those that are gone may hand on their identity."""
     _SHOWN.clear()
 
 
 def settings(source, target):
-    """sphinx_gallery_conf"""
+    """Return sphinx_gallery_conf."""
     return {
         "examples_dirs": source,
         "gallery_dirs": target,

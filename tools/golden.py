@@ -59,12 +59,14 @@ SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differe
 
 
 def setup(path):
+    """Build the set-up of an input file of an impact."""
     _, table = read_toml(path, what="input")
     scene = impact.check(table, path, honoured.IMPACT)
     return build.setup(build.build(scene, path, path.stem), path)
 
 
 def coupon_test(path):
+    """Run the coupon test of an input file."""
     _, table = read_toml(path, what="input")
     scene = checked(CouponScene, table, path, honoured.COUPON)
     case = build.build(scene, path, path.stem)
@@ -78,10 +80,12 @@ def coupon_test(path):
 
 
 def critical_velocity(path):
+    """Search the critical velocity of an input file."""
     return ballistic_limit.critical_velocity(setup(path).target(), tolerance=2.0)
 
 
 def v50_of_eight_shots(path):
+    """Compute V50 of an input file from eight shots."""
     with tempfile.TemporaryDirectory() as folder:
         return v50.study(setup(path), inputs.published(), shots=8, batch=4, seed=1, folder=folder)
 
@@ -110,7 +114,7 @@ CASES = {
 
 
 def numbers(result, name=""):
-    """{name: number, text or list} of everything in a result."""
+    """Collect every number, text or list in a result: {name: value}."""
     if is_dataclass(result):
         result = {field.name: getattr(result, field.name) for field in fields(result)}
     if isinstance(result, tuple | list) and any(
@@ -132,7 +136,8 @@ def numbers(result, name=""):
 
 
 def thinned(value):
-    """A number or text as it is; of a history mean and every tenth row; of a field mean and mean square."""
+    """Thin a value: a number or text as it is; of a history mean and every tenth row; of a field
+    mean and mean square."""
     if isinstance(value, str) or np.ndim(value) == 0:
         return value if isinstance(value, str) else float(f"{float(value):.{DIGITS}g}")
     values = np.asarray(value)
@@ -144,6 +149,7 @@ def thinned(value):
 
 
 def same(kept, computed):
+    """Compare a kept and a computed value; numbers may differ by TOLERANCE."""
     if isinstance(kept, list) and isinstance(computed, list):
         return len(kept) == len(computed) and all(map(same, kept, computed))
     return kept == computed or (

@@ -27,13 +27,13 @@ US = 1e6
 
 
 def shot(velocity, interval=None):
-    """One shot at the panel of the thesis."""
+    """Fire one shot at the panel of the thesis."""
     fabric = catalogue.load("S-720").with_effective_density()
     return run(ImpactSetup(fabric, velocity, snapshot_interval=interval))
 
 
 def image_of(result):
-    """(rows, columns, 3) the panel at INSTANT, its modelled part mirrored."""
+    """Draw the panel at INSTANT, its modelled part mirrored: (rows, columns, 3)."""
     shape = min((shapes[0] for shapes in result.snapshots), key=lambda one: abs(one.t - INSTANT))
     strength = np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns])
     body = shape.projectile_position + result.setup.projectile.surface()
@@ -44,7 +44,7 @@ def image_of(result):
 
 
 def draw(pyplot, perforated, stopped):
-    """The three panels of the picture."""
+    """Draw the three panels of the picture."""
     figure = pyplot.figure(figsize=(13, 3.7))
     left, middle, right = figure.subplots(1, 3, width_ratios=(2.0, 1, 1))
     t, image = image_of(perforated)
@@ -103,6 +103,7 @@ def draw(pyplot, perforated, stopped):
 
 
 def main(path):
+    """Fire the shots and write the picture."""
     with plots() as pyplot:
         figure = draw(pyplot, shot(PERFORATED, INSTANT / 4), shot(STOPPED))
         with write_whole(path, "wb") as file:

@@ -89,14 +89,14 @@ TERMS = {
 
 
 def tables():
-    """The tables, in the order of their file."""
+    """List the tables, in the order of their file."""
     files = (state, projectile, backing, yarns, cell, coupon)
     classes = [kind for file in files for kind in vars(file).values() if inspect.isclass(kind)]
     return [kind for kind in classes if issubclass(kind, Row) and kind.fields]
 
 
 def page():
-    """Text of the page."""
+    """Write the text of the page."""
     parts = [HEAD]
     for term, meaning in TERMS.items():
         parts.append(f"- **{term}**: {meaning}\n")

@@ -58,7 +58,7 @@ NOTES = {
 
 
 def page() -> str:
-    """The text of the page."""
+    """Write the text of the page."""
     parts = [HEAD, "## Input file of an impact", *_tables(Scene), "## Input file of a coupon"]
     parts += [
         "Title and `[fabric]` as above; one table of a test; `[run]`.",
@@ -106,7 +106,8 @@ def _tables(model, *left_out):
 
 
 def about(table: type[Table]) -> list[str]:
-    """What a table is and lines of TOML with an example: its docstring, before and after the first empty line."""
+    """Return what a table is and lines of TOML with an example: its docstring, before and after the
+    first empty line."""
     return inspect.cleandoc(table.__doc__ or "").split("\n\n", 1)
 
 

@@ -41,7 +41,7 @@ OF_TABLES = {
 
 
 def text() -> str:
-    """The class between its marks."""
+    """Write the class between its marks."""
     meanings = []
     types = []
     for key, table in ordered():
@@ -59,7 +59,7 @@ def text() -> str:
 
 
 def ordered() -> list[tuple[str, str]]:
-    """(keyword, table) in the order of the tables of an input file."""
+    """List (keyword, table) in the order of the tables of an input file."""
     found = []
     of_table = keywords.tables()
     for name in Scene.model_fields:
@@ -70,7 +70,7 @@ def ordered() -> list[tuple[str, str]]:
 
 
 def meaning(key: str, field: Any) -> str:
-    """What a keyword means, its unit, and what is allowed."""
+    """Say what a keyword means, its unit, and what is allowed."""
     if field is None:
         return f"the table [{key}] of the input file, as a dict"
     words = OF_TABLES.get(key) or field.title
@@ -82,7 +82,7 @@ def meaning(key: str, field: Any) -> str:
 
 
 def kind(key: str, field: Any) -> str:
-    """The type of a keyword, as it is written."""
+    """Return the type of a keyword, as it is written."""
     if key in TYPES:
         return TYPES[key]
     if get_origin(field.annotation) is Literal:

@@ -21,8 +21,8 @@ COLUMNS = 4
 
 
 def draw(table: Sequence[Mapping[str, str]], quantities: Sequence[Mapping[str, str]]) -> Figure:
-    """A plot of each quantity with a bias: rows with 2 sigma of the test and of the computed value, equality with
-    2 sigma of tests, bias with 2 sigma of the model."""
+    """Plot each quantity with a bias: rows with 2 sigma of the test and of the computed value,
+    equality with 2 sigma of tests, bias with 2 sigma of the model."""
     drawn = [one for one in quantities if one["bias"]]
     rows = -(-len(drawn) // COLUMNS)
     figure = Figure(figsize=(12.4, 3.5 * rows), layout="constrained")

@@ -37,7 +37,8 @@ STOPPED = (
 
 
 def copy_of_tree(folder: Path, commit: str) -> str:
-    """A worktree of a commit at `folder`, made or brought up to date; returns the commit's full name."""
+    """Make a worktree of a commit at `folder`, or bring it up to date; return the commit's full
+    name."""
     commit = git(ROOT, "rev-parse", commit)
     if folder.exists():
         git(folder, "checkout", "--quiet", "--force", "--detach", commit)
@@ -47,7 +48,7 @@ def copy_of_tree(folder: Path, commit: str) -> str:
 
 
 def git(folder: Path, *words: str) -> str:
-    """What git prints; its errors go on to stderr."""
+    """Return what git prints; its errors go on to stderr."""
     return subprocess.run(
         ["git", "-C", folder, *words], check=True, stdout=subprocess.PIPE, text=True
     ).stdout.strip()
@@ -68,7 +69,8 @@ def planted(file: Path, text: str, replacement: str) -> Iterator[None]:
 
 
 def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int | None, str]:
-    """(exit code of pytest, its output) in the copy of the tree; None when it took longer than `seconds`."""
+    """Run pytest in the copy of the tree: (its exit code, its output); None if it took longer than
+    `seconds`."""
     room = folder.with_suffix(".tmp")  # where processes that compile lock each other out
     room.mkdir(exist_ok=True)
     variables = {
@@ -114,7 +116,8 @@ def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int |
 def outcome(
     folder: Path, paths: Sequence[str], marks: Sequence[str], seconds: float
 ) -> tuple[str, str, int]:
-    """("killed", "survived" or "timeout", the test that failed, paths that were run)."""
+    """Run the tests of a mutant: ("killed", "survived" or "timeout", the test that failed, paths
+    that were run)."""
     end, runs = time.monotonic() + seconds, [(mark, path) for mark in marks for path in paths]
     for count, (mark, path) in enumerate(runs, 1):
         before = [f"--ignore={known}" for _, known in runs[: (count - 1) % len(paths)]]

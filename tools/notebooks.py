@@ -26,7 +26,7 @@ PICTURE = re.compile(r"(?<=data:image/png;base64,)[\w+/=]+")
 
 
 def run(name: str) -> nbformat.NotebookNode:
-    """The notebook `name` with the outputs of a run in an empty folder."""
+    """Run the notebook `name` in an empty folder and return it with its outputs."""
     notebook = nbformat.read(TUTORIALS / f"{name}.ipynb", 4)
     with tempfile.TemporaryDirectory() as folder:
         resources = {"metadata": {"path": folder}}
@@ -60,7 +60,7 @@ def _shrink(data):
 
 
 def small(picture: str) -> str:
-    """A PNG picture in base64, at most WIDTH wide and with COLOURS colours."""
+    """Shrink a PNG picture in base64 to at most WIDTH wide and COLOURS colours."""
     image = Image.open(io.BytesIO(b64decode(picture))).convert("RGB")
     image.thumbnail((WIDTH, 4 * WIDTH))
     file = io.BytesIO()
@@ -69,6 +69,7 @@ def small(picture: str) -> str:
 
 
 def main(names: list[str]) -> None:
+    """Run the notebooks again and write them with small outputs."""
     for name in names or sorted(path.stem for path in TUTORIALS.glob("*.ipynb")):
         notebook = run(name)
         nbformat.write(notebook, TUTORIALS / f"{name}.ipynb")

@@ -44,7 +44,7 @@ TARGETS = {
 
 
 def table(name: str) -> list[dict[str, str]]:
-    """Rows of a file of docs/reports/data."""
+    """Read the rows of a file of docs/reports/data."""
     return read(DATA / name)[1]
 
 
@@ -76,7 +76,7 @@ class Deviation:
 
 
 def deviations() -> dict[tuple[int, str], list[Deviation]]:
-    """{(plies, fabric): the deviation of each quantity}."""
+    """Collect the deviation of each quantity: {(plies, fabric): [Deviation]}."""
     meshes: dict[tuple[int, str], dict[str, dict[str, str]]] = {}
     for row in table("convergence-means.csv"):
         meshes.setdefault((int(row["plies"]), row["fabric"]), {})[row["mesh"]] = row
@@ -90,14 +90,15 @@ def deviations() -> dict[tuple[int, str], list[Deviation]]:
 
 
 def measured(row: dict[str, str], quantity: str) -> tuple[float, float]:
-    """(value, error) of a quantity in a row of convergence-means.csv."""
+    """Read (value, error) of a quantity in a row of convergence-means.csv."""
     column = next(name for name in row if name.startswith(quantity))
     value, error = (float(row[name] or "nan") for name in (column, f"{column}_error"))
     return value, error
 
 
 def mesh_errors() -> str:
-    """Of plies and packs on the default mesh against elements half as long, in %."""
+    """Tabulate what plies and packs on the default mesh differ by from elements half as long, in
+    %."""
     rows = [["target", *QUANTITIES.values()]]
     for (plies, fabric), quantities in deviations().items():
         cells = []
@@ -110,7 +111,7 @@ def mesh_errors() -> str:
 
 
 def limits_of_meshes() -> list[float]:
-    """[m/s] middles of the intervals of S-726 with 1, 2, ... elements per crossover."""
+    """Read the middles [m/s] of the intervals of S-726 with 1, 2, ... elements per crossover."""
     rows = table("published-critical-velocities.csv")
     return [
         0.5 * (float(row["stops at [m/s]"]) + float(row["perforates at [m/s]"])) for row in rows
@@ -118,7 +119,7 @@ def limits_of_meshes() -> list[float]:
 
 
 def tested_ply() -> str:
-    """The ply of S-726 beside its test."""
+    """Tabulate the ply of S-726 beside its test."""
     rows = [
         [
             "elements per crossover",
@@ -135,12 +136,13 @@ def tested_ply() -> str:
 
 
 def share_above(velocity: float) -> str:
-    """How far a limit is above the perforating test, in %."""
+    """Say how far a limit is above the perforating test, in %."""
     return f"{100 * (velocity / TESTED - 1):.0f} %"
 
 
 def front_page() -> str:
-    """How good the results are, in five rows: tests first, then the mesh, then the thesis."""
+    """Tabulate how good the results are, in five rows: tests first, then the mesh, then the
+    thesis."""
     limit, v50 = s726()
     [growth] = [
         row for row in table("measured-quantities.csv") if row["quantity"].startswith("growth")
@@ -178,7 +180,7 @@ def front_page() -> str:
 
 
 def packs_of_twaron() -> list[str]:
-    """The computed V50 of packs against their tests, as a row."""
+    """Write the row of the computed V50 of packs against their tests."""
     rows = [
         row
         for row in table("measured.csv")
@@ -198,19 +200,19 @@ def packs_of_twaron() -> list[str]:
 
 
 def s726() -> tuple[float, dict[str, str]]:
-    """Critical velocity of one ply of S-726 [m/s], and the row of its V50."""
+    """Read the critical velocity of one ply of S-726 [m/s], and the row of its V50."""
     ply = next(row for row in table("one-ply.csv") if row["fabric"] == "S-726")
     v50 = next(row for row in table("measured.csv") if row["id"] == "S-726 V50")
     return float(ply["critical velocity [m/s]"]), v50
 
 
 def difference_of(row: dict[str, str]) -> str:
-    """ "a" where a measured row shows that the model is off, else "no"."""
+    """Return "a" if a measured row shows that the model is off, else "no"."""
     return "a" if abs(float(row["E"])) > float(row["u_val"]) else "no"
 
 
 def two_tests() -> str:
-    """What the two tests of one ply say; the same words on every page."""
+    """Say what the two tests of one ply say; the same words stand on every page."""
     limit, v50 = s726()
     text = (
         f"one ply of S-726 stopped the cylinder at 96 m/s and was perforated at {TESTED} m/s. "
@@ -223,7 +225,8 @@ def two_tests() -> str:
 
 
 def critical_velocities() -> str:
-    """Of one ply of the six fabrics, beside the shots of the captions."""
+    """Tabulate the critical velocities of one ply of the six fabrics, beside the shots of the
+    captions."""
     rows = [["fabric", "default mesh", "elements half as long", "simulated in the thesis"]]
     shots = [row for row in table("published-shots.csv") if row["kind"] == "caption, one ply"]
     for (plies, fabric), quantities in deviations().items():
@@ -267,7 +270,7 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
 
 
 def made(page: str) -> str:
-    """The text that a page should have."""
+    """Make the text that a page should have."""
     text = (ROOT / page).read_text("utf-8")
     for name, content in MARKED[page].items():
         begin, end = f"<!-- {name} of tools/pages.py -->", f"<!-- end of {name} -->"
@@ -280,7 +283,7 @@ def made(page: str) -> str:
 
 
 def stale() -> list[str]:
-    """Pages that are out of date."""
+    """List the pages that are out of date."""
     return [page for page in MARKED if (ROOT / page).read_text("utf-8") != made(page)]
 
 

@@ -47,7 +47,7 @@ SECTIONS = {
 
 
 def page() -> str:
-    """The text of the page."""
+    """Write the text of the page."""
     parts = [
         "# Python",
         "Made from signatures and docstrings. [Reference](../reference.md#python) has what holds for all.",

@@ -31,7 +31,7 @@ HEAD += " that became unstable or a doubtful result with `--strict`, 130 interru
 
 
 def commands(command, name):
-    """(name, command) of a click command and those under it, groups left out."""
+    """Yield (name, command) of a click command and those under it, groups left out."""
     inner = getattr(command, "commands", None)
     if inner is None:
         yield name, command
@@ -41,14 +41,14 @@ def commands(command, name):
 
 
 def plain(text):
-    """Help without the marks of rich, on one line, safe in a table."""
+    """Return help without the marks of rich, on one line, safe in a table."""
     return " ".join(re.sub(r"\\(\[)|\[/?(?:bold|dim)?\]", r"\1", text or "").split()).replace(
         "|", r"\|"
     )
 
 
 def section(name, command):
-    """The Markdown of one command."""
+    """Write the Markdown of one command."""
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     options = [
         one
@@ -85,7 +85,7 @@ def section(name, command):
 
 
 def cli():
-    """cli.md"""
+    """Write cli.md."""
     import typer
 
     from weavecell.cli.app import program
@@ -99,7 +99,7 @@ def cli():
 
 
 def json_schema(model):
-    """The JSON Schema of an input file as it is written: quantities are texts with a unit.
+    """Return the JSON Schema of an input file as it is written: quantities are texts with a unit.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def json_schema(model):
 
 
 def schemas():
-    """{name of the file: JSON Schema}"""
+    """Return the JSON Schema of each input file: {name of the file: schema}."""
     from weavecell.scenes.coupon import CouponScene
     from weavecell.scenes.impact import Scene
 
@@ -132,7 +132,7 @@ def schemas():
 
 
 def pages():
-    """{name: text of a page}"""
+    """Write all pages: {name: text}."""
     return {
         "cli.md": cli(),
         "input.md": keys_page.page(),

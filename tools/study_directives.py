@@ -18,6 +18,7 @@ class StudyTable(Directive):
     option_spec: ClassVar = {"columns": directives.unchanged, "where": directives.unchanged}
 
     def run(self):
+        """Make the table of a study."""
         [name] = self.arguments
         self.state.document.settings.record_dependencies.add(str(DATA / f"{name}.csv"))
         try:
@@ -47,6 +48,7 @@ class StudyFigure(Directive):
     has_content = True
 
     def run(self):
+        """Draw the figure of a study."""
         [name] = self.arguments
         self.state.document.settings.record_dependencies.add(str(DATA / f"{name}.csv"))
         path = FIGURES / f"{name}.png"

@@ -30,14 +30,15 @@ NAMED, BEST = 10, "Pareto-optimal in"  # most lines with a legend; column of a c
 
 
 def read(name):
-    """(how it was made, rows) of a CSV."""
+    """Read a CSV: (how it was made, rows)."""
     with open(DATA / f"{name}.csv", encoding="utf-8", newline="") as file:
         made = file.readline().removeprefix("#").strip()
         return made, list(csv.DictReader(file))
 
 
 def rows_of(name, columns="", where=""):
-    """(how it was made, number of rows of the file, columns, the rows that are shown).
+    """Select rows of a study: (how it was made, number of rows of the file, columns, the rows that
+    are shown).
 
     Raises
     ------
@@ -63,13 +64,13 @@ def rows_of(name, columns="", where=""):
 
 
 def picture(name):
-    """[picture] of a study, or of the one that it is like."""
+    """Return [picture] of a study, or of the one that it is like."""
     content = tomllib.loads((STUDIES / f"{name}.toml").read_text("utf-8"))
     return content.get("picture") or picture(content["like"])
 
 
 def draw(name):
-    """The figure of a study, or of the measured rows."""
+    """Draw the figure of a study, or of the measured rows."""
     from matplotlib.figure import Figure
 
     if name == "measured":

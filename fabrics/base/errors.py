@@ -71,7 +71,7 @@ class InputError(WeavecellError, ValueError):
         super().__init__(" ".join(" ".join(parts).split()))
 
     def changed(self, **attributes: Any) -> InputError:
-        """The same error with another file, key or value."""
+        """Return the same error with another file, key or value."""
         own: dict[str, Any] = {
             "file": self.file,
             "key": self.key,
@@ -83,8 +83,8 @@ class InputError(WeavecellError, ValueError):
 
 @contextmanager
 def placed(file: object, prefix: str = "") -> Iterator[None]:
-    """An InputError in this block that names no file gets this one, and the prefix before its
-    key."""
+    """Give an InputError that is raised in this block, and names no file, this one and the prefix
+    before its key."""
     try:
         yield
     except InputError as problem:
@@ -98,16 +98,16 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
-    """The one of the `known` names that a mistyped `name` may be meant for: at least so similar,
-    from 0 to 1."""
+    """Find the one of the `known` names that a mistyped `name` may be meant for: at least so
+    similar, from 0 to 1."""
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=least)), None)
 
 
 def unknown_name(
     kind: str, name: str, known: Sequence[str], *, file: object = None, key: str | None = None
 ) -> InputError:
-    """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all
-    of them."""
+    """Return the InputError of a `name` that no `kind` has, with the nearest of the `known` names
+    and all of them."""
     near = nearest(name, known, 0.6)
     hint = ";"
     if near:
@@ -139,14 +139,14 @@ class InputErrors(InputError):
 
 
 def together(problems: Sequence[InputError]) -> InputError:
-    """One InputError of all `problems`: the one itself, or an InputErrors."""
+    """Join all `problems` in one error: the one itself, or an InputErrors."""
     if len(problems) == 1:
         return problems[0]
     return InputErrors(problems)
 
 
 def marked(problem: object) -> str:
-    """What a program prints of an error, each line marked as one."""
+    """Format an error as a program prints it, each line marked as one."""
     return "\n".join(f"error: {line}" for line in str(problem).splitlines())
 
 

@@ -34,6 +34,7 @@ class InProcess(Executor):
     """Runs each task in this process, when it is submitted."""
 
     def submit(self, function: Callable, /, *arguments: Any, **keywords: Any) -> Future:
+        """Run the function at once and return a finished future with its result or exception."""
         future: Future = Future()
         try:
             future.set_result(function(*arguments, **keywords))
@@ -44,7 +45,7 @@ class InProcess(Executor):
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Processes that are started meanwhile have one thread."""
+    """Give processes that are started in this block one thread each."""
     before = {name: os.environ[name] for name in THREADS if name in os.environ}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -70,8 +71,8 @@ def start_worker(initializer: Callable | None = None, *arguments: Any) -> None:
 def open_executor(
     executor: str | Executor = "local", jobs: int = 1, *, fresh: bool = False, first: tuple = ()
 ) -> Iterator[Executor]:
-    """The executor of a name, closed at the end; one that is given as an object is used as it is,
-    and left open.
+    """Open the executor of a name and close it at the end; use one that is given as an object as it
+    is, and leave it open.
 
     `jobs` is the number of local processes, where a single one is this process unless it is to be
     `fresh`; `first` is (function, its arguments) that a local process calls first. InputError: no
@@ -136,8 +137,8 @@ def _client():
 def as_done(
     executor: Executor, function: Callable, arguments: Sequence[tuple]
 ) -> Iterator[tuple[int, Any]]:
-    """(index, result) of function(*row) for each row of `arguments`, as they end, until the first
-    exception."""
+    """Yield (index, result) of function(*row) for each row of `arguments`, as they end, until the
+    first exception."""
     # submitting all of them at once would run all of them before the first result is handed on
     if isinstance(executor, InProcess):
         yield from ((index, function(*row)) for index, row in enumerate(arguments))

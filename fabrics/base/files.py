@@ -157,7 +157,7 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
 
 def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
-    """The content of a JSON file of this project.
+    """Read a JSON file of this project.
 
     Parameters
     ----------
@@ -185,12 +185,12 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
 
 
 def read_data(path: FilePath) -> dict[str, Any]:
-    """The content of a TOML file of a package, which needs no message for a user."""
+    """Read a TOML file of a package, which needs no message for a user."""
     return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def read_text(path: FilePath) -> str:
-    """The text of a user's file, without byte order mark, with "\\n" at the end of each line.
+    """Read a user's file: its text without byte order mark, with "\n" at the end of each line.
 
     Raises
     ------
@@ -219,8 +219,8 @@ def read_text(path: FilePath) -> str:
 
 
 def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple[int, list[str]]]:
-    """(line number, cells without the blanks around them) of each line of a CSV file but empty ones
-    and comments.
+    """Read a CSV file: (line number, cells without the blanks around them) of each line but empty
+    ones and comments.
 
     Empty cells at the end of the first line, and below these, are left out. Decimal commas become
     points.
@@ -305,7 +305,7 @@ def read_columns(
     example: str,
     either: Sequence[str] = (),
 ) -> dict[str, FloatArray]:
-    """The columns of a file: {name: (n,) [SI]}.
+    """Read the columns of a file: {name: (n,) [SI]}.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ def read_columns(
 
 
 def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
-    """The finite number of a cell; else InputError."""
+    """Read the finite number of a cell; else raise InputError."""
     number = nan
     if NUMBER.fullmatch(text):
         number = float(text)

@@ -71,8 +71,8 @@ def compiling(module: str, done: bool = False) -> None:
 
 
 def kernel(**options: Any) -> Callable[[Callable], Any]:
-    """Decorator of a kernel: numba's njit with these options, and the folder of its file for its
-    machine code."""
+    """Decorate a kernel with numba's njit and these options; its machine code is kept in the folder
+    of its file."""
 
     def decorated(function: Callable) -> Any:
         from numba import njit
@@ -114,7 +114,7 @@ def _kernel_digest(file: Path, root: Path) -> str:
 
 
 def digest(parts: Iterable[tuple[str, bytes]]) -> str:
-    """Hexadecimal SHA-256 of pairs (name, bytes)."""
+    """Return the hexadecimal SHA-256 of pairs (name, bytes)."""
     total = hashlib.sha256()
     for name, content in parts:
         total.update(f"{name}\0{len(content)}\0".encode() + content)
@@ -123,8 +123,8 @@ def digest(parts: Iterable[tuple[str, bytes]]) -> str:
 
 @cache
 def one_compiler_a_node() -> None:
-    """From now on this process looks for kernels in the cache, and compiles those that are not
-    there, under a lock.
+    """From now on look for kernels in the cache, and compile those that are not there, under a
+    lock.
 
     The processes of a user on a node that share a cache share the lock, so that each kernel is
     compiled by one of them and loaded by the others. Where files cannot be locked, nothing is.
@@ -170,8 +170,8 @@ def one_compiler_a_node() -> None:
 
 
 def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
-    """[(file, bytes)] that the machine code of the kernels in a file depends on, for packages in
-    the folder `root`.
+    """Collect what the machine code of the kernels in a file depends on, for packages in the folder
+    `root`: [(file, bytes)].
 
     The file, and what it imports from packages in `root`, directly or not; of all other files of
     `TUPLES` the definitions of named tuples, the only arguments of kernels whose layout is ours.
@@ -205,8 +205,8 @@ def _tuples(root):
 
 
 def named_tuples(content: bytes) -> bytes:
-    """Definitions of the named tuples of a file without the layout of its text, b"" if there are
-    none.
+    """Extract the definitions of the named tuples of a file without the layout of its text; b"" if
+    there are none.
 
     A definition with fields that are not literals depends on the rest of the file: then it is the
     whole file.

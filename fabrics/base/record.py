@@ -44,12 +44,12 @@ class Record:
         return self.columns[name]
 
     def unit(self, name: str) -> str:
-        """The SI unit of a column, "-" of a number without one."""
+        """Return the SI unit of a column, "-" of a number without one."""
         return self.meanings[name].partition("[")[2].partition("]")[0]
 
     def to_dataframe(self) -> DataFrame:
-        """One row per state; a column of several numbers per state gives one for each, name_0,
-        name_1, ..."""
+        """Return a table with one row per state; a column of several numbers per state gives one
+        for each, name_0, name_1, ..."""
         from pandas import DataFrame
 
         flat = {}
@@ -62,8 +62,8 @@ class Record:
         return DataFrame(flat)
 
     def to_xarray(self, *dimensions: str) -> Dataset:
-        """The columns as variables over `dimensions` ("row" without), with units; further axes are
-        name_1, ..."""
+        """Return the columns as variables over `dimensions` ("row" without), with units; further
+        axes are name_1, ..."""
         from xarray import Dataset
 
         shared = dimensions or ("row",)
@@ -90,7 +90,7 @@ class Record:
 
     @staticmethod
     def notes(path: FilePath) -> dict[str, Any]:
-        """The notes of a file; {} if it is none of these."""
+        """Read the notes of a file; {} if it has another format."""
         try:
             with read_hdf5(path, FORMAT) as file:
                 return dict(file["notes"].attrs)
@@ -121,5 +121,5 @@ class Record:
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
-    """{name: (n, ...)} of rows, dicts with the same keys."""
+    """Turn rows, dicts with the same keys, into columns: {name: (n, ...)}."""
     return {key: np.array([row[key] for row in rows]) for key in rows[0]}

@@ -55,7 +55,7 @@ def code(*modules: str) -> str:
 
 
 def files_of(*modules: str) -> list[Path]:
-    """The source and data files, but pictures, that count as the code of some modules, sorted.
+    """List the source and data files, but pictures, that count as the code of some modules, sorted.
 
     All of `LIBRARIES`, since a module can use the methods of an object whose class it does not
     import; for a module of validation all of it but the files of studies, for one of weavecell its
@@ -82,7 +82,7 @@ def files_of(*modules: str) -> list[Path]:
 
 
 def version(*modules: str) -> str:
-    """Version of weavecell and of the code of some modules, as text: "0.1.0 (code
+    """Return the version of weavecell and of the code of some modules, as text: "0.1.0 (code
     0123456789ab)"."""
     return f"{__version__} (code {code(*modules)[:_SHORT]})"
 
@@ -174,7 +174,7 @@ class RunCache:
         self._form = form
 
     def file(self, key: str) -> Path:
-        """File of a result."""
+        """Return the file of a result."""
         return self.folder / f"{key}.{self._form.suffix}"
 
     def clear(self) -> None:
@@ -205,8 +205,8 @@ def results(
     resume: bool = True,
     report: Callable[[int, int], object] | None = None,
 ) -> list:
-    """function(*row) for each row of `arguments`, in their order; each is kept as soon as it is
-    done.
+    """Return function(*row) for each row of `arguments`, in their order; each is kept as soon as it
+    is done.
 
     Nothing depends on how many runs are under way, or in which order they end.
 
@@ -241,7 +241,7 @@ def results(
 
 
 def stamp(inputs: object, *modules: str) -> dict[str, str]:
-    """{name: text} that a file with the state of one run carries as attributes."""
+    """Return the attributes {name: text} that a file with the state of one run carries."""
     return {"identity": inputs_digest(inputs), "code": version(*modules)}
 
 

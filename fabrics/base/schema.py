@@ -46,22 +46,22 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     def sets(self, key: str) -> bool:
-        """Whether a key is set to something other than its default."""
+        """Tell whether a key is set to something other than its default."""
         return getattr(self, key) != type(self).model_fields[key].get_default(
             call_default_factory=True
         )
 
     def refuse(self, keys: str, allowed: str) -> None:
-        """InputError of the first of some keys, in one text, that is set to something other than
-        its default."""
+        """Raise an InputError for the first of some keys, in one text, that is set to something
+        other than its default."""
         for key in keys.split():
             if self.sets(key):
                 raise InputError(key=key, allowed=allowed)
 
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
-        """(message, what is allowed) of a key that the table has not, and that may be meant for one
-        `near` it.
+        """Return (message, what is allowed) for a key that the table has not, and that may be meant
+        for one `near` it.
 
         Without a message the line has the value of the key.
         """
@@ -77,8 +77,8 @@ Kind = TypeVar("Kind", bound=Table)
 def described(
     meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any
 ) -> Any:
-    """A Field whose `title` is what the key means, its `description` what is allowed, its extra
-    "unit" the SI unit.
+    """Return a Field whose `title` is what the key means, its `description` what is allowed, its
+    extra "unit" the SI unit.
 
     `unit` is None if it is not a quantity; `example` is as it stands in a file.
     """
@@ -106,9 +106,8 @@ def from_text(
     example: Any = None,
     written: dict[str, Any] = TEXT,
 ) -> Any:
-    """A `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by read(text,
-    unit) of its parts;
-    `written` is the JSON Schema of what stands there."""
+    """Declare a `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by
+    read(text, unit) of its parts; `written` is the JSON Schema of what stands there."""
 
     def validate(value, info):
         try:
@@ -122,13 +121,13 @@ def from_text(
 
 
 def in_python(info: ValidationInfo) -> bool:
-    """Whether a value that is validated was given in Python, and not read from a file."""
+    """Tell whether a value that is validated was given in Python, and not read from a file."""
     return bool(info.context and info.context.get("python"))
 
 
 def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
-    """What makes a float in a SI unit of a text; of what is given in Python also of a plain
-    number."""
+    """Return the function that converts a text to a float in a SI unit; what is given in Python may
+    be a plain number too."""
 
     def read(value, unit):
         number = (
@@ -164,8 +163,8 @@ def quantity(
     most: str | None = None,
     kind: str | None = None,
 ) -> Any:
-    """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most
-    `most`.
+    """Declare a float in SI `unit`, written as text: above 0, or of at least 0 with `zero`, and at
+    most `most`.
 
     `kind` is what it is, in words with {} for these limits; None takes what its unit says.
     """
@@ -186,7 +185,7 @@ def quantity(
 
 
 def angle(meaning: str, low: float, high: float, example: str) -> Any:
-    """An angle [rad], written as text, from `low` to `high` [deg]."""
+    """Declare an angle [rad], written as text, from `low` to `high` [deg]."""
 
     def convert(text, read):
         value = read(text, "rad")
@@ -199,7 +198,7 @@ def angle(meaning: str, low: float, high: float, example: str) -> Any:
 
 
 def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
-    """A tuple of floats in SI `unit`, written as a list of texts."""
+    """Declare a tuple of floats in SI `unit`, written as a list of texts."""
 
     def convert(texts, read):
         if not isinstance(texts, (list, tuple)):
@@ -214,7 +213,7 @@ def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
 
 
 def number(meaning: str, example: float, **limits: Any) -> Any:
-    """A plain number within pydantic's limits gt, ge, lt, le."""
+    """Declare a plain number within pydantic's limits gt, ge, lt, le."""
     match limits:
         case {"gt": low, "le": high}:
             bounds = f"above {low:g} and at most {high:g}"
@@ -230,7 +229,7 @@ def number(meaning: str, example: float, **limits: Any) -> Any:
 
 
 def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
-    """A whole number from `low` to `high`."""
+    """Declare a whole number from `low` to `high`."""
     return Annotated[
         int,
         described(
@@ -240,30 +239,30 @@ def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
 
 
 def one_of(meaning: str, *names: str) -> Any:
-    """One of some texts."""
+    """Declare a choice of one of some texts."""
     return Annotated[
         Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])
     ]
 
 
 def some_of(meaning: str, *names: str) -> Any:
-    """Any of some texts, written as a list."""
+    """Declare a choice of any of some texts, written as a list."""
     field = described(meaning, f"a list of {_quoted(names)}")
     return Annotated[tuple[Literal[names], ...], BeforeValidator(as_tuple), field]
 
 
 def string(meaning: str, allowed: str) -> Any:
-    """A text."""
+    """Declare a text."""
     return Annotated[str, described(meaning, allowed)]
 
 
 def flag(meaning: str) -> Any:
-    """True or false."""
+    """Declare a flag, true or false."""
     return Annotated[bool, described(meaning, "true or false")]
 
 
 def as_tuple(value: Any) -> Any:
-    """A list as a tuple, all else as it is."""
+    """Convert a list to a tuple, and return all else as it is."""
     if isinstance(value, list):
         return tuple(value)
     return value
@@ -288,7 +287,8 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
 
 
 def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any = None) -> Kind:
-    """The table of a file as a `model`; InputError, a line for each thing that is wrong with it.
+    """Validate the table of a file as a `model`; an InputError has a line for each thing that is
+    wrong with it.
 
     Parameters
     ----------
@@ -399,12 +399,13 @@ def _locate(model, location):
 
 
 def unit_of(entry: Any) -> str | None:
-    """SI unit of a field, "1" of a ratio; None if it is not a quantity, or not a field."""
+    """Return the SI unit of a field, "1" of a ratio; None if it is not a quantity, or not a
+    field."""
     return (getattr(entry, "json_schema_extra", None) or {}).get("unit")
 
 
 def tables_in(kind: Any) -> Iterator[type[Table]]:
-    """The tables in a type, through its unions and tuples."""
+    """Yield the tables in a type, through its unions and tuples."""
     if isinstance(kind, type) and issubclass(kind, Table):
         yield kind
     for part in get_args(kind):
@@ -412,7 +413,7 @@ def tables_in(kind: Any) -> Iterator[type[Table]]:
 
 
 def changed(scene: Table, prefix: str = "") -> Iterator[str]:
-    """The keys that a scene sets to something other than their default, in the order of the
+    """Yield the keys that a scene sets to something other than their default, in the order of the
     schema."""
     for name, entry in type(scene).model_fields.items():
         if name not in scene.model_fields_set:
@@ -432,12 +433,12 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
 
 
 def keys(model: type[Table]) -> tuple[str, ...]:
-    """All keys of a schema, without the tables that hold them."""
+    """Return all keys of a schema, without the tables that hold them."""
     return tuple(entries(model))
 
 
 def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
-    """{dotted name: table} of a schema, "" for the schema itself."""
+    """Return the tables of a schema by dotted name, {name: table}; "" is the schema itself."""
     named = {name: model}
     for key, entry in model.model_fields.items():
         for kind in dict.fromkeys(tables_in(entry.annotation)):
@@ -446,8 +447,8 @@ def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
 
 
 def entries(model: type[Table]) -> dict[str, FieldInfo]:
-    """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only
-    hold tables."""
+    """Return all keys of a schema, {key: its field}: the fields that have a meaning, not those that
+    only hold tables."""
     fields = {}
     for name, table in tables(model).items():
         for key, entry in table.model_fields.items():
@@ -457,7 +458,8 @@ def entries(model: type[Table]) -> dict[str, FieldInfo]:
 
 
 def written(table: Any, key: str) -> Any:
-    """The value of a key as it stands in the file; None of a table, and of what cannot be found."""
+    """Return the value of a key as it stands in the file; None of a table, and of what cannot be
+    found."""
     for part in key.split("."):
         if isinstance(table, dict):
             table = table.get(part)

@@ -109,7 +109,7 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
 def in_one_of(
     value: Any, units: tuple[str, ...], *, file: FilePath | None = None, key: str | None = None
 ) -> tuple[float, str]:
-    """(number, unit) of the first of the SI `units` that the value converts to, as `si` does.
+    """Convert a value to the first of the SI `units` that it fits, as `si` does: (number, unit).
 
     Raises
     ------
@@ -133,13 +133,14 @@ def in_one_of(
 def refused(
     value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
 ) -> InputError:
-    """The InputError of a value that is not a quantity, or of a list with one; it names a decimal
-    comma."""
+    """Return the InputError of a value that is not a quantity, or of a list with one; it names a
+    decimal comma."""
     return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
 
 
 def decimal_comma(value: Any) -> str | None:
-    """What to do about a decimal comma in a text, or in one of a list; None if there is none."""
+    """Say what to do about a decimal comma in a text, or in one of a list; None if there is
+    none."""
     if isinstance(value, (list, tuple)):
         parts = value
     else:
@@ -153,7 +154,7 @@ def decimal_comma(value: Any) -> str | None:
 
 
 def example(unit: str) -> str:
-    """A quantity of this SI unit, as a user would write it."""
+    """Return an example of a quantity of this SI unit, as a user would write it."""
     return EXAMPLES.get(unit, f"1 {unit}")
 
 

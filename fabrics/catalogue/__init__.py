@@ -44,7 +44,7 @@ _FOLDER = Path(__file__).parent
 
 @cache
 def list_names() -> tuple[str, ...]:
-    """Names of the fabrics in the catalogue, sorted."""
+    """List the names of the fabrics in the catalogue, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
@@ -70,8 +70,8 @@ def load(name_or_path: FilePath) -> Fabric:
 
 
 def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputError:
-    """The InputError of a `name` that no fabric has, with the name it may be meant for, or what it
-    is the path of."""
+    """Return the InputError of a `name` that no fabric has, with the name it may be meant for, or
+    what it is the path of."""
     path = Path(name)
     near = nearest(name, list_names())
     hint = None

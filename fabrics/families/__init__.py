@@ -59,7 +59,7 @@ class Entry:
     most: float = inf
 
     def at(self, end: str, soft_at_high: bool) -> float:
-        """The value [SI] at an end, "soft", "nominal" or "stiff"."""
+        """Return the value [SI] at an end, "soft", "nominal" or "stiff"."""
         if end == "nominal":
             return self.value
         if (end == "soft") == soft_at_high:
@@ -67,7 +67,8 @@ class Entry:
         return self.low
 
     def widened(self, power: float) -> Entry:
-        """This entry with low / value and high / value to a power; as it is if it has no range."""
+        """Widen the range: low / value and high / value to a power; an entry without a range is
+        returned as it is."""
         if self.low == self.high:
             return self
         low = min(self.value * (self.low / self.value) ** power, self.most)
@@ -106,17 +107,17 @@ class Family:
     of_others: bool = False
 
     def for_other_yarns(self) -> Family:
-        """This family with the wider ranges of yarns that do not belong to it."""
+        """Return this family with the wider ranges of yarns that do not belong to it."""
         entries = {key: entry.widened(self.power) for key, entry in self.entries.items()}
         return replace(self, entries=entries, of_others=True)
 
     def holds(self, yarn: Yarn) -> bool:
-        """Whether a yarn belongs to the family, by modulus and fibre density."""
+        """Tell whether a yarn belongs to the family, by modulus and fibre density."""
         fibre = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
         return all(low <= fibre[key] <= high for key, (low, high) in self.limits.items())
 
     def allows(self, fibre: dict[str, float]) -> bool:
-        """Whether {"strength": [Pa], "failure_strain": [-]} are those of such a yarn."""
+        """Tell whether {"strength": [Pa], "failure_strain": [-]} are those of such a yarn."""
         return all(low <= fibre[key] <= high for key, (low, high) in self.strengths.items())
 
     def _at(self, table, key, end):
@@ -125,7 +126,7 @@ class Family:
     def shear(
         self, weave: Weave, widths: Widths = (None, None), end: str = "nominal"
     ) -> TrellisShear:
-        """The trellis law of a weave of these yarns, or that of an end of its range.
+        """Compute the trellis law of a weave of these yarns, or that of an end of its range.
 
         Parameters
         ----------
@@ -143,15 +144,15 @@ class Family:
         return from_weave(weave, widths, K_s=K_s, **numbers)
 
     def solid_laws(self, end: str = "nominal") -> tuple[SolidLaw, SolidLaw]:
-        """(warp, weft) solid laws, or those of an end of their range."""
+        """Return the (warp, weft) solid laws, or those of an end of their range."""
         common = {key: self._at("solid", key, end) for key in _SOLID}
         warp = SolidLaw(**common, Vf0=self._at("solid.Vf0", "warp", end))
         weft = SolidLaw(**common, Vf0=self._at("solid.Vf0", "weft", end))
         return warp, weft
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
-        """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources`
-        has them."""
+        """Collect the sources of "shear" or "solid" as `Fabric.sources` has them: {dotted key:
+        {"value", "source", "status"}}."""
         if self.of_others:
             of = f"{self.name}, its range to the power {self.power:g} for another fibre"
         else:
@@ -166,7 +167,7 @@ class Family:
 
 @cache
 def list_families() -> tuple[Family, ...]:
-    """All families."""
+    """Read all families."""
     return tuple(_read(Path(__file__).with_name(f"{name}.toml")) for name in FILES)
 
 
@@ -189,7 +190,7 @@ def _read(path: FilePath) -> Family:
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:
-    """An Entry from its table in a data file."""
+    """Read an Entry from its table in a data file."""
     written = str(table["value"])
     if "low" in table:
         written += f" ({table['low']} .. {table['high']})"
@@ -202,7 +203,7 @@ def entry(table: dict[str, Any], unit: str) -> Entry:
 
 
 def entries(rows: dict[str, dict[str, Any]]) -> dict[str, Entry]:
-    """{name: Entry} of tables of lengths and of numbers without a unit."""
+    """Read tables of lengths and of numbers without a unit: {name: Entry}."""
     named = {}
     for name, row in rows.items():
         unit = ""

@@ -78,7 +78,7 @@ class RateLaw:
 
     @classmethod
     def from_table(cls, table: Any, file: FilePath, default: str = "user") -> RateLaw:
-        """The law of a table `strain_rate` of a fabric file: three lists, source and status.
+        """Read the law from a table `strain_rate` of a fabric file: three lists, source and status.
 
         Raises
         ------
@@ -107,7 +107,7 @@ class RateLaw:
             return cls(**columns, source=str(table.get("source", "")), status=status)
 
     def strength_at(self, rate: float) -> float:
-        """[-] strength over that of the data sheet at a strain rate [1/s]."""
+        """Compute the strength [-] over that of the data sheet at a strain rate [1/s]."""
         return float(np.interp(np.log(max(rate, self.rates[0])), np.log(self.rates), self.strength))
 
     @property
@@ -118,8 +118,8 @@ class RateLaw:
         return 1.0
 
     def table(self, failure_strain: float) -> FloatArray:
-        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that
-        grows with the load,
+        """Tabulate (3, n) loads x, and from each to the next the rate of damage [1/s] at it and how
+        that grows with the load,
 
             dD/dt = r'(x) / failure strain = b exp(c (x - x_m))
 
@@ -139,7 +139,8 @@ class RateLaw:
         )
 
     def sources(self) -> dict[str, dict[str, str]]:
-        """{"strain_rate": {"value", "source", "status"}} as `Fabric.sources` has them."""
+        """Return the sources as `Fabric.sources` has them: {"strain_rate": {"value", "source",
+        "status"}}."""
         parts = [
             f"strength {_list(self.strength)}",
             *([f"modulus {_list(self.modulus)}"] if self.modulus else []),

@@ -25,7 +25,7 @@ def from_weave(
     gap: float,
     K_s: float,
 ) -> TrellisShear:
-    """The trellis law that follows from a weave.
+    """Compute the trellis law that follows from a weave.
 
     G2 is eq. 4-49 with `locking_share` in place of one half; G1 = G1_over_G2 G2. gamma1 is the
     smaller one of both families' touching angles (eq. 4-32), gamma2 that of their locking angles

@@ -40,7 +40,7 @@ class PullOutLaw:
     residual_rms: float = 0.0
 
     def threshold(self, F_c: ArrayLike) -> FloatArray:
-        """Threshold [N] at the contact force `F_c` [N]; never negative."""
+        """Compute the threshold [N] at the contact force `F_c` [N]; never negative."""
         return np.maximum(self.c0 + self.mu_eff * np.maximum(np.asarray(F_c, float), 0.0), 0.0)
 
     @classmethod

@@ -82,8 +82,8 @@ class HexSpace:
         self.displacement.x.array[:] = u[self.node].ravel()
 
     def cell_constants(self, values: FloatArray) -> Any:
-        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's
-        cells."""
+        """Make a UFL coefficient that is constant in each cell, from `values` : (m, c) by the
+        caller's cells."""
         function = fem.Function(_vector_space(self.mesh, "DG", 0, values.shape[1]))
         self.set_cell_constants(function, values)
         return function
@@ -121,7 +121,7 @@ class Assembler:
         return tuple(3 * self._space.node[index // 3] + index % 3 for index in (rows, columns))
 
     def residual(self) -> FloatArray:
-        """(n, 3) [N] forces at the caller's points for the current displacement."""
+        """Assemble the forces (n, 3) [N] at the caller's points for the current displacement."""
         array = self._vector.array
         array[:] = 0
         fem.assemble_vector(array, self._residual)
@@ -130,7 +130,7 @@ class Assembler:
         return forces
 
     def tangent(self) -> FloatArray:
-        """(nnz,) [N/m] values in the order of `rows` and `columns`."""
+        """Assemble the values (nnz,) [N/m] in the order of `rows` and `columns`."""
         self._matrix.zeroEntries()
         petsc.assemble_matrix(self._matrix, self._tangent)
         self._matrix.assemble()

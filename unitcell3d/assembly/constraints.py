@@ -56,17 +56,17 @@ class Constraints:
         return sparse.csr_matrix((self.sign[free], places), shape=(len(self.unknown), self.size))
 
     def displacement(self, q: FloatArray, parameters: ArrayLike) -> FloatArray:
-        """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d :
-        (2,) [m]."""
+        """Compute the displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a
+        crossover d : (2,) [m]."""
         return (self.drive @ np.asarray(parameters, float) + self.C @ q).reshape(-1, 3)
 
     def reduce(self, forces: FloatArray) -> FloatArray:
-        """Forces on the unknowns (size,) of the nodal forces (n, 3) [N]."""
+        """Reduce the nodal forces (n, 3) [N] to forces on the unknowns (size,)."""
         return self.C.T @ forces.ravel()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
-        """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end
-        displacement."""
+        """Compute the axial force [N] that drives the positive end of a yarn, the work conjugate of
+        its end displacement."""
         return float(forces[self.ends[yarn], AXIAL[yarn]].sum())
 
 
@@ -109,8 +109,8 @@ class Ties:
         self.follow(nodes, leaders, VERTICAL, parity)
 
     def turn(self, face: IntArray, opposite: IntArray, axial: int, width: int) -> None:
-        """The two-fold axis turns the end face `face` : (j, k) into itself or into another,
-        `opposite`."""
+        """Tie the end face `face` : (j, k) to itself or to another, `opposite`, by the two-fold
+        axis."""
         layers = face.shape[1]
         same = face is opposite
         turned = layers
@@ -126,7 +126,7 @@ class Ties:
                 self.hold(face[:, layers // 2], component)
 
     def done(self, ends: tuple) -> Constraints:
-        """The Constraints; `ends` as there."""
+        """Return the Constraints; `ends` as there."""
         carriers = np.unique(self._leader[self._leader >= 0])
         number = np.full(len(self._leader), -1)
         number[carriers] = np.arange(len(carriers))
@@ -142,7 +142,7 @@ def build(
     families: Sequence[int] = (0, 1),
     opposite: Sequence[int] | None = None,
 ) -> Constraints:
-    """Constraints of a crossover, or of any yarns that cross above the origin.
+    """Build the constraints of a crossover, or of any yarns that cross above the origin.
 
     Parameters
     ----------

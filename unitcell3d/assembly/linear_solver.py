@@ -59,7 +59,7 @@ class DirectSolver:
         self._matrix.stateIncrease()  # the matrix lives on the array itself
 
     def solve(self, b: FloatArray) -> FloatArray | None:
-        """(size,) solution, or None where the factorisation failed."""
+        """Return the solution (size,), or None if the factorisation failed."""
         self._b.setArray(b)
         self._ksp.solve(self._b, self._x)
         if self._ksp.getConvergedReason() <= 0:

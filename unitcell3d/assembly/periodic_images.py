@@ -40,8 +40,8 @@ class Images:
         self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
 
     def extended(self, yarn: int, m: int, n: int, margin: int) -> IntArray:
-        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at
-        each end."""
+        """Return the node numbers (i, j, k) of a yarn's image, with `margin` columns of its own
+        next images at each end."""
         place = np.array([m, n])
         step = np.eye(2, dtype=int)[self._mesh.families[yarn]]
         grid = self.image(yarn, *place)
@@ -50,8 +50,8 @@ class Images:
         return np.concatenate([before[-1 - margin : -1], grid, after[1 : 1 + margin]])
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:
-        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first
-        time."""
+        """Return the node numbers (i, j, k) of the image of a yarn, new ones if it is requested the
+        first time."""
         if (m, n) == (0, 0):
             return self._mesh.grids[yarn]
         if (yarn, m, n) not in self._found:
@@ -71,12 +71,12 @@ class Images:
         return self._found[yarn, m, n]
 
     def followers(self) -> Iterator[tuple[IntArray, IntArray, bool]]:
-        """Yields (nodes, the cell's nodes that they follow, whether upside down)."""
+        """Yield (nodes, the cell's nodes that they follow, whether upside down)."""
         yield from self._followers
 
     def drive(self) -> FloatArray:
-        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F -
-        I) c.
+        """Compute the displacement (3 n, 12) by the entries of H_warp, H_weft and F - I: u = H (X -
+        c) + (F - I) c.
 
         c is a point of the yarn's axis: each yarn turns about it, and it goes with the weave.
         """

@@ -61,7 +61,7 @@ class Pattern:
         return stencils[:, :, None] * self._n + stencils[:, None, :]
 
     def holds(self, stencil: IntArray) -> bool:
-        """Whether every pair of nodes of the stencils (m, s) has its block."""
+        """Tell whether every pair of nodes of the stencils (m, s) has its block."""
         return bool(np.all(np.isin(self._pairs(stencil), self._keys)))
 
     def places(self, stencil: IntArray) -> IntArray:
@@ -69,7 +69,8 @@ class Pattern:
         return np.searchsorted(self._keys, self._pairs(stencil))
 
     def scalar_places(self, rows: IntArray, columns: IntArray) -> IntArray:
-        """Flat index into `values` of the entries between components (3 node + component)."""
+        """Return the flat index into `values` of the entries between components (3 node +
+        component)."""
         block = np.searchsorted(self._keys, (rows // 3).astype(np.int64) * self._n + columns // 3)
         return 9 * block + 3 * (rows % 3) + columns % 3
 

@@ -87,8 +87,8 @@ def biaxial(
 
 
 def row(model: CrossoverModel) -> Callable[[Equilibrium, Load], dict[str, Any]]:
-    """The function that records a state of a crossover: loads, forces, heights, and strains of the
-    fibres."""
+    """Return the function that records a state of a crossover: loads, forces, heights, and strains
+    of the fibres."""
     return lambda state, load: crossover_row(model, state, load) | fibre_row(model, state, load)
 
 
@@ -105,8 +105,8 @@ def _proportions(ratio):
 
 
 def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float, ...]:
-    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times
-    their failure strain."""
+    """Compute the end displacements (d1, d2) [m] at which warp and weft are straight and at
+    `beyond` times their failure strain."""
     return tuple(
         w * ((1 + yarn.crimp) * (1 + beyond * yarn.failure_strain) - 1)
         for w, yarn in zip(fabric.weave.w, fabric.weave.yarns)
@@ -199,8 +199,8 @@ class Failure:
 
 
 def failure(record: Record, fabric: Fabric) -> list[Failure]:
-    """Failure by the worst bar and by the mean of the bars, without those that the path did not
-    reach."""
+    """Find the failure by the worst bar and by the mean of the bars, without those that the path
+    did not reach."""
     limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
     worst = record["fibre_strain_max"] / limits
     mean = record["fibre_strain_mean"] / limits
@@ -219,7 +219,8 @@ def failure(record: Record, fabric: Fabric) -> list[Failure]:
 
 
 def first_reached(column: FloatArray, quantity: FloatArray, value: float) -> float:
-    """`column` (n,) interpolated where `quantity` (n,), which reaches `value`, first does so."""
+    """Interpolate `column` (n,) at the first place where `quantity` (n,), which reaches `value`,
+    does so."""
     i = int(np.argmax(quantity >= value))
     if i == 0:
         return float(column[0])

@@ -81,7 +81,7 @@ def _corners(corners):
 
 
 def read(path: FilePath) -> FloatArray:
-    """(k, 2) [m] corners from a CSV file.
+    """Read corners (k, 2) [m] from a CSV file.
 
     Raises
     ------

@@ -189,8 +189,8 @@ def _pressed(crossover, fabric, numerics, pulled, pressures):
 
 
 def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
-    """[m] end displacements of the crossing yarn, `LOADS` times those at which its crimp would be
-    taken up if it were not compressed and the pulled yarn had none."""
+    """Compute end displacements [m] of the crossing yarn, `LOADS` times those at which its crimp
+    would be taken up if it were not compressed and the pulled yarn had none."""
     crossing = 1 - pulled
     largest = fabric.weave.w[crossing] * fabric.weave.yarns[crossing].crimp
     return tuple(share * largest for share in LOADS)
@@ -213,7 +213,7 @@ def _row(model, number):
 
 
 def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """(F_c, T_f), each (n,) [N], of the transverse loads at which the yarn came to slide.
+    """Compute (F_c, T_f), each (n,) [N], of the transverse loads at which the yarn came to slide.
 
     Between the two rows about `SLIDING` forces are interpolated. Without friction, T_f is the
     largest P of each load.

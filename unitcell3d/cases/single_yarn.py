@@ -87,7 +87,8 @@ class YarnModel(YarnsModel):
         )
 
     def height(self, x: FloatArray) -> float:
-        """[m] of the centreline, the middle of the yarn above or below its end."""
+        """Compute the height [m] of the centreline, the middle of the yarn above or below its
+        end."""
         (grid,) = self.crossover.grids
         ends, middle = self._columns()
         return float(abs(np.mean(x[grid[middle], 2]) - np.mean(x[grid[ends], 2])))
@@ -206,7 +207,7 @@ def _row(model, yarn, crimp, state, load):
 
 
 def taut(yarn: Yarn, w: float, crimp: float, d: float) -> float:
-    """Closed form [N] of the tension at end displacements d [m]."""
+    """Compute the tension [N] at end displacements d [m] in closed form."""
     return float(max(0.0, yarn.EA * ((w + d) / (w * (1 + crimp)) - 1)))
 
 

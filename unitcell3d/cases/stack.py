@@ -160,8 +160,8 @@ def _row(model, state, load):
 
 
 def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The pressure law of the thesis beside a record: what one pack of as many plies closes since
-    its first pressure.
+    """Compute the pressure law of the thesis beside a record: what one pack of as many plies closes
+    since its first pressure.
 
     Returns
     -------

@@ -31,8 +31,8 @@ STEPS = 40
 
 @kernel()
 def spline_weights(xi, cells, weights):
-    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two
-    derivatives.
+    """Fill in the Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge)
+    and their two derivatives.
 
     A phantom node continues the edge straight beyond each end and is folded back into weights of
     the real ones.
@@ -111,8 +111,8 @@ def nearest_nodes(x, first, second, toward, st):
 
 @kernel()
 def closest(x, first, second, toward, st, nodes, weights, values):
-    """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False
-    without any."""
+    """Find the closest points `st` : (2,) of two edges by Newton's method from their nearest nodes;
+    False without any."""
     nearest_nodes(x, first, second, toward, st)
     for _ in range(STEPS):
         edge_stencil(st[0], first, nodes[0], weights[0])
@@ -152,7 +152,7 @@ def closest(x, first, second, toward, st, nodes, weights, values):
 
 @kernel()
 def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, places, values):
-    """Contact of two edges: forces, and the tangent where `places` is given.
+    """Add the contact of two edges: forces, and the tangent if `places` is given.
 
     Parameters
     ----------

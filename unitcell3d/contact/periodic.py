@@ -65,21 +65,23 @@ class Edges:
         return max(-float(self.gaps[0]), 0.0) if self._nodes[0] >= 0 else 0.0
 
     def expected_stencils(self) -> IntArray:
-        """What has been met: a contact at one point is cheap to lay out when it is."""
+        """Return the stencils that have been met: a contact at one point is cheap to lay out when
+        it is."""
         if self._nodes[0] >= 0:
             self._met = np.unique(np.concatenate([self._met, self._nodes[None]]), axis=0)
         return self._met
 
     def build_pattern(self, pattern: Pattern) -> None:
-        """As `surfaces.SurfacePairs.build_pattern`."""
+        """Keep the pattern, as `surfaces.SurfacePairs.build_pattern` does."""
         self._pattern = pattern
 
     def pattern_outdated(self) -> bool:
-        """As `surfaces.SurfacePairs.pattern_outdated`."""
+        """Tell whether the pattern lacks what was met, as `surfaces.SurfacePairs.pattern_outdated`
+        does."""
         return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """Edges slide without friction."""
+        """Keep nothing: edges slide without friction."""
 
     def assemble(
         self,
@@ -88,7 +90,8 @@ class Edges:
         forces: FloatArray,
         values: FloatArray | None = None,
     ) -> float:
-        """As `surfaces.SurfacePairs.assemble`; returns the force [N] between the edges."""
+        """Add forces and tangent as `surfaces.SurfacePairs.assemble` does; return the force [N]
+        between the edges."""
         places = NO_PLACES
         if values is not None and self._nodes[0] >= 0:
             places = self._pattern.places(self._nodes[None])[0]
@@ -110,7 +113,7 @@ class Edges:
 
 
 def crossings(mesh: YarnMesh, cells: int) -> list[tuple[Pass, Pass]]:
-    """The crossing yarns of a cell, each warp with each weft.
+    """Pair the crossing yarns of a cell, each warp with each weft.
 
     Parameters
     ----------
@@ -131,7 +134,7 @@ def crossings(mesh: YarnMesh, cells: int) -> list[tuple[Pass, Pass]]:
 
 
 def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]:
-    """The parallel neighbours of a cell, first warps, then wefts; some of them are images.
+    """Pair the parallel neighbours of a cell, first warps, then wefts; some of them are images.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from unitcell3d.contact.surface_contact_kernels import pressure
 
 @kernel()
 def plate_pass(x, face, height, law, forces, places, values):
-    """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where
+    """Add the forces of the nodes of a surface on a rigid plate z = height, and their tangent if
     `places` is given.
 
     Parameters

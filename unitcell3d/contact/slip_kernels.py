@@ -12,8 +12,8 @@ from unitcell3d.contact.surface_kernels import evaluate, surround
 
 @kernel()
 def mobilised_friction(x, slave, master, law, state):
-    """Friction and normal force of a pass, both as sums of sizes over its points, at the state of
-    its last call.
+    """Sum friction and normal force of a pass by size over its points, at the state of its last
+    call.
 
     Parameters
     ----------

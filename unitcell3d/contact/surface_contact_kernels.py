@@ -51,7 +51,7 @@ from unitcell3d.contact.surface_tangent_kernels import (
 
 @kernel()
 def pressure(gap, penalty, toe):
-    """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative:
+    """Compute the contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative:
     penetration)."""
     depth = -gap
     if depth <= 0.0:
@@ -63,8 +63,8 @@ def pressure(gap, penalty, toe):
 
 @kernel()
 def overlap_weight(xi, cells, free_low, free_high):
-    """Share w of a slave point's area that lies over the master in one direction, and its slope;
-    C1."""
+    """Compute the share w of a slave point's area that lies over the master in one direction, and
+    its slope; C1."""
     weight = 1.0
     slope = 0.0
     if free_high and xi > cells:
@@ -102,8 +102,8 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
 
 @kernel()
 def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
-    """One pass: forces of the slave points on the master surface, and their tangent where there are
-    places for it.
+    """Make one pass: forces of the slave points on the master surface, and their tangent if there
+    are places for it.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def cell_of(xi, cells):
 
 @kernel()
 def surround(x, grid, axes, mirror, ringed):
-    """Positions of the grid's nodes with a phantom row around.
+    """Copy the positions of the grid's nodes with a phantom row around.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def evaluate(ringed, xi, a, b, surface):
 
 @kernel()
 def folded(t, cell, cells, mirror_low, even, odd):
-    """Weights of the four nodes and their first derivatives, the phantoms folded back.
+    """Fill in the weights of the four nodes and their first derivatives, the phantoms folded back.
 
     Parameters
     ----------
@@ -183,12 +183,13 @@ def weights_of(xi, grid, axes, mirror, weights, work):
 
 @kernel()
 def dot(a, b):
+    """Compute the scalar product of two vectors (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel()
 def project(point, ringed, xi, a, b, surface):
-    """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is
+    """Find the closest point of the surface by Newton's method from the guess `xi` : (2,), which is
     overwritten.
 
     ringed, a, b, surface : as for `evaluate`; `surface` belongs to the point found

@@ -33,8 +33,8 @@ Scratch = namedtuple("Scratch", "surface normal weights spread v tau left right"
 
 @kernel()
 def normal_terms(scratch, gap, p, slope, area, overlap):
-    """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`,
-    `right[4]` over p A w.
+    """Fill in the rows whose products are the tangent of the pressure; those of dxi stand in
+    `right[3]`, `right[4]` over p A w.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ def normal_terms(scratch, gap, p, slope, area, overlap):
 
 @kernel()
 def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
-    """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are
-    filled.
+    """Fill in rows for the tangent of the friction, after those of `normal_terms`; return how many
+    are filled.
 
     Parameters
     ----------

@@ -70,8 +70,8 @@ class SurfacePairs:
         return [side.anchors for side in self._sides]
 
     def expected_stencils(self) -> list[IntArray]:
-        """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each
-        other."""
+        """Return the stencils, arrays (m, s), to lay the tangent out for: nodes that all act on
+        each other."""
         return [side.expected_stencils() for side in self._sides]
 
     def build_pattern(self, pattern: Pattern) -> None:
@@ -80,7 +80,7 @@ class SurfacePairs:
             side.build_pattern(pattern)
 
     def pattern_outdated(self) -> bool:
-        """Whether the last call of `assemble` met what the pattern was not laid out for."""
+        """Tell whether the last call of `assemble` met what the pattern was not laid out for."""
         return any(side.pattern_outdated() for side in self._sides)
 
     def assemble(
@@ -107,13 +107,13 @@ class SurfacePairs:
         return float(abs(self.forces).sum())
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """The state at `x`, that of the last call of `assemble`, is where friction goes on from."""
+        """Let friction go on from the state at `x`, that of the last call of `assemble`."""
         for side in self._sides:
             side.commit(x, numerics)
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> float:
-        """[-] share of Coulomb's limit that is mobilised at the state of the last call of
-        `assemble`: 0 where all points stick without load, 1 where all slide; 0 without contact."""
+        """Compute the share [-] of Coulomb's limit that is mobilised at the state of the last call
+        of `assemble`: 0 if all points stick without load, 1 if all slide; 0 without contact."""
         sums = np.array([side.mobilised_friction(x, numerics) for side in self._sides])
         mobilised, normal = sums.sum(axis=0)
         return float(mobilised / normal) if normal > 0 else 0.0
@@ -161,8 +161,8 @@ class Pass:
         return self._state.codes[self._state.codes >= 0]
 
     def expected_stencils(self) -> IntArray:
-        """(m, 20) stencils of what has been met, and of all points near their closest points: what
-        may be met next."""
+        """Return the stencils (m, 20) of what has been met, and of all points near their closest
+        points: what may be met next."""
         face = np.arange(len(self._areas)) // len(self._shapes)
         codes = [self._known, self._met()]
         for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
@@ -185,7 +185,7 @@ class Pass:
         self._places = pattern.places(stencils)
 
     def pattern_outdated(self) -> bool:
-        """Whether the last call of `assemble` met what has no places."""
+        """Tell whether the last call of `assemble` met what has no places."""
         return bool(np.any(self._row_of[self._met()] < 0))
 
     def assemble(
@@ -195,7 +195,8 @@ class Pass:
         forces: FloatArray,
         values: FloatArray | None = None,
     ) -> float:
-        """As `SurfacePairs.assemble`; returns the force [N] that presses the surfaces apart."""
+        """Add forces and tangent as `SurfacePairs.assemble` does; return the force [N] that presses
+        the surfaces apart."""
         resultant = np.zeros(3)
         blocks = Blocks(self._row_of, UNPLACED, NO_VALUES)
         if values is not None:
@@ -213,12 +214,12 @@ class Pass:
         return self._upwards * float(resultant[2])
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """As `SurfacePairs.commit`."""
+        """Let friction go on from the state at `x`, as `SurfacePairs.commit` does."""
         surface_contact_kernels.update_anchors(x, self._master, numerics.slip, self._state)
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """[N] sums over the points, at the state of the last call of `assemble`: of the normal
-        force times the mobilised share of Coulomb's limit (0 in rest, 1 in slip), and of the normal
+        """Sum over the points [N], at the state of the last call of `assemble`: the normal force
+        times the mobilised share of Coulomb's limit (0 in rest, 1 in slip), and the normal
         force."""
         law = contact_law(numerics, 0.5)
         found: tuple[float, float] = slip_kernels.mobilised_friction(
@@ -257,7 +258,7 @@ def facing(
     quarter: bool = False,
     families: Sequence[int] = (0, 1),
 ) -> tuple[Pass, Pass]:
-    """The lower face of one yarn and the upper face of another, each slave once with half the
+    """Pair the lower face of one yarn and the upper face of another, each slave once with half the
     penalty.
 
     A yarn along y counts as the upper one, and one along x as the lower one, with its grid
@@ -280,7 +281,7 @@ def facing(
 
 
 def face(points: FloatArray, grid: IntArray, family: int, quarter: bool, upwards: bool) -> Face:
-    """The contact surface `Face` of a yarn.
+    """Return the contact surface `Face` of a yarn.
 
     Parameters
     ----------
@@ -332,8 +333,8 @@ class Plates:
         places: Sequence[IntArray] | None,
         values: FloatArray,
     ) -> FloatArray:
-        """Adds internal forces, and the tangent where `places` (per plate, or None) is given;
-        returns (2,) [N]."""
+        """Add internal forces, and the tangent if `places` (per plate, or None) is given; return
+        the forces (2,) [N] of the plates."""
         pressed = np.zeros(2)
         if not np.isfinite(half_distance):
             return pressed
@@ -347,28 +348,29 @@ class Plates:
         return pressed
 
     def commit(self, x: FloatArray, half_distance: float, numerics: Numerics) -> None:
-        """The state at `x` is where friction goes on from."""
+        """Let friction go on from the state at `x`."""
         for face in self.faces:
             height = face.side * half_distance
             plate_contact_kernels.update_plate_anchors(x, face, height, numerics.slip)
 
 
 def contact_law(numerics: Numerics, share: float = 1.0) -> ContactLaw:
-    """The `ContactLaw` of the kernels, with a share [-] of the penalty."""
+    """Return the `ContactLaw` of the kernels, with a share [-] of the penalty."""
     numbers = (share * numerics.penalty, numerics.toe, numerics.friction, numerics.slip)
     return ContactLaw(*map(float, numbers))
 
 
 def plate_face(points: FloatArray, grids: Sequence[IntArray], side: float) -> PlateFace:
-    """The `PlateFace` of the faces `grids` of nodes; `side`: +1 for a plate above, -1 below."""
+    """Return the `PlateFace` of the faces `grids` of nodes; `side`: +1 for a plate above, -1
+    below."""
     nodes = np.concatenate([grid.ravel() for grid in grids]).astype(np.int64)
     areas = np.concatenate([tributary_areas(points, grid).ravel() for grid in grids])
     return PlateFace(nodes, areas, side, points[nodes, :2].copy())
 
 
 def gauss(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f,
-    g) [m2] there."""
+    """Compute the shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and
+    the areas (f, g) [m2] there."""
     places, weights = np.polynomial.legendre.leggauss(GAUSS)
     s, t = (axis.ravel()[:, None] for axis in np.meshgrid(places, places, indexing="ij"))
     a, b = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]).T
@@ -380,7 +382,8 @@ def gauss(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def tributary_areas(points: FloatArray, grid: IntArray) -> FloatArray:
-    """Areas [m2] of the nodes of a face: a quarter of each quadrilateral to each of its corners."""
+    """Compute the areas [m2] of the nodes of a face: a quarter of each quadrilateral to each of its
+    corners."""
     x = points[grid]
     diagonals = np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1])
     quads = 0.5 * np.linalg.norm(diagonals, axis=-1)

@@ -34,7 +34,8 @@ def _packed_later(fabric, name):
 def with_assumed_range(
     fabric: Fabric, done: Calibration, **choices: Any
 ) -> tuple[Calibration, dict[str, str]]:
-    """A calibration whose law holds its assumed range; as it is where the solid law is not assumed.
+    """Return a calibration whose law holds its assumed range; as it is if the solid law is not
+    assumed.
 
     Parameters
     ----------

@@ -77,7 +77,7 @@ class Job:
         )
 
     def file(self, folder: FilePath) -> Path:
-        """Its file in the folder of its fabric."""
+        """Return the job's file in the folder of its fabric."""
         return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
 
 
@@ -87,7 +87,8 @@ def path_jobs(
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
 ) -> list[Job]:
-    """The biaxial paths of a calibration: those of `PATHS` and `BOTH`, or {name: (d1, d2) ratio} that are given."""
+    """List the biaxial paths of a calibration: those of `PATHS` and `BOTH`, or {name: (d1, d2)
+    ratio} that are given."""
     jobs = [
         Job(name, fabric, size, tuple(map(float, ratio)), friction)
         for name, ratio in (PATHS if paths is None else paths).items()
@@ -289,7 +290,7 @@ class _Run:
 
 
 def run_job(job: Job) -> tuple[Record, float]:
-    """One job: (Record, wall time [s])."""
+    """Run one job: (Record, wall time [s])."""
     begun = time.perf_counter()
     mesh = mesher.build(job.fabric, size=job.size)
 

@@ -129,7 +129,7 @@ class Calibration:
         return "law of the tension ratio" if one > ONE_LAW and sees_more else "one law"
 
     def summary(self) -> dict[str, Any]:
-        """All numbers of the calibration, as plain types."""
+        """Return all numbers of the calibration, as plain types."""
         laws = {name: law and _numbers(law) for name, law in self.path_laws.items()}
         return {
             "format": "weavecell calibration 1",
@@ -191,7 +191,7 @@ class Calibration:
 
 
 def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
-    """The contact law of plies from a compression between platens, "computed".
+    """Compute the contact law of plies from a compression between platens, "computed".
 
     Steps that press less than one before are left out: pressure rises with closure. P^(1/3), which
     is nearly straight, is interpolated by monotone cubics over the closure and sampled at
@@ -220,8 +220,8 @@ def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
 
 
 def samples(history: Record, *columns: FloatArray) -> tuple[FloatArray, ...]:
-    """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement,
-    from contact on."""
+    """Sample F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's
+    displacement, from contact on."""
     shares = np.linspace(0, history["path"][-1], SAMPLES + 1)[1:]
     columns = columns or (history["d_c"],)
     F, *rest = (np.interp(shares, history["path"], column) for column in (history["F_c"], *columns))
@@ -235,7 +235,7 @@ def evaluate(
     seconds: dict[str, float],
     friction: float = 0.0,
 ) -> Calibration:
-    """The Calibration of solved paths.
+    """Evaluate solved paths: the Calibration.
 
     Parameters
     ----------

@@ -47,8 +47,8 @@ class LawInterval:
     ends: tuple[tuple[CompressionLaw | None, CompressionLaw | None], ...]
 
     def around(self, law: CompressionLaw) -> dict[str, tuple[float, float]]:
-        """{"a", "b": (low, high)} about another law, such as that of a finer mesh, at the same
-        ratios."""
+        """Place the interval about another law, such as that of a finer mesh, at the same ratios:
+        {"a", "b": (low, high)}."""
         return {
             "a": (self.a[0] / self.law.a * law.a, self.a[1] / self.law.a * law.a),
             "b": (self.b[0] / self.law.b * law.b, self.b[1] / self.law.b * law.b),
@@ -64,7 +64,7 @@ def law_intervals(
     jobs: int = 1,
     report: Callable[[int, int], object] | None = None,
 ) -> list[LawInterval | Exception]:
-    """Intervals of the compression laws of fitted solids.
+    """Compute intervals of the compression laws of fitted solids.
 
     Parameters
     ----------
@@ -116,8 +116,8 @@ def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | Non
 
 
 def combine(value: float, ends: Sequence[Sequence[float | None]]) -> tuple[float, float]:
-    """(low, high) about `value`: the changes that the unknowns make add as squares, downwards and
-    upwards on their own.
+    """Combine changes to (low, high) about `value`: those that the unknowns make add as squares,
+    downwards and upwards on their own.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class Error:
 
 
 def errors(surface: ResponseSurface) -> dict[str, Error]:
-    """{quantity: Error} of the interpolant of a surface.
+    """Compute the errors of the interpolant of a surface: {quantity: Error}.
 
     Raises
     ------

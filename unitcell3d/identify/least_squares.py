@@ -72,8 +72,8 @@ def solve(
 def identify(
     jacobian: FloatArray, noise: float, freedom: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """95 % half width of each parameter, their correlation, and the singular values and directions
-    of J.
+    """Compute the 95 % half width of each parameter, their correlation, and the singular values and
+    directions of J.
 
     Parameters
     ----------

@@ -35,8 +35,8 @@ class PlatenMisfit(NamedTuple):
 def platen_misfit(
     history: Record, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
 ) -> PlatenMisfit:
-    """Misfit of a computed compression between platens; the offset of the closure is free in both
-    measures.
+    """Compute the misfit of a computed compression between platens; the offset of the closure is
+    free in both measures.
 
     The closure's offset takes the mean of the misfit out; the offset of the pressure's measure is
     the one that makes that measure least. A history that ends early goes on straight in ln P, as in
@@ -67,8 +67,8 @@ def platen_misfit(
 def misfit_of_points(
     pressure: FloatArray, closure: FloatArray, measured: FloatArray
 ) -> PlatenMisfit:
-    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as
-    `platen_misfit`."""
+    """Compute the misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured`
+    ones, as `platen_misfit` does."""
     P = np.log(pressure)
     offset = np.mean(closure - measured)
     return PlatenMisfit(
@@ -79,8 +79,8 @@ def misfit_of_points(
 def closures(
     history: Record, cell_area: float, pressure: FloatArray, measured: FloatArray
 ) -> FloatArray:
-    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of
-    the `measured` ones.
+    """Compute what the plates of a history close up to each pressure [Pa], (n,) [m], moved to the
+    mean of the `measured` ones.
 
     Beyond the last pressure that the history reached, the closure goes on as it ended, straight in
     ln P, so that a misfit does not jump where a compression ends early.
@@ -100,8 +100,8 @@ def closures(
 
 
 def rising(history: Record, cell_area: float) -> tuple[FloatArray, FloatArray]:
-    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that
-    snaps lets the force fall.
+    """Select pressure [Pa] and closure [m] of the steps that press harder than any before: a tip
+    that snaps lets the force fall.
 
     Raises
     ------

@@ -79,14 +79,14 @@ class PlatenStates:
     failed: str = ""
 
     def closures(self, pressure: FloatArray) -> FloatArray:
-        """(n,) [m] closed at pressures [Pa] beside those of the equilibria, straight in ln P from
-        the nearest."""
+        """Compute the closures (n,) [m] at pressures [Pa] beside those of the equilibria, straight
+        in ln P from the nearest."""
         i = self._nearest(pressure)
         offset = (np.log(pressure) - np.log(self.pressure[i])) / self.pressure_h[i]
         return 2 * (self.rest - self.half_distance[i] - offset)
 
     def jacobian(self, pressure: FloatArray) -> FloatArray:
-        """(n, p) [m] derivatives of `closures` by x."""
+        """Compute the derivatives (n, p) [m] of `closures` by x."""
         i = self._nearest(pressure)
         return 2 * self.pressure_x[i] / self.pressure_h[i, None]
 
@@ -128,7 +128,7 @@ class PlatenSolver:
         self._solver.close()
 
     def at(self, x: FloatArray) -> PlatenStates:
-        """The equilibria of a trial.
+        """Solve the equilibria of a trial.
 
         Raises
         ------

@@ -14,7 +14,8 @@ from fabrics.base.errors import InputError
 
 
 def imbalance(T1: ArrayLike, T2: ArrayLike) -> FloatArray:
-    """m [-] of warp and weft tensions [N], from -1 to 1; 0 where neither is taut."""
+    """Compute the imbalance m [-] of warp and weft tensions [N], from -1 to 1; 0 where neither is
+    taut."""
     T1 = np.maximum(T1, 0)
     T2 = np.maximum(T2, 0)
     total = T1 + T2
@@ -50,18 +51,18 @@ class RatioLaw:
     m_range: tuple[float, float] | None = None
 
     def compliance(self, m: ArrayLike) -> FloatArray:
-        """Compression [m/N] per force at the first contact, at the imbalance `m`."""
+        """Compute the compression [m/N] per force at the first contact, at the imbalance `m`."""
         return np.exp(self.p[0] + self.p[1] * np.asarray(m, float))
 
     def d(self, F: ArrayLike, m: ArrayLike) -> FloatArray:
-        """Compression [m] at the contact force `F` [N] and the imbalance `m`; zero without
-        force."""
+        """Compute the compression [m] at the contact force `F` [N] and the imbalance `m`; zero
+        without force."""
         F = np.maximum(np.asarray(F, float), 0)
         return self.compliance(m) * F / (1 + F / self.F0)
 
     @classmethod
     def fit(cls, F: ArrayLike, m: ArrayLike, d: ArrayLike) -> RatioLaw:
-        """Least squares in d over samples (n,) [N], [-], [m] with F > 0.
+        """Fit the law by least squares in d over samples (n,) [N], [-], [m] with F > 0.
 
         Raises
         ------

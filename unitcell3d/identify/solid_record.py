@@ -106,7 +106,7 @@ class SolidFit:
         return misfit_of_points(self.pressure[:reached], closure, self.measured[:reached])
 
     def summary(self) -> dict[str, Any]:
-        """All numbers, as plain types."""
+        """Return all numbers, as plain types."""
         checked = self.misfit_checked
         return {
             "format": "weavecell solid fit 2",
@@ -147,12 +147,12 @@ class SolidFit:
 
 
 def constants(fabric: Fabric) -> dict[str, float]:
-    """{"E_c", "V_c", "K_r": value} of the warp's solid."""
+    """Return the constants {"E_c", "V_c", "K_r": value} of the warp's solid."""
     return {name: getattr((fabric.solid_laws or (None,))[0], name) for name in NAMES}
 
 
 def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
-    """The fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
+    """Return the fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
     E_c, room, K_r = map(float, np.exp(x))
     return with_solids(fabric, E_c=E_c, V_c=float(densest + room), K_r=K_r)
 
@@ -167,7 +167,7 @@ def record(
     sizes: tuple[str, str],
     failed: str = "",
 ) -> SolidFit:
-    """The SolidFit of a finished fit.
+    """Return the SolidFit of a finished fit.
 
     Parameters
     ----------

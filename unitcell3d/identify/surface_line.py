@@ -73,7 +73,7 @@ class Case:
         return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
 
     def at(self, place: float) -> tuple[float, float]:
-        """(d1, d2) [m] of a place on the line."""
+        """Return the end displacements (d1, d2) [m] of a place on the line."""
         place = float(place)
         fixed = float(self.fixed)
         if self.axis == 0:

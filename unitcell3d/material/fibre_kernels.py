@@ -21,7 +21,7 @@ from fabrics.base.kernel_cache import kernel
 
 @kernel()
 def fibre_law(strain, compression, width):
-    """Value and slope of s(e) [-]."""
+    """Compute value and slope of s(e) [-]."""
     if strain <= 0.0:
         return compression * strain, compression
     if strain >= width:
@@ -34,7 +34,7 @@ def fibre_law(strain, compression, width):
 
 @kernel()
 def bar_strains(x, pairs, length, strain):
-    """Engineering strain of each bar.
+    """Compute the engineering strain of each bar.
 
     Parameters
     ----------

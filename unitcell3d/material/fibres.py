@@ -57,22 +57,23 @@ class Fibres:
         self._fails = failure
 
     def stiffness(self, numerics: Numerics) -> FloatArray:
-        """(b,) [N] E A of the intact fibres."""
+        """Compute E A of the intact fibres, (b,) [N]."""
         return self._whole * (1 - self.damage * (1 - numerics.slack_stiffness))
 
     def strains(self, x: FloatArray) -> FloatArray:
-        """Strain of every bar (b,) at the positions `x` : (n, 3) [m]."""
+        """Compute the strain of every bar (b,) at the positions `x` : (n, 3) [m]."""
         strain = np.empty(len(self.pairs))
         fibre_kernels.bar_strains(x, self.pairs, self.length, strain)
         return strain
 
     def means(self, strain: FloatArray) -> FloatArray:
-        """(yarns,) mean of the strains `strain` : (b,) over the fibres of each yarn."""
+        """Compute the mean (yarns,) of the strains `strain` : (b,) over the fibres of each yarn."""
         volume = np.bincount(self.yarn, self._share)
         return np.bincount(self.yarn, self._share * strain) / volume
 
     def worst(self, strain: FloatArray) -> FloatArray:
-        """(yarns,) largest strain of each yarn among its whole bars; -1 where none is left."""
+        """Find the largest strain (yarns,) of each yarn among its whole bars; -1 if none is
+        left."""
         return np.array(
             [
                 strain[(self.yarn == yarn) & (self.damage == 0)].max(initial=-1.0)
@@ -81,12 +82,13 @@ class Fibres:
         )
 
     def broken(self) -> FloatArray:
-        """(yarns,) [-] share of the bars of each yarn that has failed."""
+        """Compute the share (yarns,) [-] of the bars of each yarn that has failed."""
         failed = (self.damage > 0).astype(float)
         return np.bincount(self.yarn, failed) / np.bincount(self.yarn)
 
     def overload(self, strain: FloatArray) -> float:
-        """[-] largest strain of a whole bar over its failure strain; 0 where bars do not fail."""
+        """Find the largest strain of a whole bar over its failure strain [-]; 0 if bars do not
+        fail."""
         if not self._fails:
             return 0.0
         whole = self.damage == 0

@@ -41,5 +41,6 @@ class Numerics:
             raise InputError(key="friction", value=self.friction, allowed="0 or positive")
 
     def softened(self, factor: float) -> Numerics:
-        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
+        """Return the settings with a softer contact: `factor` of the penalty, the toe deeper by its
+        inverse root."""
         return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)

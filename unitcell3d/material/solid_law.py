@@ -37,7 +37,8 @@ ONE_POINT = 1
 
 
 def smooth_max(x: Any, corner: Any, width: float) -> Any:
-    """max(x, corner), a parabola within `width` of the corner; works on UFL expressions."""
+    """Compute max(x, corner) with a parabola within `width` of the corner; works on UFL
+    expressions."""
     rounded = corner + (x - corner + width) ** 2 / (4 * width)
     return ufl.conditional(
         x <= corner - width, corner, ufl.conditional(x >= corner + width, x, rounded)
@@ -45,14 +46,14 @@ def smooth_max(x: Any, corner: Any, width: float) -> Any:
 
 
 def transverse_modulus(V_f: Any, Vf0: Any, V_c: Any, a_E: Any, b_E: Any) -> Any:
-    """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14, rounded
-    corners)."""
+    """Compute the secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 ..
+    3-14, rounded corners)."""
     loose = smooth_max(V_f, Vf0, LOOSE_WIDTH)
     return a_E / (b_E + smooth_max(-loose, -V_c, PACKED_WIDTH))
 
 
 def fibre_frame(mesh: Any) -> tuple[Any, Any, Any]:
-    """Orthonormal e1 (along the fibre), e2, e3 at each point of the undeformed mesh."""
+    """Compute the orthonormal e1 (along the fibre), e2, e3 at each point of the undeformed mesh."""
     jacobian = ufl.Jacobian(mesh)
     along, across = (ufl.as_vector([jacobian[i, j] for i in range(3)]) for j in range(2))
     e1 = along / ufl.sqrt(ufl.dot(along, along))
@@ -62,7 +63,7 @@ def fibre_frame(mesh: Any) -> tuple[Any, Any, Any]:
 
 
 def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
-    """First Piola-Kirchhoff stress [Pa].
+    """Compute the first Piola-Kirchhoff stress [Pa].
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
 
 
 def forms(space: Any, parameters: Any, integration: int = FULL) -> tuple[Any, Any]:
-    """Residual and tangent of the solid.
+    """Return residual and tangent of the solid as UFL forms.
 
     Parameters
     ----------

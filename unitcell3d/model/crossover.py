@@ -40,7 +40,7 @@ class LinearLoad:
     """A dataclass of numbers and tuples of numbers, on straight lines between loads."""
 
     def towards(self, other: Any, share: float) -> Any:
-        """The load at `share` of the way to another."""
+        """Return the load at `share` of the way to another."""
         names = [field.name for field in fields(cast(Any, self))]
         values = {n: _between(getattr(self, n), getattr(other, n), share) for n in names}
         return replace(cast(Any, self), **values)
@@ -158,11 +158,11 @@ class YarnsModel:
         self._plate_places = [self.pattern.places(face.nodes[:, None])[:, 0, 0] for face in faces]
 
     def positions(self, q: FloatArray, load: Any) -> FloatArray:
-        """(n, 3) [m] deformed positions."""
+        """Compute the deformed positions (n, 3) [m]."""
         return self.points + self.constraints.displacement(q, load.drive)
 
     def forces(self, q: FloatArray, load: Any) -> tuple[FloatArray, float, FloatArray]:
-        """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
+        """Compute the internal forces (n, 3) [N] and the vertical forces of contact and plates.
 
         Returns
         -------
@@ -229,13 +229,14 @@ class YarnsModel:
         return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
 
     def tensions(self, forces: FloatArray) -> FloatArray:
-        """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
+        """Compute the tensions (2,) [N] of the whole warp and weft yarn, from the reactions at
+        their ends."""
         return np.array(
             [self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)]
         )
 
     def fibre_strains(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Strain of every bar (b,), and its mean over the fibres of each yarn."""
+        """Compute the strain of every bar (b,), and its mean over the fibres of each yarn."""
         strain = self.fibres.strains(x)
         return strain, self.fibres.means(strain)
 
@@ -284,15 +285,15 @@ class CrossoverModel(YarnsModel):
         )
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below
-        (weft) its end."""
+        """Compute the heights h1, h2 (2,) [m] of the centrelines: middle of the yarn's axis above
+        (warp), below (weft) its end."""
         ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
         middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
         return np.array([middles[0] - ends[0], ends[1] - middles[1]])
 
     def half_thicknesses(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at
-        the crossing."""
+        """Compute the distances (2,) [m] of the axis of warp and weft from the face that meets the
+        other, at the crossing."""
         warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
         return np.array(
             [axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)]
@@ -327,5 +328,5 @@ def check(mesh: YarnMesh, fabric: Fabric) -> None:
 
 
 def axis_height(x: FloatArray, column: IntArray) -> float:
-    """Height [m] of the middle of a column of nodes through the thickness."""
+    """Compute the height [m] of the middle of a column of nodes through the thickness."""
     return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])

@@ -120,13 +120,13 @@ class CellConstraints(Constraints):
     w: tuple = ()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
-        """[N] tension of a yarn as far as its direction is that of the undeformed cell: the size of
-        the forces."""
+        """Compute the tension [N] of a yarn as far as its direction is that of the undeformed cell:
+        the size of the forces."""
         Q = self.work(forces).reshape(3, 2, 2)
         return float(Q[yarn, yarn, yarn] + Q[2, yarn, yarn]) / (2 * self.w[yarn] * self.crossings)
 
     def work(self, forces: FloatArray) -> FloatArray:
-        """(12,) [N m] what the nodal forces do on the load's parameters."""
+        """Compute the work (12,) [N m] that the nodal forces do on the load's parameters."""
         return self.drive.T @ forces.ravel()
 
 
@@ -207,13 +207,13 @@ class CellModel(YarnsModel):
         )
 
     def tensions(self, forces: FloatArray, load: CellLoad) -> FloatArray:  # type: ignore[override]
-        """(2,) [N] tensions of a warp and a weft."""
+        """Compute the tensions (2,) [N] of a warp and a weft."""
         return load.by_d @ self.constraints.work(forces) / (2 * self.crossings)
 
     def moment(self, forces: FloatArray, load: CellLoad) -> float:
-        """[N m] per crossing, conjugate to the shear angle."""
+        """Compute the moment [N m] per crossing, conjugate to the shear angle."""
         return float(load.by_gamma @ self.constraints.work(forces)) / self.crossings
 
     def thickness(self, x: FloatArray) -> float:
-        """[m] from the lowest to the highest node."""
+        """Measure the thickness [m] from the lowest to the highest node."""
         return float(np.ptp(x[: len(self.crossover.points), 2]))

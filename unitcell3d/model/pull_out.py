@@ -106,20 +106,20 @@ class PullOutModel(YarnsModel):
         return self.plates.press(x, load.plates, smooth, forces, places, self.pattern.values)
 
     def axial_force(self, forces: FloatArray) -> float:
-        """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces
-        (n, 3) [N]."""
+        """Compute P [N], by which the tension of the pulled yarn differs between its ends, from
+        nodal forces (n, 3) [N]."""
         return float(forces[np.unique(self.crossover.grids[self.pulled]), AXIAL[self.pulled]].sum())
 
     def geometric_force(self, x: FloatArray) -> float:
-        """[N] the part of P that the normal pressures take, in the state at positions `x` : (n, 3)
-        [m]."""
+        """Compute the part of P [N] that the normal pressures take, in the state at positions `x` :
+        (n, 3) [m]."""
         forces = np.zeros_like(x)
         self.surfaces.assemble(x, replace(self.numerics, friction=0.0), forces)
         return self.axial_force(forces)
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines at the crossing over (warp), under (weft) the
-        mean of their ends."""
+        """Compute the heights h1, h2 (2,) [m] of the centrelines at the crossing over (warp), under
+        (weft) the mean of their ends."""
         found = []
         for grid in self.crossover.grids:
             i = grid.shape[0] // 2
@@ -130,7 +130,7 @@ class PullOutModel(YarnsModel):
 
 
 def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constraints:
-    """Constraints of a whole crossover, with the parameters (d1, d2, pull) of the load.
+    """Build the constraints of a whole crossover, with the parameters (d1, d2, pull) of the load.
 
     Parameters
     ----------

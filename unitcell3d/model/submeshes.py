@@ -12,7 +12,7 @@ from meshing.mesh import YarnMesh
 
 
 def single_yarn_mesh(mesh: YarnMesh, family: int) -> YarnMesh:
-    """The yarn of one family (0 warp, 1 weft) of a crossover, as a `YarnMesh` of its own."""
+    """Extract the yarn of one family (0 warp, 1 weft) of a crossover as a `YarnMesh` of its own."""
     grid = mesh.grids[family]
     first = int(grid.min())
     nodes = slice(first, first + grid.size)
@@ -31,8 +31,7 @@ def single_yarn_mesh(mesh: YarnMesh, family: int) -> YarnMesh:
 
 
 def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
-    """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the
-    section.
+    """Keep `lines` of the fibre lines of the mesh of one yarn alone, spread over the section.
 
     The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no
     fibres.
@@ -49,8 +48,8 @@ def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
 
 
 def line_numbers(across: int, through: int) -> list[int]:
-    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of
-    layers about it."""
+    """List the numbers of fibre lines that can be spread evenly: over the middle layer, then over
+    pairs of layers about it."""
     middle = across if through % 2 else 0
     return [*range(middle + 1), *range(middle + 2, across * through + 1, 2)]
 
@@ -79,8 +78,8 @@ def _evenly(n, count):
 
 
 def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:
-    """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns
-    of ply 0 first."""
+    """Stack plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the
+    yarns of ply 0 come first."""
     yarns = len(mesh.names)
     n = len(mesh.points)
     heights = [(ply - (plies - 1) / 2) * pitch for ply in range(plies)]

@@ -50,8 +50,8 @@ def advance(
     share: float,
     last_resort: bool,
 ) -> Equilibrium:
-    """Equilibrium at `share` of the leg `start` .. `end`, from the guess that leaves the least
-    residual there.
+    """Find the equilibrium at `share` of the leg from `start` to `end`, from the guess that leaves
+    the least residual there. `end`, from the guess that leaves the least residual there.
 
     Parameters
     ----------
@@ -82,8 +82,7 @@ def advance(
 def continue_to(
     model: YarnsModel, solver: Newton, q: FloatArray, start: Any, end: Any, shares: Iterable[float]
 ) -> Iterator[tuple[float, Equilibrium]]:
-    """Equilibria at given shares of a straight leg, from a state on it; yields (share,
-    Equilibrium).
+    """Yield equilibria (share, Equilibrium) at given shares of a straight leg, from a state on it.
 
     Parameters
     ----------
@@ -116,8 +115,8 @@ def continue_to(
 
 
 def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
-    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves
-    of their curves.
+    """Find the equilibrium of the undeformed crossover, whose sections may overlap by what the mesh
+    leaves of their curves.
 
     It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.
 

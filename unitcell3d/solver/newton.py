@@ -90,7 +90,7 @@ class Equilibrium:
     iterations: int = 0
 
     def within(self, tolerance: float) -> bool:
-        """Whether the residual is at most `tolerance` times the forces."""
+        """Tell whether the residual is at most `tolerance` times the forces."""
         return self.norm <= tolerance * self.scale
 
 
@@ -111,8 +111,8 @@ class Newton:
         self._latest = None
 
     def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
-        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times
-        the forces.
+        """Solve for the equilibrium at `load` from the guess `q` : (size,), to a residual of
+        `tolerance` times the forces.
 
         Raises
         ------
@@ -151,8 +151,8 @@ class Newton:
             state = found
 
     def approach(self, q: FloatArray, load: Any) -> Equilibrium:
-        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact,
-        taken roughly.
+        """Approach the equilibrium at `load` from a guess that may be far from it: by way of a
+        softer contact, taken roughly.
 
         Slack yarns that a guess presses into each other are thrown apart by the full contact and
         come back to it several times over.
@@ -175,13 +175,13 @@ class Newton:
         return replace(found, iterations=found.iterations + spent)
 
     def best(self, guesses: Sequence[FloatArray], load: Any) -> FloatArray:
-        """The guess : (size,) that leaves the least residual at `load`."""
+        """Choose the guess : (size,) that leaves the least residual at `load`."""
         norms = np.array([self._evaluate(q, load).norm for q in guesses])
         return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
 
     def linear_guess(self, q: FloatArray, before: Any, load: Any) -> FloatArray | None:
-        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation;
-        None without one.
+        """Guess the unknowns at `load` from those `q` in equilibrium at `before`, by the last
+        factorisation; None without one.
 
         The load's part of the tangent is a difference over a thousandth of the load's step.
         """
@@ -199,8 +199,8 @@ class Newton:
     def linear_changes(
         self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]
     ) -> list[FloatArray]:
-        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium
-        `q` at `load`.
+        """Compute the changes (size,) of the unknowns that undo small residuals (size,) about the
+        equilibrium `q` at `load`.
 
         Raises
         ------

@@ -21,14 +21,14 @@ def record(
     last: Mapping[str, Any],
     failed: str,
 ) -> Record:
-    """The Record of rows, dicts whose keys are names of `MEANINGS`."""
+    """Return the Record of rows, dicts whose keys are names of `MEANINGS`."""
     found = columns(rows)
     meanings = {name: MEANINGS.get(name, "") for name in found}
     return Record(found, meanings, dict(facts), dict(last), failed)
 
 
 def crossover_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
-    """Loads, tensions, contact forces, heights and compression of a crossover.
+    """Return loads, tensions, contact forces, heights and compression of a crossover.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def crossover_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
 
 
 def fibre_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
-    """Strains of the fibres of warp and weft of a crossover, and what each yarn is compressed by
-    itself."""
+    """Return strains of the fibres of warp and weft of a crossover, and what each yarn is
+    compressed by itself."""
     x = model.positions(state.q, load)
     strains, means = model.fibre_strains(x)
     return {
