@@ -41,7 +41,8 @@ ALIKE = 1e-4  # [-] errors below are all alike
 
 
 def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
-    """Records of a map: its points, those of the bisections, and the edges with their margins.
+    """Make the records of a map: its points, those of the bisections, and the edges with their
+    margins.
 
     Parameters
     ----------
@@ -118,7 +119,8 @@ def _edge(places, start, side, outcome_at):
 
 
 def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
-    """Records of a chart: its methods with their errors by group; last the reference, with what it is known to.
+    """Make the records of a chart: its methods with their errors by group; last the reference, with
+    what it is known to.
 
     Parameters as of `mapped`; results have "cpu_s".
     """
@@ -178,7 +180,8 @@ def _reference(study, entry, quantities, solver):
 
 
 def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> list[int]:
-    """Numbers of the methods of which none other is at most as dear and at most as wrong, and better in one of the two.
+    """Select the methods of which none other is at most as dear and at most as wrong, and better in
+    one of the two: their numbers.
 
     Parameters
     ----------

@@ -45,7 +45,8 @@ def program(main: Callable[..., Any], words: Sequence[str], **notes: str) -> Non
 
 
 def made(words: str) -> str:
-    """How a file was made: by which program with its arguments, at which commit, when and by which processor."""
+    """Say how a file was made: by which program with its arguments, at which commit, when and by
+    which processor."""
     stamp = provenance.stamp()
     known = f"commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
     return f"python -m validation {words}, {known}"
@@ -54,7 +55,7 @@ def made(words: str) -> str:
 def options(
     main: Callable[..., Any], notes: Mapping[str, str], arguments: Sequence[str], name: str = ""
 ) -> Any:
-    """{parameter: value} from the arguments of the command line."""
+    """Read {parameter: value} from the arguments of the command line."""
     sections = main.__globals__["__doc__"].split("\n\n")
     text = next(section for section in sections if "python -m" not in section)
     parser = argparse.ArgumentParser(prog=f"python -m validation {name}", description=text)

@@ -32,7 +32,7 @@ NOTES = {
 
 
 def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
-    """What a function of validation/cases returns, or its error as "problem".
+    """Run a function of validation/cases: what it returns, or its error as "problem".
 
     With keywords of a `warm` run, which compiles what the case needs, it has "cpu_s" [s] as well: CPU time, the median
     of up to MOST_RUNS; that which the function tells, where it does.
@@ -53,7 +53,8 @@ def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
 
 
 def solved(study: Study, rows: Sequence[Row], **options: Any) -> list[tuple[Row, Values, Values]]:
-    """(case, what it comes to, what its reference comes to or an empty dict) of cases of a study.
+    """Solve cases of a study: (case, what it comes to, what its reference comes to or an empty
+    dict).
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def solved(study: Study, rows: Sequence[Row], **options: Any) -> list[tuple[Row,
 
 
 def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
-    """The rows of a study's CSV; `options` of `solved`."""
+    """Compute the rows of a study's CSV; `options` of `solved`."""
     content = study.content
     rows = study.rows(quick)
 

@@ -86,7 +86,7 @@ class Study:
     content: Record
 
     def rows(self, quick: bool = False) -> list[Row]:
-        """All cases, or those of a short look."""
+        """Return all cases, or those of a short look."""
         content = self.content
         base = content.get("base", {})
         most = None
@@ -100,11 +100,11 @@ class Study:
         return rows[:most]
 
     def row_at(self, chosen: Record) -> Row:
-        """The case at other values {key of `each`: value}, of a study without [[case]]."""
+        """Return the case at other values {key of `each`: value}, of a study without [[case]]."""
         return self._row({}, self.content.get("base", {}), self.content["each"], dict(chosen))
 
     def row_of(self, changes: Record) -> Row:
-        """The case of [base] with changes."""
+        """Return the case of [base] with changes."""
         return Row({}, merged(self.content["base"], changes), None, self.content["quantities"])
 
     def _rows_of(self, case, base):
@@ -143,19 +143,19 @@ class Study:
 
 
 def keys(heading: str) -> list[str]:
-    """The keys of a heading of `each`."""
+    """Return the keys of a heading of `each`."""
     return [key.strip() for key in heading.split(",")]
 
 
 def values(heading: str, entry: Any) -> Sequence[Any]:
-    """The values of an entry under a heading."""
+    """Return the values of an entry under a heading."""
     if "," in heading:
         return entry
     return [entry]
 
 
 def merged(first: Record, changes: Record) -> Record:
-    """A table with changes; tables in it are merged as well."""
+    """Merge changes into a table; tables in it are merged as well."""
     both = dict(first)
     for key, value in changes.items():
         inner = both.get(key)
@@ -171,7 +171,8 @@ def filled(
     used: set[str] | None = None,
     shown: Callable[[Any], str] | None = None,
 ) -> Any:
-    """An entry whose texts have the values of {key} in them, as `shown`; a text of a key alone becomes its value."""
+    """Fill the values of {key} into the texts of an entry, as `shown`; a text of a key alone
+    becomes its value."""
     if isinstance(entry, Mapping):
         return {
             filled(key, chosen, used, shown): filled(value, chosen, used, shown)
@@ -192,12 +193,12 @@ def filled(
 
 
 def all_names() -> list[str]:
-    """All studies."""
+    """List all studies."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
 def load(name: str) -> Study:
-    """A study by its name.
+    """Load a study by its name.
 
     Raises
     ------
@@ -213,7 +214,7 @@ def load(name: str) -> Study:
 
 
 def evaluated(expression: str, result: Record, reference: Record | None = None) -> Any:
-    """Value of a quantity of a result."""
+    """Evaluate a quantity of a result."""
     known = NAMES | result
     if reference is not None:
         known["ref"] = SimpleNamespace(**reference)
@@ -222,7 +223,7 @@ def evaluated(expression: str, result: Record, reference: Record | None = None) 
 
 
 def record(row: Row, result: Record, reference: Record) -> Record:
-    """The row of the CSV of a case."""
+    """Make the row of the CSV of a case."""
     problem = result.get("problem") or reference.get("problem")
     if problem:
         return row.labels | dict.fromkeys(row.quantities) | {"problem": problem}
@@ -233,7 +234,8 @@ def record(row: Row, result: Record, reference: Record) -> Record:
 
 
 def of(records: Sequence[Record]) -> Callable[..., Any]:
-    """of(column, where={}): the values of a column, where others have these values; numbers as an array."""
+    """Return the function of(column, where={}): the values of a column in the rows where others
+    have these values; numbers as an array."""
 
     def values_of(column: str, where: Record | None = None) -> Any:
         found = []
@@ -248,7 +250,7 @@ def of(records: Sequence[Record]) -> Callable[..., Any]:
 
 
 def unmet(study: Study, records: Sequence[Record]) -> list[str]:
-    """Expectations of a study that its records do not meet."""
+    """List the expectations of a study that its records do not meet."""
     known = NAMES | {"of": of(records)}
     return [
         expression for expression in study.content.get("expect", []) if not eval(expression, known)
@@ -256,7 +258,8 @@ def unmet(study: Study, records: Sequence[Record]) -> list[str]:
 
 
 def text(value: Any) -> str:
-    """A value as it stands in the CSV: numbers with five digits, sequences with strokes between."""
+    """Write a value as it stands in the CSV: numbers with five digits, sequences with strokes
+    between."""
     if value is None or (isinstance(value, float) and isnan(value)):
         return ""
     if isinstance(value, (bool, np.bool_)):
@@ -286,7 +289,7 @@ def write(
 
 
 def read(path: Path) -> tuple[str, list[dict[str, str]]]:
-    """(how it was made, rows) of a CSV of `write`."""
+    """Read a CSV of `write`: (how it was made, rows)."""
     with open(path, encoding="utf-8", newline="") as file:
         made = file.readline().removeprefix("#").strip()
         return made, list(csv.DictReader(file))

@@ -14,23 +14,24 @@ Values: TypeAlias = dict[str, Any]  # {name: number, text, array or table}
 
 
 def largest(values: ArrayLike) -> float:
-    """The largest absolute value."""
+    """Return the largest absolute value."""
     return float(np.abs(values).max())
 
 
 def rms(values: ArrayLike) -> float:
-    """The root of the mean square."""
+    """Compute the root of the mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def compute_each(
     function: Callable[[Any], Any], cases: Iterable[Hashable], **options: Any
 ) -> dict[Any, Any]:
-    """{case: what the function makes of it}, each case once; options of `run_cache.results`."""
+    """Compute each case once: {case: what the function makes of it}; options of
+    `run_cache.results`."""
     unique = list(dict.fromkeys(cases))
     return dict(zip(unique, run_cache.results(function, [(case,) for case in unique], **options)))
 
 
 def flags(checks: Iterable[Any]) -> str:
-    """Names of the quality checks whose limit is passed."""
+    """Name the quality checks whose limit is passed."""
     return ", ".join(check.name for check in checks if not check.ok)

@@ -11,7 +11,8 @@ MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "solid"
 
 
 def function(name: str) -> Callable[..., Values]:
-    """A function by "module.function"; its module is imported when it is needed, since `solid` needs dolfinx.
+    """Find a function by "module.function"; its module is imported when it is needed, since `solid`
+    needs dolfinx.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def march(
     block: Backing = BLOCK,
     opening: float = 0.203,
 ) -> PackSolver:
-    """The march of a shot at a target before a block.
+    """Set up the march of a shot at a target before a block.
 
     Parameters
     ----------
@@ -76,7 +76,8 @@ def march(
 
 
 def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) -> Values:
-    """A shot at a target before its block, or at the bare block without plies, until the projectile turns back.
+    """Fire a shot at a target before its block, or at the bare block without plies, until the
+    projectile turns back.
 
     Parameters
     ----------

@@ -28,7 +28,8 @@ def _stretches(fabric, d1, d2):
 
 
 def newton(*, d1: float, d2: float) -> Values:
-    """The thesis's Newton iteration on two heights (App. B.3) with its printed law at end displacements [m].
+    """Repeat the thesis's Newton iteration on two heights (App. B.3) with its printed law at end
+    displacements [m]. B.3) with its printed law at end displacements [m].
 
     Returns
     -------
@@ -67,7 +68,8 @@ def _miss(model, F, d1, d2):
 
 
 def bracket(*, d1: float, d2: float) -> Values:
-    """What `shellfabric` solves instead, one monotone equation in a bracket: F [N] and closing, as of `newton`."""
+    """Solve what `shellfabric` solves instead, one monotone equation in a bracket: F [N] and
+    closing, as of `newton`."""
     fabric = catalogue.load(FABRIC)
     model = CellModel(fabric)
     F = float(model.solve(*_stretches(fabric, d1, d2))["F"])
@@ -80,7 +82,8 @@ def _printed_table() -> CellTable:
 
 
 def printed_law(*, d1: float, d2: float) -> Values:
-    """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0.
+    """Compare the printed law d = a - b / F^(1/3) with the regularised one, d = a - b / (F +
+    F0)^(1/3), near F = 0.
 
     Returns
     -------
@@ -109,8 +112,9 @@ def struck_yarn(
     exact: bool = False,
     **numerics: Any,
 ) -> dict[str, float]:
-    """A lone straight warp struck across at constant velocity by the cable model, or by Smith's closed form (`exact`):
-    tension, force [N], kink and front [m/s] speeds; `length` [m] of its half, bars and numerics of `smith.strike`."""
+    """Strike a lone straight warp across at constant velocity by the cable model, or by Smith's
+    closed form (`exact`): tension, force [N], kink and front [m/s] speeds; `length` [m] of its
+    half, bars and numerics of `smith.strike`."""
     yarn = catalogue.load(fabric).weave.warp
     wave = (
         smith.smith(yarn, velocity)

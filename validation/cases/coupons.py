@@ -38,7 +38,7 @@ def bias(
     crossovers: int = 1,
     **options: Any,
 ) -> Values:
-    """Bias extension of balanced S-728.
+    """Run a bias extension of balanced S-728.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def cross(
     crossovers: int = 1,
     **options: Any,
 ) -> dict[str, float]:
-    """A cross of a fabric, pulled to a strain of its arms.
+    """Pull a cross of a fabric to a strain of its arms.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def pull_out(
     load: float = 0.0,
     pulled_by: float = 2e-3,
 ) -> dict[str, float]:
-    """A yarn of S-726 pulled out of a strip.
+    """Pull a yarn of S-726 out of a strip.
 
     Parameters
     ----------

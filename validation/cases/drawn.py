@@ -43,7 +43,8 @@ def _smallest_part(scene: ImpactSetup) -> ImpactSetup:
 
 
 def targets(*, number: int, seed: int) -> Values:
-    """A random shot at one ply or, every third, at a pack of two to four, with a target for one quantity.
+    """Fire a random shot at one ply or, every third, at a pack of two to four, with a target for
+    one quantity.
 
     The first two meshes are those of `weavecell impact --uncertainty`. All elements of the reference have half the
     side of those of the results.

@@ -45,12 +45,13 @@ PACK_END = 400e-6
 
 
 def base(name: str) -> Fabric:
-    """A fabric of the catalogue with the linear densities that the thesis's runs used, where there are such."""
+    """Load a fabric of the catalogue with the linear densities that the thesis's runs used, if it
+    has such."""
     return with_linear_density(catalogue.load(name))
 
 
 def drawn(number: int, seed: int) -> ImpactSetup:
-    """The random scene of a number and a seed."""
+    """Draw the random scene of a number and a seed."""
     draw = np.random.default_rng((seed, number))
     name = str(draw.choice(KEVLAR))
     factors = {key: float(1 + draw.uniform(-wide, wide)) for key, wide in FACTORS.items()}
@@ -70,7 +71,8 @@ def drawn(number: int, seed: int) -> ImpactSetup:
 
 
 def drawn_pack(number: int, seed: int) -> ImpactSetup:
-    """The random pack of a number and a seed: the drawn ply and projectile, in a smaller opening, 2 to 4 times."""
+    """Draw the random pack of a number and a seed: the drawn ply and projectile, in a smaller
+    opening, 2 to 4 times."""
     ply = drawn(number, seed)
     draw = np.random.default_rng((seed, number, 2))
     plies = int(draw.integers(2, MOST_PLIES + 1))

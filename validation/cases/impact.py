@@ -66,7 +66,7 @@ def changed(
     straight: bool = False,
     failure_length: float | None = None,
 ) -> Fabric:
-    """A fabric with changes for comparison.
+    """Change a fabric for comparison.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def setup(
     contact: Values | None = None,
     **keywords: Any,
 ) -> ImpactSetup:
-    """The set-up of a shot.
+    """Build the set-up of a shot.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def setup(
 
 
 def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> Values:
-    """One shot: keys of its summary.json, histories, and what only studies read.
+    """Fire one shot: keys of its summary.json, histories, and what only studies read.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
 
 
 def found(result: ImpactResult, keywords: Values) -> Values:
-    """The dict of `shot`."""
+    """Return the dict of `shot`."""
     yarns = dict(keywords.get("change") or {}).get("crossovers", 1)
     energies = result.energies
     late = result.t > 0.5 * result.t[-1]
@@ -214,7 +214,8 @@ def found(result: ImpactResult, keywords: Values) -> Values:
 
 
 def ends(result: ImpactResult) -> Values:
-    """How far the ends of the yarns of a quarter panel of one ply have come in, and where they are along the clamps."""
+    """Measure how far the ends of the yarns of a quarter panel of one ply have come in, and where
+    they are along the clamps."""
     panel = result.panel
     if panel.symmetry != "quarter" or len(result.panels) > 1:
         return {}
@@ -232,8 +233,8 @@ def ends(result: ImpactResult) -> Values:
 
 
 def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
-    """How the force on the projectile jumps: the highest mean over 2 us, and the rms of its difference from the mean
-    over 20 us up to a time [s]."""
+    """Measure how the force on the projectile jumps: the highest mean over 2 us, and the rms of its
+    difference from the mean over 20 us up to a time [s]."""
     t = history[:, 0]
     force = -history[:, 3]
     if len(t) < 3 or t[-1] < 20e-6:
@@ -251,7 +252,8 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
 def stepped(
     *, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any
 ) -> Values:
-    """A shot with a time step over its bound, and a contact whose stiffness does not depend on it.
+    """Fire a shot with a time step over its bound, and a contact whose stiffness does not depend on
+    it.
 
     The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
     peaks by some per cent and has nothing to do with the step. Here it is held, at the stiffness that `penalty` has at
@@ -270,7 +272,8 @@ def stepped(
 
 
 def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Values:
-    """Shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of each.
+    """Fire shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of
+    each.
 
     Raises
     ------
@@ -294,7 +297,7 @@ def limit(
     multiples: Sequence[float] = (),
     **keywords: Any,
 ) -> Values:
-    """The critical velocity, and residual velocities above it.
+    """Find the critical velocity, and residual velocities above it.
 
     Parameters
     ----------
@@ -344,7 +347,7 @@ def limit(
 
 
 def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Values:
-    """Means over a window of strike velocities about one (`weavecell.studies.window`).
+    """Compute means over a window of strike velocities about one (`weavecell.studies.window`).
 
     Parameters
     ----------

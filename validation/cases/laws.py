@@ -32,7 +32,8 @@ TABLE_OF_INDICES = 101
 def assumed(
     *, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5
 ) -> Values:
-    """A fabric of the catalogue treated as one of which only the data sheet is known, beside its published laws.
+    """Treat a fabric of the catalogue as one of which only the data sheet is known, beside its
+    published laws.
 
     Its compression, trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the
     3D crossover yields the compression law and its range.
@@ -80,7 +81,8 @@ def assumed(
 
 
 def v50(**options: Any) -> Values:
-    """The summary of `weavecell.v50`, with the values and intervals of each curve as "LINK QUANTITY"."""
+    """Return the summary of `weavecell.v50`, with the values and intervals of each curve as "LINK
+    QUANTITY"."""
     found = wc.v50(options.pop("fabric"), **options)
     curves = {
         f"{link}_{name}": (getattr(curve, name), *curve.intervals[name])
@@ -91,7 +93,8 @@ def v50(**options: Any) -> Values:
 
 
 def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
-    """Sobol indices, by SALib, of the velocity 200 us after the strike and of the peak tension.
+    """Compute Sobol indices, by SALib, of the velocity 200 us after the strike and of the peak
+    tension.
 
     The inputs vary over the ranges of weavecell/studies/inputs.toml, samples (inputs + 2) shots for each velocity.
 
@@ -161,7 +164,8 @@ def _cell(fabric: str, velocity: float, cell: Any) -> tuple[ImpactSetup, CellTab
 def card(
     *, fabric: str, velocity: float, cell: str, law: str = "", match: str = "", finer: bool = False
 ) -> Values:
-    """A shot without failure with the cell, or with the law of a material card, which other codes have, in its place.
+    """Fire a shot without failure with the cell, or with the law of a material card, which other
+    codes have, in its place.
 
     Parameters
     ----------
@@ -188,7 +192,8 @@ def card(
 
 
 def card_error(*, fabric: str, law: str, match: str) -> Values:
-    """Errors of a card's law against the cell, over the strength [-]: {name: error} of `decks.mismatch.Mismatch`."""
+    """Compute the errors of a card's law against the cell, over the strength [-]: {name: error} of
+    `decks.mismatch.Mismatch`."""
     cell: Any = wc.setup(fabric, "100 m/s").cell()
     cloth = Cloth(cell)
     return {"errors": Mismatch.of(cloth, LAWS[law].of(cloth, match)).numbers()}

@@ -60,7 +60,7 @@ def paths(
     steps: Mapping[str, float] | None = None,
     solids: Mapping[str, float] | None = None,
 ) -> Values:
-    """A crossover of S-720 meshed, formulated and stepped in one way, pulled along paths.
+    """Pull a crossover of S-720, meshed, formulated and stepped in one way, along paths.
 
     Parameters
     ----------
@@ -118,7 +118,8 @@ def _yarn() -> crossover.Crossover:
 
 
 def bars(*, bars: int, reduced: bool) -> Values:
-    """The warp alone, 8 x 10 x 3 hexahedra in half its width and length, pulled straight and on to its failure strain.
+    """Pull the warp alone, 8 x 10 x 3 hexahedra in half its width and length, straight and on to
+    its failure strain.
 
     Parameters
     ----------
@@ -152,7 +153,8 @@ def bars(*, bars: int, reduced: bool) -> Values:
 
 
 def pressed(mesh: crossover.Crossover, fabric: Fabric, numerics: Numerics | None = None) -> Record:
-    """A crossover between platens, to a fifth of their first distance, in steps that resolve the lowest pressures."""
+    """Press a crossover between platens to a fifth of their first distance, in steps that resolve
+    the lowest pressures."""
     steps = Steps(first=0.004, largest=0.02)
     return plate_compression(mesh, fabric, min_plate_gap=0.2, numerics=numerics, steps=steps)
 
@@ -164,7 +166,8 @@ def platens(
     lowest: float = 0.0,
     numerics: Mapping[str, float] | None = None,
 ) -> Values:
-    """S-720 between platens beside its platen law (thesis section 3.4.3.2), from its published solid constants.
+    """Compare S-720 between platens, by its published solid constants, with its platen law (thesis
+    section 3.4.3.2).
 
     Parameters
     ----------
@@ -216,7 +219,7 @@ def pull_out(
     slip: float = Numerics.slip,
     pressures: Sequence[float] = (),
 ) -> Values:
-    """A yarn of S-720 pulled through a whole crossover under transverse loads.
+    """Pull a yarn of S-720 through a whole crossover under transverse loads.
 
     Parameters
     ----------
@@ -270,7 +273,8 @@ def pull_out(
 
 
 def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> Values:
-    """The compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside the published one.
+    """Compute the compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside
+    the published one.
 
     Returns
     -------

@@ -149,17 +149,17 @@ class Claim:
 
 @cache
 def load() -> tuple[Claim, ...]:
-    """All claims, in the order of the files, the additional ones last."""
+    """Read all claims, in the order of the files, the additional ones last."""
     return tuple(Claim(**entry) for name in FILES for entry in entries(name))
 
 
 def entries(name: str) -> list[Values]:
-    """The claims of a file of FILES, as dicts; those of a group one by one."""
+    """Read the claims of a file of FILES, as dicts; those of a group one by one."""
     return [claim for entry in _content(name)["claim"] for claim in members(entry)]
 
 
 def topics() -> dict[str, str]:
-    """{topic: title}"""
+    """Return the topics {topic: title}."""
     return _content(FILES[0])["topics"]
 
 
@@ -169,7 +169,7 @@ def _content(name):
 
 
 def members(entry: Values) -> list[Values]:
-    """The entries of a group, or the entry itself."""
+    """Return the entries of a group, or the entry itself."""
     if "each" not in entry:
         return [entry]
     rest = {key: value for key, value in entry.items() if key != "each"}
@@ -182,7 +182,7 @@ def members(entry: Values) -> list[Values]:
 
 
 def condition_of(text: str) -> Condition:
-    """A condition from its text.
+    """Read a condition from its text.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def condition_of(text: str) -> Condition:
 
 
 def in_si(text: str) -> str:
-    """An expression whose numbers with a unit are numbers in SI, to the last digit."""
+    """Convert the numbers with a unit in an expression to numbers in SI, to the last digit."""
     return _QUANTITY.sub(lambda found: repr(_exact(*found.groups())), text)
 
 
@@ -222,8 +222,8 @@ def _exact(digits, unit):
 
 
 def run_of(spec: Values, names: Values) -> Run:
-    """A run from its entry in a file, whose first key is its kind; a text of it is in SI if it is a number with a unit,
-    and evaluated with these names if it begins with "="."""
+    """Read a run from its entry in a file, whose first key is its kind; a text of it is in SI if it
+    is a number with a unit, and evaluated with these names if it begins with "="."""
     (kind, of), *keywords = _evaluated(spec, names).items()
     return Run(kind, json.dumps(of), json.dumps(dict(keywords), sort_keys=True))
 

@@ -75,14 +75,15 @@ def judge(claim: Claim, found: Values) -> Record:
 
 
 def changed(claim: Claim, verdict: str) -> bool:
-    """Whether a claim has ended with another verdict than it has to; one left out, or that lacks a package, has not."""
+    """Tell whether a claim has ended with another verdict than it has to; one left out, or that
+    lacks a package, has not."""
     if not claim.conditions or verdict in (LEFT_OUT, NOT_TESTABLE):
         return False
     return verdict != claim.verdict
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON can hold it."""
+    """Convert a value to what JSON can hold."""
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
@@ -93,7 +94,7 @@ def plain(value: Any) -> Any:
 
 
 def expected(condition: Condition) -> str:
-    """A condition in words: "0.12 ± 0.005 mm"."""
+    """Write a condition in words: "0.12 ± 0.005 mm"."""
     if condition.test == "is":
         return _words(condition.target)
     target = f"{condition.target:g}"
@@ -105,7 +106,7 @@ def expected(condition: Condition) -> str:
 
 
 def computed(condition: Condition, value: Any) -> str:
-    """What was found for a condition, in words: "h01 0.1203 mm"."""
+    """Write what was found for a condition, in words: "h01 0.1203 mm"."""
     if isinstance(value, float):
         value = f"{value / UNITS[condition.unit]:.4g}{_suffix(condition)}"
     return f"{condition.name} {_words(value)}"
@@ -128,7 +129,7 @@ def _words(value):
 
 
 def holds(condition: Condition, value: Any) -> bool:
-    """Whether a condition holds of what was found for it."""
+    """Tell whether a condition holds of what was found for it."""
     if condition.test == "is":
         return value == condition.target
     if not isinstance(value, float) or not np.isfinite(value):

@@ -37,106 +37,109 @@ NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 
 
 def fabric(name: str) -> Fabric:
-    """The fabric with the linear densities of its data sheet."""
+    """Load the fabric with the linear densities of its data sheet."""
     return catalogue.load(name)
 
 
 def effective(name: str) -> Fabric:
-    """The fabric with the linear densities that the tables of the thesis imply (erratum E-07)."""
+    """Load the fabric with the linear densities that the tables of the thesis imply (erratum
+    E-07)."""
     return catalogue.load(name).with_effective_density()
 
 
 def weave(name: str) -> Weave:
-    """The weave of `fabric`."""
+    """Load the weave of `fabric`."""
     return catalogue.load(name).weave
 
 
 def crimped(names: Sequence[str] = KEVLAR) -> Iterator[Any]:
-    """(half length of the cell [m], height [m], length [m], Yarn) of each family of some fabrics."""
+    """Yield (half length of the cell [m], height [m], length [m], Yarn) of each family of some
+    fabrics."""
     for name in names:
         weave = catalogue.load(name).weave
         yield from zip(weave.w, weave.h0, weave.S0, weave.yarns)
 
 
 def derivative(function: Callable[[float], Any], x: float, step: float) -> Any:
-    """Central difference of four points, whose error falls with step^4."""
+    """Compute the central difference of four points, whose error falls with step^4."""
     before2, before, after, after2 = (function(x + k * step) for k in (-2, -1, 1, 2))
     return (before2 - 8 * before + 8 * after - after2) / (12 * step)
 
 
 def panel(name: str, size: int = 8) -> Panel:
-    """A panel of `fabric`, with a table of its cell of that size."""
+    """Make a panel of `fabric`, with a table of its cell of that size."""
     return Panel(CellModel(catalogue.load(name)).table(size))
 
 
 def rank(values: dict[str, float]) -> list[str]:
-    """Names from the largest value to the smallest."""
+    """Sort names from the largest value to the smallest."""
     return sorted(values, key=lambda name: -values[name])
 
 
 def slope(x: Any, y: Any) -> float:
-    """Of the line of least squares."""
+    """Compute the slope of the line of least squares."""
     return float(np.polyfit(x, y, 1)[0])
 
 
 def taut_line(strain: FloatArray, T: FloatArray, above: float) -> tuple[float, float]:
-    """(strain at which the line through the tensions above a value meets no load, its slope)"""
+    """Fit a line to the tensions above a value: (strain at which it meets no load, its slope)."""
     rise, start = np.polyfit(strain[T > above], T[T > above], 1)
     return float(-start / rise), float(rise)
 
 
 def rising(*values: Any) -> BoolArray:
-    """Where each value is above the one before."""
+    """Mark where each value is above the one before."""
     return (np.diff(np.array(values), axis=0) > 0).all(axis=0)
 
 
 def drop(values: FloatArray) -> float:
-    """[-] largest fall below an earlier value, over the largest value."""
+    """Compute the largest fall [-] below an earlier value, over the largest value."""
     return float(np.max(np.maximum.accumulate(values) - values) / values.max())
 
 
 def outcome(run: Any) -> str:
-    """ "stops" or "perforates", as the thesis says it."""
+    """Return "stops" or "perforates", as the thesis says it."""
     return {"stopped": "stops", "perforated": "perforates"}.get(run.outcome, run.outcome)
 
 
 def v(run: Any, t: Any) -> Any:
-    """Velocity of the projectile at the instants t; 0 after it has stopped, the last one after it has passed."""
+    """Interpolate the velocity of the projectile at the instants t; 0 after it has stopped, the
+    last one after it has passed."""
     return np.interp(t, run.step_history[:, 0], run.step_history[:, 2])
 
 
 def end(*runs: Any) -> float:
-    """Instant at which the first of the runs ended."""
+    """Return the instant at which the first of the runs ended."""
     return float(min(run.step_history[-1, 0] for run in runs))
 
 
 def apart(
     first: Any, second: Any, start: float = 0.0, stop: float = 250e-6, count: int = 300
 ) -> float:
-    """Largest difference of velocity between two runs."""
+    """Compute the largest difference of velocity between two runs."""
     return largest(lead(first, second, start, min(stop, end(first, second)), count))
 
 
 def lead(
     first: Any, second: Any, start: float, stop: float | None = None, count: int = 200
 ) -> FloatArray:
-    """Velocity of the first run less that of the second, at even instants."""
+    """Compute the velocity of the first run less that of the second, at even instants."""
     t = np.linspace(start, stop or end(first, second), count)
     return v(first, t) - v(second, t)
 
 
 def internal(run: Any) -> FloatArray:
-    """[J] stored, sheared and lost in failure, at the samples."""
+    """Sum the energy [J] stored, sheared and lost in failure, at the samples."""
     return run.energies["yarn_strain"] + run.energies["shear"] + run.energies["failure_dissipation"]
 
 
 def shear_share(run: Any) -> float:
-    """[-] of shear in the internal energy at the end."""
+    """Compute the share [-] of shear in the internal energy at the end."""
     return float(run.energies["shear"][-1] / internal(run)[-1])
 
 
 def kinetic_ratio(run: Any) -> Any:
-    """KE / IE of the fabric at the samples, masked where there is no internal energy."""
+    """Compute KE / IE of the fabric at the samples, masked where there is no internal energy."""
     inside = internal(run)
     return (
         np.ma.masked_where(inside <= 1e-3 * inside.max(), run.energies["kinetic_fabric"]) / inside
@@ -144,30 +147,32 @@ def kinetic_ratio(run: Any) -> Any:
 
 
 def over_displacement(run: Any, values: Any) -> float:
-    """Mean of a masked sample over the projectile's displacement."""
+    """Average a masked sample over the projectile's displacement."""
     z = run.nose_position[~values.mask]
     y = values.compressed()
     return float(trapezoid(y, z) / (z[-1] - z[0]))
 
 
 def yarn(run: Any, family: str) -> Any:
-    """History of the yarn through the impact point."""
+    """Return the history of the yarn through the impact point."""
     return run.histories[0].through(family)
 
 
 def tension(run: Any, family: str, low: float, high: float) -> FloatArray:
-    """Mean tension of that yarn between two distances from the impact point, at its instants."""
+    """Average the tension of that yarn between two distances from the impact point, at its
+    instants."""
     history = yarn(run, family)
     return history.tension[:, (history.X > low) & (history.X < high)].mean(axis=1)
 
 
 def strain(run: Any, family: str) -> FloatArray:
-    """[-] fibre strain of that yarn beside the projectile's edge, at its instants."""
+    """Compute the fibre strain [-] of that yarn beside the projectile's edge, at its instants."""
     return 0.03 * tension(run, family, 3e-3, 10e-3) / yarn(run, family).strength
 
 
 def onset(run: Any, family: str) -> float:
-    """Instant at which its reaction at the edge first exceeds ONSET; nan where it never does."""
+    """Find the instant at which its reaction at the edge first exceeds ONSET; nan if it never
+    does."""
     N = run.reactions[family]
     level = ONSET * strength(run)[FAMILIES.index(family)]
     first = int(np.argmax(N > level))
@@ -179,22 +184,23 @@ def onset(run: Any, family: str) -> float:
 
 
 def reaction(run: Any, family: str) -> tuple[FloatArray, FloatArray]:
-    """(instants a microsecond apart, its reaction at the edge)"""
+    """Resample its reaction at the edge: (instants a microsecond apart, reaction)."""
     return even(run.t, run.reactions[family], 1e-6)
 
 
 def front(run: Any, family: str, kind: str) -> float:
-    """[m/s] of the "longitudinal" or "transverse" front along that yarn."""
+    """Measure the speed [m/s] of the "longitudinal" or "transverse" front along that yarn."""
     return getattr(wave_fronts, kind)(yarn(run, family), run.histories[0].t).speed
 
 
 def strength(run: Any) -> FloatArray:
-    """(2,) of warp and weft of the struck ply."""
+    """Return the strengths (2,) of warp and weft of the struck ply."""
     return np.array([yarn.strength for yarn in run.panel.weave.yarns])
 
 
 def off_square(run: Any, ply: int, t: float) -> float:
-    """Extent of the cone of a ply along the weft over that along the warp, in the snapshot nearest an instant."""
+    """Measure the extent of the cone of a ply along the weft over that along the warp, in the
+    snapshot nearest an instant."""
     shot = min(run.snapshots, key=lambda shots: abs(shots[0].t - t))[ply]
     place = run.target.places[ply]
     warp, weft = pyramid(run.panels[ply], replace(shot, nodes=shot.nodes - [0.0, 0.0, place]))
@@ -202,7 +208,8 @@ def off_square(run: Any, ply: int, t: float) -> float:
 
 
 def largest_shear(run: Any) -> float:
-    """[rad] of any element of the struck ply in which no yarn has failed, in all snapshots."""
+    """Find the largest shear [rad] of any element of the struck ply in which no yarn has failed, in
+    all snapshots."""
     most = 0.0
     for shot in (shots[0] for shots in run.snapshots):
         a = np.diff(shot.nodes, axis=0)
@@ -216,25 +223,26 @@ def largest_shear(run: Any) -> float:
 
 
 def even(t: FloatArray, y: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """A record at even instants."""
+    """Resample a record at even instants."""
     clock = np.arange(t[0], t[-1], step)
     return clock, np.interp(clock, t, y)
 
 
 def smooth(t: FloatArray, y: FloatArray) -> FloatArray:
-    """A record without what is faster than QUIET, shifted in no way."""
+    """Smooth a record: without what is faster than QUIET, shifted in no way."""
     return sosfiltfilt(butter(3, 2 * QUIET * (t[1] - t[0]), output="sos"), y)
 
 
 def noise(t: FloatArray, y: FloatArray, start: float = -np.inf, stop: float = np.inf) -> float:
-    """RMS of what is faster than QUIET in a part of a record."""
+    """Compute the RMS of what is faster than QUIET in a part of a record."""
     part = (t > start) & (t < stop)
     return rms(y[part] - smooth(t[part], y[part]))
 
 
 def unevenness(run: Any, beside: float = 10e-3) -> float:
-    """|ln| of warp over weft tension, each over its strength, of the yarns through the impact point when one of them is
-    closest to failing; the largest within `beside` [m] of the middle."""
+    """Compute |ln| of warp over weft tension, each over its strength, of the yarns through the
+    impact point when one of them is closest to failing; the largest within `beside` [m] of the
+    middle."""
     shares = []
     for family in FAMILIES:
         history = yarn(run, family)
@@ -244,7 +252,8 @@ def unevenness(run: Any, beside: float = 10e-3) -> float:
 
 
 def zones(run: Any, stop: float = 200e-6) -> Values:
-    """Instant of the kink of two straight lines through the velocity history, and their slopes."""
+    """Find the instant of the kink of two straight lines through the velocity history, and their
+    slopes."""
     t = np.linspace(0, min(stop, end(run)), 401)
     velocity = v(run, t)
     least = np.inf
@@ -259,8 +268,9 @@ def zones(run: Any, stop: float = 200e-6) -> Values:
 
 
 def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values:
-    """Weft reactions across the edge, as means over a window [s]: of the middle and of the plateau [N], and the width
-    [m] of the zone, which ends where `level` of what the middle has more than the plateau is left."""
+    """Average weft reactions across the edge over a window [s]: of the middle and of the plateau
+    [N], and the width [m] of the zone, which ends where `level` of what the middle has more than
+    the plateau is left."""
     clock = run.histories[0].t
     window = (clock > start) & (clock < stop)
     ends = {}
@@ -281,7 +291,8 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values
 
 
 def noise_over_net(shell: Any, cables: Any) -> float:
-    """Noise of the reaction of the warp: shell over cable net, as means over a microsecond, as the shell's are."""
+    """Compare the noise of the reaction of the warp: shell over cable net, as means over a
+    microsecond, as the shell's are."""
     t = np.arange(0, min(shell.t[-1], end(cables)), 1e-6)
     clock = cables.step_history[:, 0]
     width = max(1, round(1e-6 / (clock[1] - clock[0])))
@@ -292,7 +303,8 @@ def noise_over_net(shell: Any, cables: Any) -> float:
 
 
 def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
-    """Radius of the cone's base at 45 degrees over that along the yarns, when it has spread to `reach` [m]."""
+    """Compute the radius of the cone's base at 45 degrees over that along the yarns, when it has
+    spread to `reach` [m]."""
     X, Y = run.panel.coordinates()
     r = np.linspace(0, min(X[-1, 0], Y[0, -1]), 800)
     for height in (shots[0].nodes[..., 2].astype(np.float32) for shots in run.snapshots):
@@ -308,7 +320,7 @@ def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
 
 
 def straight_side(run: Any, velocity: float) -> float:
-    """R2 of the line through the side of the cone of a lone yarn."""
+    """Compute R2 of the line through the side of the cone of a lone yarn."""
     inside = run.nodes[:, 0] < 0.9 * run.U * run.nodes[0, 1] / velocity
     return np.corrcoef(*run.nodes[inside].T)[0, 1] ** 2
 
@@ -321,7 +333,8 @@ def _profile(run, t):
 
 
 def cone_sides(run: Any, times: Sequence[float]) -> Values:
-    """Sides of the cone of a shell's yarn: straightness at times [s], and what the slope loses from first to last."""
+    """Measure the sides of the cone of a shell's yarn: straightness at times [s], and what the
+    slope loses from first to last."""
     slopes = []
     R2 = []
     for t in times:
@@ -333,14 +346,16 @@ def cone_sides(run: Any, times: Sequence[float]) -> Values:
 
 
 def cone_slope(run: Any, t: float) -> float:
-    """Of the side of the cone along the warp at an instant, from 30 to 80 % of its height."""
+    """Fit the slope of the side of the cone along the warp at an instant, from 30 to 80 % of its
+    height."""
     x, z = _profile(run, t)
     part = (z > 0.3 * z.max()) & (z < 0.8 * z.max())
     return -np.polyfit(x[part], z[part], 1)[0]
 
 
 def front_width(run: Any, place: float) -> float:
-    """[m] over which the tension of the weft at a place rises from a tenth to half of the plateau behind the front."""
+    """Measure the length [m] over which the tension of the weft at a place rises from a tenth to
+    half of the plateau behind the front."""
     weft = yarn(run, "weft")
     clock = run.histories[0].t
     T = weft.tension[:, int(np.argmin(abs(weft.X - place)))]
@@ -354,7 +369,8 @@ def front_width(run: Any, place: float) -> float:
 
 
 def share_of_time_falling(*runs: Any) -> float:
-    """[-] of the time after zone I in which the strain of the weft, without noise, falls from each run to the next."""
+    """Compute the share [-] of the time after zone I in which the strain of the weft, without
+    noise, falls from each run to the next."""
     n = min(len(run.histories[0].t) for run in runs)
     clock = runs[0].histories[0].t
     strains = [smooth(run.histories[0].t[:n], strain(run, "weft")[:n]) for run in runs]
@@ -362,7 +378,8 @@ def share_of_time_falling(*runs: Any) -> float:
 
 
 def spread_before_peak(less: Any, same: Any, more: Any) -> float:
-    """Largest difference of the strains of the weft of three runs before the peak of the middle one, over the peak."""
+    """Compute the largest difference of the strains of the weft of three runs before the peak of
+    the middle one, over the peak."""
     clock = same.histories[0].t
     strains = strain(same, "weft")
     t = np.linspace(0, 0.9 * clock[int(np.argmax(strains))], 300)
@@ -371,7 +388,8 @@ def spread_before_peak(less: Any, same: Any, more: Any) -> float:
 
 
 def slip_delay(run: Any, held: Any, start: float) -> float:
-    """[s] from the start of a slip until the velocity has left that of the held panel by half a metre a second."""
+    """Measure the time [s] from the start of a slip until the velocity has left that of the held
+    panel by half a metre a second."""
     t = np.linspace(0, end(run, held), 2000)
     gone = abs(v(run, t) - v(held, t)) > 0.5
     if gone.any():
@@ -380,5 +398,5 @@ def slip_delay(run: Any, held: Any, start: float) -> float:
 
 
 def slip(run: Any) -> FloatArray:
-    """[m] of each weft yarn out of its clamp at the end."""
+    """Compute how far [m] each weft yarn is out of its clamp at the end."""
     return run.panel.coordinates()[1][:, -1] - run.last[0].nodes[:, -1, 1]

@@ -96,7 +96,8 @@ def validate(
 
 
 def compute(run: Run) -> Any:
-    """What a run comes to; an error of weavecell is a result too, for the claims to tell."""
+    """Compute what a run comes to; an error of weavecell is a result too, which the claims
+    report."""
     try:
         return getattr(runs, run.kind)(json.loads(run.of), **json.loads(run.keywords))
     except WeavecellError as problem:
@@ -104,7 +105,8 @@ def compute(run: Run) -> Any:
 
 
 def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Record:
-    """The record of a claim, from what its runs have come to; `variant` of VARIANTS, or None for it as it stands."""
+    """Check a claim by what its runs have come to, and return its record; `variant` of VARIANTS, or
+    None for it as it stands."""
     if not claim.conditions:
         verdict = NOT_TESTABLE
         if claim.unbuilt:
@@ -131,7 +133,8 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
 
 
 def values(claim: Claim, results: Values) -> Values:
-    """{name: what is found for it} of the conditions; Python evaluates the expressions, which are our own files'."""
+    """Evaluate what is found for each of the conditions, {name: value}; the expressions are Python,
+    in our own files."""
     names = checks.names() | {"__builtins__": __builtins__} | results
     for name, expression in claim.let.items():
         names[name] = eval(in_si(expression), names)
@@ -143,14 +146,15 @@ def values(claim: Claim, results: Values) -> Values:
 
 
 def runs_of(claim: Claim, variant: str | None = None) -> Values:
-    """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
+    """List the runs that a claim reads, as it stands or in a variant: {name: Run, or dict of
+    Runs}."""
     names = checks.names()
     changes = VARIANTS.get(variant or "", {})
     return {name: _specified(spec, names, changes) for name, spec in claim.run.items()}
 
 
 def is_long(claim: Claim) -> bool:
-    """Whether a run of it takes more than a few seconds."""
+    """Tell whether a run of it takes more than a few seconds."""
     return any(map(_is_long, _flat(runs_of(claim))))
 
 

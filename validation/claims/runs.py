@@ -53,7 +53,7 @@ def changed_fabric(
     shear: dict[str, float] | None = None,
     denier: str = "effective",
 ) -> Fabric:
-    """A fabric of the catalogue, changed.
+    """Change a fabric of the catalogue.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def setup(
     history: Values | None = None,
     **keywords: Any,
 ) -> simulation.ImpactSetup:
-    """`weavecell.setup` of a shot.
+    """Build `weavecell.setup` of a shot.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ class Shot(simulation.ImpactResult):
 
 
 def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: Any) -> Shot:
-    """One impact on one ply or several.
+    """Fire one impact on one ply or several.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
 def limit(
     fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any
 ) -> ballistic_limit.Limit:
-    """Critical velocity of one ply, within `tolerance` [m/s]."""
+    """Find the critical velocity of one ply, within `tolerance` [m/s]."""
     target = setup(fabric, 100.0, **scene).panel()
     return ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess)
 
@@ -179,12 +179,12 @@ def limit(
 def shots(
     fabric: str, velocities: Sequence[float], **scene: Any
 ) -> tuple[ballistic_limit.Shot, ...]:
-    """Shots at one ply at some velocities [m/s]."""
+    """Fire shots at one ply at some velocities [m/s]."""
     return ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
 
 
 def net(fabric: str, velocity: float, **change: Any) -> NetResult:
-    """One impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
+    """Fire one impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
     made = simulation.ImpactSetup(
         changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1
     )
@@ -192,7 +192,8 @@ def net(fabric: str, velocity: float, **change: Any) -> NetResult:
 
 
 def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
-    """A lone straight yarn struck at constant velocity: what was computed, and Smith's closed form, `theory`."""
+    """Strike a lone straight yarn at constant velocity: what was computed, and Smith's closed form,
+    `theory`."""
     yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run = smith.strike(yarn, velocity)
     return SimpleNamespace(
@@ -201,7 +202,8 @@ def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
 
 
 def strip(fabric: str, velocity: float, length: float, end_time: float) -> SimpleNamespace:
-    """The shell's own lone yarns: straight warp under a shot, in a strip whose weft has next to no mass and stiffness.
+    """Strike the shell's own lone yarns: straight warp under a shot, in a strip whose weft has next
+    to no mass and stiffness.
 
     The strip is 12 mm wide with free sides, of which the nose meets the middle half, and `length` [m] long between its
     clamps. Kept is the history of its middle yarn.
@@ -224,7 +226,7 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
 
 
 def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
-    """The bias extension test on one of its fabrics, by load steps."""
+    """Run the bias extension test on one of its fabrics, by load steps."""
     fabric, model, trellis = bias_extension.coupon_fabric(cloth)
     # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
     options = {"steps": steps}
@@ -242,7 +244,8 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
 
 
 def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleNamespace:
-    """The picture frame test: shear angle [rad], shear stress [Pa] and force [N] along the diagonal of the frame.
+    """Run the picture frame test: shear angle [rad], shear stress [Pa] and force [N] along the
+    diagonal of the frame.
 
     The force does the work of the stress: F d(delta) = tau V d(gamma), with the diagonal delta = 2 L sin(beta / 2) of a
     square of side L whose angle between the yarns is beta = 90 degrees + gamma on the side of the diagonal.
@@ -262,7 +265,7 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
 
 
 def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -> SimpleNamespace:
-    """Whether a panel of straight yarns stays in balance at `factor` times its critical step.
+    """Tell whether a panel of straight yarns stays in balance at `factor` times its critical step.
 
     Nothing damps it and its yarns are taut, so that the bound is that of its highest mode; in the equilibrium form, for
     in the variational one half of the stiffness sees means over two elements, which leaves room of a root of 2.
@@ -289,7 +292,8 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 
 
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
-    """Seconds that shell and cable net need for 250 us of the same impact, run three times in turns; the least."""
+    """Time shell and cable net over 250 us of the same impact [s], run three times in turns; the
+    least."""
     made = simulation.ImpactSetup(
         changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1
     )
@@ -302,7 +306,8 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
 
 
 def pencil(plies: int, **target: Any) -> SimpleNamespace:
-    """A run of Table 6-2 before its block, or the bare block without plies (`cases.block.target`); wall in rad."""
+    """Repeat a run of Table 6-2 before its block, or the bare block without plies
+    (`cases.block.target`); wall in rad."""
     found = block.target(plies, **target)
     found["wall"] = np.radians(found["wall"])
     return SimpleNamespace(**found)
@@ -324,7 +329,8 @@ class PathColumns(SimpleNamespace):
 
 
 def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None) -> PathColumns:
-    """A biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the thickness of the yarns."""
+    """Follow a biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the
+    thickness of the yarns."""
     from unitcell3d.cases import biaxial_and_platens
 
     mesh, given = _meshed(fabric)
@@ -354,7 +360,7 @@ def _thickness(mesh, points):
 
 
 def plates(fabric: str) -> PathColumns:
-    """The crossover pressed between plates."""
+    """Press the crossover between plates."""
     from unitcell3d.cases import biaxial_and_platens
 
     found = biaxial_and_platens.plate_compression(*_meshed(fabric))
@@ -364,7 +370,8 @@ def plates(fabric: str) -> PathColumns:
 def lone(
     fabric: str, *, family: int, bars: int | None = None, one_point: bool = False
 ) -> SimpleNamespace:
-    """One yarn alone, pulled straight and on; `bars` 0 takes its fibres away, `one_point` integrates the least."""
+    """Pull one yarn alone straight and on; `bars` 0 takes its fibres away, `one_point` integrates
+    the least."""
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
 
@@ -380,8 +387,9 @@ def lone(
 
 
 def sections(fabric: str) -> SimpleNamespace:
-    """Sections of whole yarns, warp and weft: `area` (2,) [m2] their volume over the length of their centreline,
-    `fibre` (2,) [m2] of the bars that cut the section at the crossing."""
+    """Measure the sections of whole yarns, warp and weft: `area` (2,) [m2] their volume over the
+    length of their centreline, `fibre` (2,) [m2] of the bars that cut the section at the
+    crossing."""
     mesh, _ = _meshed(fabric)
     area = []
     fibre = []
@@ -406,8 +414,9 @@ def _volume(corners):
 
 
 def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
-    """What the mesher makes of a fabric, by section: deviation of the axis from a cosine and spread of the thickness
-    over that at the crest [-], deepest point of the weft in the warp [m]; and the yarns of each domain."""
+    """Measure what the mesher makes of a fabric, by section: deviation of the axis from a cosine
+    and spread of the thickness over that at the crest [-], deepest point of the weft in the warp
+    [m]; and the yarns of each domain."""
     from meshing import patch
 
     found: Values = {}
@@ -438,7 +447,8 @@ def _overlap(mesh):
 
 
 def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
-    """Cauchy stress [Pa] along the fibre of one brick of warp at three stretches, and its fibre fraction."""
+    """Compute the Cauchy stress [Pa] along the fibre of one brick of warp at three stretches, and
+    its fibre fraction."""
     from unitcell3d.assembly.compat import Assembler, HexSpace
     from unitcell3d.material.solid_law import forms
 
@@ -459,7 +469,8 @@ def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
 
 
 def released(fabric: str, *, plies: int, friction: float, closed: float) -> SimpleNamespace:
-    """Aligned plies between plates that close and open again: (closure [m], pressure [Pa]) of both branches.
+    """Close and open aligned plies between plates again: (closure [m], pressure [Pa]) of both
+    branches.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from validation.values import Values
 
 
 def rows(claims: Sequence[Claim], records: Sequence[Record]) -> list[Values]:
-    """One row a claim."""
+    """Make one row a claim."""
     return [_row(claim, record) for claim, record in zip(claims, records, strict=True)]
 
 

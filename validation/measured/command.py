@@ -35,6 +35,7 @@ VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
 def main(
     parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None
 ) -> None:
+    """Compute the rows of measured.csv, and write them with their summary."""
     folder = out or study.DATA
     if quick:
         folder = out or KEPT
@@ -72,7 +73,7 @@ def _ran(found, case, coarse, commit):
 
 
 def held(row: Row, ran: Mapping[str, str]) -> Values:
-    """A row of measured.csv: with E, u_num, u_input and u_val where a number is computed.
+    """Make a row of measured.csv: with E, u_num, u_input and u_val if a number is computed.
 
     u_num is the difference of the two runs of the row and its standard error, where both runs are there.
     """
@@ -92,12 +93,14 @@ def held(row: Row, ran: Mapping[str, str]) -> Values:
 
 
 def value_of(row: Values) -> str:
-    """The computed value of a row of measured.csv: of the cheap run if there is no other."""
+    """Return the computed value of a row of measured.csv: that of the cheap run if there is no
+    other."""
     return row["computed"] or row["coarse"]
 
 
 def summary(table: Sequence[Values]) -> list[Values]:
-    """A row a quantity that is computed: what --uncertainty prints, n, rows within 2 u_val, bias, sigmas.
+    """Summarise each quantity that is computed in a row: what --uncertainty prints, n, rows within
+    2 u_val, bias, sigmas.
 
     An outcome is within where it is the same. Numbers that may be 0 have no bias.
     """

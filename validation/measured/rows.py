@@ -67,7 +67,7 @@ class Case:
         return target.changed(tomllib.loads(self.text.partition("\f")[0]), self.keys)
 
     def setup(self, **more: Any) -> Any:
-        """The ImpactSetup of an impact, with `more` values of dotted keys."""
+        """Build the ImpactSetup of an impact, with `more` values of dotted keys."""
         file = HERE / "inputs" / f"{self.input}.toml"
         changes = {"numerics.threads": 1} | self.keys | more
         return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
@@ -91,12 +91,12 @@ class Row:
 
 
 def number(text: str) -> float:
-    """The number in a text; NaN of an outcome, or where there is none."""
+    """Read the number in a text; NaN of an outcome, or if there is none."""
     return float(to_numeric(text, errors="coerce"))
 
 
 def read() -> list[Row]:
-    """All rows."""
+    """Read all rows."""
     with open(HERE / "rows.csv", encoding="utf-8", newline="") as file:
         return [_row(**columns) for columns in csv.DictReader(file)]
 
@@ -122,7 +122,7 @@ def _changes(text):
 
 
 def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
-    """The Case of a measure of an input file, with its changes."""
+    """Make the Case of a measure of an input file, with its changes."""
     files = [HERE / "inputs" / f"{name}.toml", *sorted((HERE / "inputs" / "fabrics").iterdir())]
     return Case(measure, name, "\f".join(file.read_text("utf-8") for file in files), changes)
 
@@ -153,7 +153,8 @@ OF_FABRICS: dict[str, Callable[[Fabric], float]] = {
 
 
 def compute(case: Case) -> tuple[Any, float, float]:
-    """(value in the unit of the row, or an outcome; its standard error; error of the energy balance [-])."""
+    """Compute a case: (value in the unit of the row, or an outcome; its standard error; error of
+    the energy balance [-])."""
     if case.measure in OF_SHOTS:
         shot = wc.impact(case.setup())
         return OF_SHOTS[case.measure](shot), 0.0, shot.energy_error_max

@@ -33,7 +33,7 @@ class Statistics:
 
 
 def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[float]) -> Statistics:
-    """The Statistics of a quantity.
+    """Compute the Statistics of a quantity.
 
     Parameters
     ----------

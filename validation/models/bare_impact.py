@@ -38,8 +38,8 @@ def strike(
     *,
     after: float = 0.0,
 ) -> Strike:
-    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back or is
-    through.
+    """Strike the bare block with a rigid projectile ("backing only" of thesis Figure 6-45), until
+    it turns back or is through.
 
     Parameters
     ----------

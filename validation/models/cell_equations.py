@@ -28,13 +28,14 @@ _WEIGHTS = 0.25 * np.pi * _WEIGHTS
 
 
 def arc(w: FloatArray, h: FloatArray) -> FloatArray:
-    """[m] length of a cosine of height h over the half length w."""
+    """Integrate the length [m] of a cosine of height h over the half length w."""
     slope = 0.5 * np.pi * h / w
     return 4 * w / np.pi * (np.sqrt(1 + (slope[..., None] * np.sin(_U)) ** 2) @ _WEIGHTS)
 
 
 def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> float:
-    """Largest departure of the solved states of a cell in the equilibrium form from the equations.
+    """Compute the largest departure of the solved states of a cell in the equilibrium form from the
+    equations.
 
     Of tensions over the strength, of contact forces over the largest, of the sum of the heights over that at rest, and
     of stored energies over the largest.

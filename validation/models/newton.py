@@ -31,7 +31,8 @@ class Iteration:
 def iterate(
     fabric: str, d1: float, d2: float, *, invert: bool = True, below: float = 0.0
 ) -> Iteration:
-    """Newton with the exact Jacobian from the heights at rest; `invert` False multiplies by the Jacobian instead.
+    """Iterate by Newton with the exact Jacobian from the heights at rest; `invert` False multiplies
+    by the Jacobian instead.
 
     `below` : share by which it starts below them, for what rounding can do
     """
@@ -69,7 +70,8 @@ def _force(w, h, S0, yarn):
 
 
 def iterations_at_edge(fabric: str, reach: float) -> float:
-    """Steps of the iteration where yarns barely touch, of the pairs at which it converges, over those inside."""
+    """Count the steps of the iteration where yarns barely touch, of the pairs at which it
+    converges, over those inside."""
     d = np.linspace(-reach, reach, 41)
     ends = {(a, b): iterate(fabric, a, b) for a in d for b in d if a > 0 or b > 0}
     inside = np.median(

@@ -22,7 +22,7 @@ UNIT = 1e-3  # [m] of the library's coordinates
 
 
 def plies_cross(march: PackSolver) -> bool:
-    """Whether any ply crosses another now."""
+    """Tell whether any ply crosses another now."""
     import ipctk
 
     places, facets, bare, owner = surfaces(march)
@@ -35,7 +35,8 @@ def plies_cross(march: PackSolver) -> bool:
 
 
 def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
-    """(nodes (n, 3) [m] of all plies, triangles (m, 3), bare yarns (k, 2), ply of each node (n,))."""
+    """Collect (nodes (n, 3) [m] of all plies, triangles (m, 3), bare yarns (k, 2), ply of each node
+    (n,))."""
     places = []
     facets = []
     bare = []
@@ -82,6 +83,6 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
 
 
 def drawn_out(now: FloatArray, rest: FloatArray) -> FloatArray:
-    """(ni, nj) bool: elements with a diagonal of more than twice its length at rest."""
+    """Mark the elements, (ni, nj) bool, with a diagonal of more than twice its length at rest."""
     ways = [(x[1:, 1:] - x[:-1, :-1], x[1:, :-1] - x[:-1, 1:]) for x in (now, rest)]
     return np.any([(a**2).sum(axis=-1) > 4 * (b**2).sum(axis=-1) for a, b in zip(*ways)], axis=0)

@@ -15,7 +15,8 @@ NEARLY_STRAIGHT = (
 
 
 def with_law_form(fabric: Fabric, form: str) -> Fabric:
-    """The fabric's compression laws in another form, "regularised" or "printed" (erratum E-05).
+    """Return the fabric with its compression laws in another form, "regularised" or "printed"
+    (erratum E-05).
 
     Raises
     ------
@@ -28,7 +29,8 @@ def with_law_form(fabric: Fabric, form: str) -> Fabric:
 
 
 def homogenised(fabric: Fabric, n: float) -> Fabric:
-    """A weave of fewer, thicker yarns with the same response to stretch and shear: one crossover for n x n.
+    """Return a weave of fewer, thicker yarns with the same response to stretch and shear: one
+    crossover for n x n.
 
     The spacing is n-fold; yarns have the n-fold area with the same fibres, crimp and strain at failure, hence n-fold
     length, height and tension. Angles are kept, so that the contact force is n-fold at the same stretches, and the
@@ -49,7 +51,8 @@ def homogenised(fabric: Fabric, n: float) -> Fabric:
 
 
 def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabric:
-    """Yarns of next to no crimp, with a trellis of the same stiffness per width.
+    """Return the fabric with yarns of next to no crimp, with a trellis of the same stiffness per
+    width.
 
     The fabric gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
     ratio of the thicknesses.
@@ -59,7 +62,7 @@ def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabri
 
 
 def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
-    """Values of the solid laws, each times a factor [-]; `factors` by the fields of `SolidLaw`.
+    """Multiply values of the solid laws by factors [-], named by the fields of `SolidLaw`.
 
     Raises
     ------

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def coupon_fabric(name: str) -> tuple[Fabric, str, bool]:
-    """(fabric, cell model's name, whether the trellis acts) of a coupon of the test.
+    """Return (fabric, cell model's name, whether the trellis acts) of a coupon of the test.
 
     name : "locking", the trellis law as published; "soft", its modulus G1 at all angles; "none", no trellis, which runs
         into bands; "straight", straight yarns with G1, the fabric for which the closed form is meant
@@ -37,7 +37,7 @@ def coupon_fabric(name: str) -> tuple[Fabric, str, bool]:
 
 
 def measured(result: Result) -> Values:
-    """What is read off a test, at each load step.
+    """Read off a test what it measures, at each load step.
 
     Returns
     -------
@@ -56,7 +56,8 @@ def measured(result: Result) -> Values:
 
 
 def asymmetry(result: Result) -> float:
-    """[-] largest distance of a node from its mirror image, left to right and end to end, over the width."""
+    """Compute the largest distance [-] of a node from its mirror image, left to right and end to
+    end, over the width."""
     rest = result.coupon.points
     x = result.states[-1].x
     width = np.ptp(rest[:, 0])

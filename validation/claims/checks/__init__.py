@@ -26,7 +26,8 @@ MODULES = (cell, compression, weave, cell_equations, newton, readers)
 
 
 def names() -> Values:
-    """All that expressions may name: numpy as np, what is imported here, and what readers and checks define."""
+    """Return all that expressions may name: numpy as np, what is imported here, and what readers
+    and checks define."""
     known = [globals(), *map(vars, MODULES)]
     return {
         k: part for each in known for k, part in each.items() if not isinstance(part, ModuleType)

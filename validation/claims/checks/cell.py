@@ -37,21 +37,22 @@ BOUNDED = ("incompressible", "compressible", "decoupled")
 
 
 def cell(name: str, model: str = "compressible", **changes: Any) -> CellModel:
-    """The cell of a fabric."""
+    """Make the cell of a fabric."""
     return CellModel(
         catalogue.load(name), cell_model=model, cell_formulation="equilibrium", **changes
     )
 
 
 def printed(name: str, a: float | None = None) -> CellModel:
-    """The cell with the law as printed, or with another `a` [m]."""
+    """Make the cell with the law as printed, or with another `a` [m]."""
     given = catalogue.load(name)
     laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
     return CellModel(given, laws, cell_formulation="equilibrium")  # type: ignore[arg-type]
 
 
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
-    """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
+    """Make a coupon of a fabric, in the variational form; its half sides [m], one or two, and
+    options of `mesh_coupon`."""
     table = CellModel(catalogue.load(name), cell_formulation="variational").table(size)
     a, b = np.broadcast_to(half, 2)
     return mesh_coupon(table, lambda x, y: (abs(x) < a) & (abs(y) < b), max(a, b), **options)
@@ -63,19 +64,20 @@ def stretch_at_failure(yarn: Yarn) -> float:
 
 
 def grid(model: CellModel, n: int = 61) -> list[FloatArray]:
-    """Pairs of stretches from rest to `stretch_at_failure` of each yarn."""
+    """Make pairs of stretches from rest to `stretch_at_failure` of each yarn."""
     axes = (np.linspace(1, stretch_at_failure(yarn), n) for yarn in model.fabric.weave.yarns)
     return np.meshgrid(*axes, indexing="ij")
 
 
 def unfailed(model: CellModel, found: States) -> Any:
-    """Where no yarn is past its strength."""
+    """Mark the states in which no yarn is past its strength."""
     warp, weft = model.fabric.weave.yarns
     return (found["T1"] <= warp.strength) & (found["T2"] <= weft.strength)
 
 
 def warp_pull(model: CellModel, n: int = 161) -> tuple[FloatArray, States]:
-    """(strain, solution) along warp extension with the weft held, to the failure of the first yarn."""
+    """Solve warp extension with the weft held, to the failure of the first yarn: (strain,
+    solution)."""
     strain = np.linspace(0, stretch_at_failure(model.fabric.weave.warp) - 1, n)
     found = model.solve(1 + strain, 1.0)
     safe = unfailed(model, found)
@@ -86,7 +88,7 @@ def warp_pull(model: CellModel, n: int = 161) -> tuple[FloatArray, States]:
 
 
 def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, ...]:
-    """Stretches between rest and failure at which the yarns touch."""
+    """Draw stretches between rest and failure at which the yarns touch."""
     rng = np.random.default_rng(seed)
     return tuple(
         1 + rng.uniform(0, 1, n) * (stretch_at_failure(y) - 1)
@@ -95,18 +97,20 @@ def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, .
 
 
 def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
-    """(strains of the cell, tensions) of a yarn without coupling, from rest to its strength."""
+    """Pull a yarn without coupling from rest to its strength: (strains of the cell, tensions)."""
     stretch = np.linspace(1, stretch_at_failure(catalogue.load(fabric).weave.yarns[family]), 400)
     return stretch - 1, pulled(cell(fabric, "decoupled"), family, stretch)
 
 
 def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> FloatArray:
-    """[N] tension of a yarn whose cell is stretched along it, and across it by `other`."""
+    """Compute the tension [N] of a yarn whose cell is stretched along it, and across it by
+    `other`."""
     return model.solve(*((stretch, other) if family == 0 else (other, stretch)))[f"T{family + 1}"]
 
 
 def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
-    """Of the cell along a yarn, at which the yarn is at its strength; that across is `other`."""
+    """Find the stretch of the cell along a yarn at which the yarn is at its strength; across it is
+    `other`."""
     strength = model.fabric.weave.yarns[family].strength
 
     def excess(stretch):
@@ -116,7 +120,8 @@ def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> fl
 
 
 def equilibrium() -> Values:
-    """F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at rest; random states."""
+    """Check F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at
+    rest; random states."""
     force = closing = 0.0
     for name in catalogue.list_names():
         model = cell(name)
@@ -135,7 +140,8 @@ def equilibrium() -> Values:
 
 
 def jacobian_ratio() -> float:
-    """dS/dh by differences of the arc length, over eq. 4-24 as printed; furthest from 2."""
+    """Compare dS/dh by differences of the arc length with eq. 4-24 as printed; return the ratio
+    that is furthest from 2."""
     ratios = []
     for w, h, *_ in crimped():
         rise = derivative(partial(arc_length, w), h, 1e-4 * h)
@@ -150,7 +156,8 @@ def jacobian_ratio() -> float:
 
 
 def sine_slope_error() -> float:
-    """d sin(alpha)/dh that the contact force of the cell's equilibrium form has, over eq. 4-21.
+    """Compute the error of d sin(alpha)/dh that the contact force of the cell's equilibrium form
+    has, over eq. 4-21.
 
     F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
     """
@@ -168,7 +175,8 @@ def sine_slope_error() -> float:
 
 
 def off_lone_yarns(name: str, **changes: Any) -> float:
-    """Tensions of the cell less those of lone yarns, over EA; of random states at which the yarns would touch."""
+    """Compute the tensions of the cell less those of lone yarns, over EA; of random states at which
+    the yarns would touch."""
     stretches = random_states(name)
     found = cell(name, **changes).solve(*stretches)
     worst = 0.0
@@ -179,7 +187,8 @@ def off_lone_yarns(name: str, **changes: Any) -> float:
 
 
 def stress_resultant_error() -> float:
-    """Forces at the edge of a stretched coupon over the force of the stresses of two half layers (eqs. 4-46 to 4-48).
+    """Compare the forces at the edge of a stretched coupon with the force of the stresses of two
+    half layers (eqs. 4-46 to 4-48).
 
     Each yarn acts in one half of the thickness, over the width of its cell; the mean over the whole thickness, times
     thickness and width, is to be what the nodes of the coupon are pulled with.
@@ -202,7 +211,8 @@ def stress_resultant_error() -> float:
 
 
 def lone_yarn() -> Values:
-    """A yarn whose partner is gone, in a coupon of warp alone; and the slack of steps 11 and 25 as printed."""
+    """Check a yarn whose partner is gone, in a coupon of warp alone; and the slack of steps 11 and
+    25 as printed."""
     worst = 0.0
     for name in ("S-720", "S-731"):
         weave = catalogue.load(name).weave
@@ -219,7 +229,8 @@ def lone_yarn() -> Values:
 
 
 def surfaces(fabric: str) -> Values:
-    """Stored energies of the bounds and of the cell between, over all pairs of strains at which no yarn fails."""
+    """Compare the stored energies of the bounds and of the cell between, over all pairs of strains
+    at which no yarn fails."""
     models = [cell(fabric, model) for model in BOUNDED]
     pairs = grid(models[0], 41)
     found = [model.solve(*pairs) for model in models]
@@ -234,7 +245,8 @@ def surfaces(fabric: str) -> Values:
 
 
 def survived(name: str, n: int = 61) -> tuple[FloatArray, FloatArray]:
-    """(warp strains (n,), stored energy [J] of the coupled cell (n, n)), nan where a yarn is past its strength."""
+    """Compute (warp strains (n,), stored energy [J] of the coupled cell (n, n)), nan where a yarn
+    is past its strength."""
     model = cell(name)
     pairs = grid(model, n)
     found = model.solve(*pairs)
@@ -242,13 +254,15 @@ def survived(name: str, n: int = 61) -> tuple[FloatArray, FloatArray]:
 
 
 def displacement_at_strength(model: CellModel, family: int, away: float) -> float:
-    """[m] of its end at which a yarn reaches its strength, the crossing yarn being shortened by `away` [m]."""
+    """Find the end displacement [m] at which a yarn reaches its strength, the crossing yarn being
+    shortened by `away` [m]."""
     w = model.fabric.weave.w
     return w[family] * (stretch_to_strength(model, family, 1 - away / w[1 - family]) - 1)
 
 
 def curve_change(curve: CellPath, family: int, shift: float) -> float:
-    """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
+    """Compute the RMS by which tensions move when the strain origin moves by `shift` [-], over the
+    RMS of the curve itself."""
     strain = curve.strain[:, family]
     tension = curve.tension[:, family]
     common = strain > shift
@@ -257,7 +271,8 @@ def curve_change(curve: CellPath, family: int, shift: float) -> float:
 
 
 def look_up(fabric: str, n: int, samples: int) -> Values:
-    """Bilinear table of tensions against the cell itself, over all states up to failure; and their speed."""
+    """Compare the bilinear table of tensions with the cell itself, over all states up to failure;
+    and their speed."""
     model = cell(fabric)
     table = model.table(n)
     rng = np.random.default_rng(4)
@@ -285,15 +300,17 @@ def look_up(fabric: str, n: int, samples: int) -> Values:
 
 
 def fitted(*paths: Any) -> CompressionLaw:
-    """CompressionLaw fitted to paths of the 3D crossover as `unitcell3d.identify.calibration` does."""
+    """Fit the CompressionLaw to paths of the 3D crossover as `unitcell3d.identify.calibration`
+    does."""
     from unitcell3d.identify.calibration import samples
 
     return CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, paths))))
 
 
 def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Values:
-    """The cell with its published law, or another, along a warp extension of the crossover: largest differences of the
-    tensions over their peaks, and of the energy from the work of the ends, 2 T1 dd1, over that at the end."""
+    """Follow a warp extension of the crossover with the cell and its published law, or another:
+    largest differences of the tensions over their peaks, and of the energy from the work of the
+    ends, 2 T1 dd1, over that at the end."""
     given = catalogue.load(fabric)
     d = path["d1"]
     T = path["T1"]
@@ -310,7 +327,7 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
 
 
 def cell_error(path: Any, fabric: str) -> float:
-    """RMS of both tensions of the cell less those of the 3D crossover, over the
+    """Compute the RMS of both tensions of the cell less those of the 3D crossover, over the
     strengths, along a path of the crossover up to the cell's first failure."""
     given = catalogue.load(fabric)
     cell = CellModel(given, cell_formulation="equilibrium")
@@ -325,7 +342,8 @@ def cell_error(path: Any, fabric: str) -> float:
 
 
 def off_cosine(line: Any) -> float:
-    """RMS distance of a deformed centreline from the cosine of its height and length, over the height."""
+    """Compute the RMS distance of a deformed centreline from the cosine of its height and length,
+    over the height."""
     x, z = line
     h = z[0] - z[-1]
     return rms(z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) / h

@@ -26,7 +26,7 @@ from validation.values import Values, largest
 
 @cache
 def pressure_law() -> dict[str, float]:
-    """{"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
+    """Read {"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
     content = tomllib.loads((resources.files("fabrics") / "pressure_law.toml").read_text("utf-8"))
     units = {
         "c1": "Pa * m^3 / (kg/m^2)^3",
@@ -40,31 +40,32 @@ def pressure_law() -> dict[str, float]:
 
 @cache
 def stiffness(name: str, plies: int = 1) -> float:
-    """K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
+    """Compute K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
     curve = PlateCurve.pressure_law(catalogue.load(name).areal_density_measured, plies)
     P = curve.pressure
     return float((curve.closure[-1] / (P[0] ** (-1 / 3) - P[-1] ** (-1 / 3))) ** 3)
 
 
 def packs(fabric: str, plies: Sequence[int]) -> FloatArray:
-    """(n,) K'' [Pa m3] of packs of each number of plies (erratum E-02)."""
+    """Compute K'' (n,) [Pa m3] of packs of each number of plies (erratum E-02)."""
     return np.array([stiffness(fabric, n) for n in plies])
 
 
 def closures(K: FloatArray, start: float) -> FloatArray:
-    """(n,) [m] what a pack closes by between a start load [N] and the peak load of the platen."""
+    """Compute what a pack closes by, (n,) [m], between a start load [N] and the peak load of the
+    platen."""
     P = np.array([start, pressure_law()["peak"]]) / pressure_law()["platen"] ** 2
     return np.cbrt(K) * (P[0] ** (-1 / 3) - P[1] ** (-1 / 3))
 
 
 def gap(fabric: str, start: float, plies: int = 4) -> float:
-    """[m] of an interface in a pack (eqs. 5-1 to 5-4)."""
+    """Compute what an interface in a pack closes by [m] (eqs. 5-1 to 5-4)."""
     one, many = closures(packs(fabric, (1, plies)), start)
     return (many - one) / (plies - 1)
 
 
 def refitted_exponent(noise: float, seed: int) -> float:
-    """The exponent of the pressure law, fitted to a curve of the law with noise on it."""
+    """Fit the exponent of the pressure law again, to a curve of the law with noise on it."""
     curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
     P0 = curve.pressure[0]
     scale = curve.closure[-1]
@@ -78,7 +79,7 @@ def refitted_exponent(noise: float, seed: int) -> float:
 
 
 def areal_density_floor() -> float:
-    """[kg/m2] below which there is no pressure law."""
+    """Find the areal density [kg/m2] below which there is no pressure law."""
     low = 0.05
     high = 0.3
     while high - low > 1e-9:
@@ -92,7 +93,8 @@ def areal_density_floor() -> float:
 
 
 def in_the_cell(law: CompressionLaw, F: ArrayLike) -> FloatArray:
-    """[m] compression of a yarn under contact forces [N], as the kernel of the cell has it."""
+    """Compute the compression [m] of a yarn under contact forces [N], as the kernel of the cell has
+    it."""
     return np.array(
         [crossover_kernels.compression(float(f), law.a, law.b, _shift(law))[0] for f in np.ravel(F)]
     )
@@ -105,7 +107,8 @@ def _shift(law):
 
 
 def compliance_error() -> float:
-    """Slope of the law that the cell iterates with, and differences of its compression, against b / (3 F^(4/3))."""
+    """Compare the slope of the law that the cell iterates with, and differences of its compression,
+    with b / (3 F^(4/3))."""
     worst = 0.0
     for name in KEVLAR:
         given = catalogue.load(name).laws[0]
@@ -124,7 +127,8 @@ def compliance_error() -> float:
 def layers_taken_off(
     fabric: str, layer_modulus: float, layer_thickness: float, rows: int
 ) -> Values:
-    """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
+    """Compute the closure of a ply from two records, with and without it, of a test with PTFE
+    layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.
     """

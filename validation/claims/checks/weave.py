@@ -27,7 +27,7 @@ from validation.values import Values, largest
 
 
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
-    """(fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
+    """Yield (fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
     for name in KEVLAR:
         fabric = catalogue.load(name)
         for family, yarn in zip(FAMILIES, fabric.weave.yarns):
@@ -35,25 +35,25 @@ def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
 
 
 def areal_density(fabric: Fabric) -> float:
-    """[kg/m2] of a panel of the fabric."""
+    """Compute the areal density [kg/m2] of a panel of the fabric."""
     return mass_per_area(Panel(CellModel(fabric).table(8)))
 
 
 def mass_per_area(panel: Panel) -> float:
-    """[kg/m2] mass of the nodes of a panel over its area."""
+    """Compute the mass of the nodes of a panel over its area [kg/m2]."""
     return float(panel.masses().sum()) / float(
         np.prod([n * d for n, d in zip(panel.counts, panel.spacing)])
     )
 
 
 def locked_modulus(fabric: Fabric) -> float:
-    """[Pa] shear modulus once the yarns have locked (eq. 4-49)."""
+    """Compute the shear modulus [Pa] once the yarns have locked (eq. 4-49)."""
     weave = fabric.weave
     return locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
 
 
 def with_density_of_G2(fabric: Fabric) -> Fabric:
-    """The fabric with the linear densities that G2 implies.
+    """Return the fabric with the linear densities that G2 implies.
 
     The effective ones (erratum E-07) are inferred from areal densities. Here the factor on the nominal ones is G2 of
     Table 4-1 over eq. 4-49, into which no areal density enters.
@@ -65,7 +65,8 @@ def with_density_of_G2(fabric: Fabric) -> Fabric:
 
 
 def arc_length_error() -> float:
-    """Relative difference of the length of a cosine yarn from its quadrature, the largest of all fabrics."""
+    """Compare the length of a cosine yarn with its quadrature: the largest relative difference of
+    all fabrics."""
     worst = 0.0
     for w, h, *_ in crimped(ALL):
         k = pi / (2 * w)
@@ -79,7 +80,7 @@ def arc_length_error() -> float:
 
 
 def in_trellis(coupon: Coupon, gamma: float) -> FloatArray:
-    """[m] nodes of a coupon that is sheared evenly by gamma [rad]."""
+    """Shear the nodes [m] of a coupon evenly by gamma [rad]."""
     x, y = coupon.points.T
     c = np.cos(gamma / 2)
     s = np.sin(gamma / 2)
@@ -87,7 +88,8 @@ def in_trellis(coupon: Coupon, gamma: float) -> FloatArray:
 
 
 def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4) -> float:
-    """[Pa] tangent shear modulus of a coupon of a fabric that is sheared evenly in a trellis by `gamma` [rad].
+    """Compute the tangent shear modulus [Pa] of a coupon of a fabric that is sheared evenly in a
+    trellis by `gamma` [rad].
 
     From the coupon's own energy: its second difference over the change of angle, over the volume.
     """
@@ -101,7 +103,7 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
 
 
 def limit_angles(fabric: str, K_s: float) -> Values:
-    """gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
+    """Compute gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
     given = catalogue.load(fabric)
     weave = given.weave
     touching = []
@@ -118,7 +120,8 @@ def limit_angles(fabric: str, K_s: float) -> Values:
 
 
 def law_shape() -> Values:
-    """Whether the trellis laws are odd and continuous, and their moduli constant, rising, constant."""
+    """Check that the trellis laws are odd and continuous, and their moduli constant, rising,
+    constant."""
     odd = step = 0.0
     shape = True
     for law in (catalogue.load(name).shear for name in KEVLAR):
@@ -140,14 +143,16 @@ def law_shape() -> Values:
 
 
 def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
-    """A coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its elements."""
+    """Shear a coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its
+    elements."""
     coupon = rectangle("S-720", 1.01 * cells * catalogue.load("S-720").weave.w1, 21)
     moved = in_trellis(coupon, gamma)
     return coupon.shear_angles(moved), np.concatenate(coupon.stretches(moved)), moved[coupon.quads]
 
 
 def tension_change_in_shear(stretch: float, gamma: float) -> float:
-    """Largest relative difference of the tensions of a coupon that is stretched evenly, square and sheared."""
+    """Compute the largest relative difference of the tensions of a coupon that is stretched evenly,
+    square and sheared."""
     coupon = rectangle("S-720", 0.01, 101)
     both = zip(
         coupon.tensions(stretch * coupon.points),
@@ -157,7 +162,8 @@ def tension_change_in_shear(stretch: float, gamma: float) -> float:
 
 
 def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
-    """[N] load of a bias coupon of yarns that do not stretch: its work shears zone C by gamma and zone B by half of it.
+    """Compute the load [N] of a bias coupon of yarns that do not stretch: its work shears zone C by
+    gamma and zone B by half of it.
 
     Zone B has the area width^2, zone C length width - 1.5 width^2 (Figure 4-25); gamma as `inextensible_shear`; the
     fabric is that of straight yarns with G1 at all angles.

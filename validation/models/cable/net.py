@@ -38,7 +38,8 @@ VISCOSITY = 0.1  # damping ratio of the highest mode of the taut net, as in the 
 
 
 def time_step(frequency: float, cfl: float, viscosity: float) -> tuple[float, float]:
-    """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in `net_kernels.pull`.
+    """Compute (dt [s], cv [-]) for the highest frequency `frequency` [rad/s]; cv as in
+    `net_kernels.pull`.
 
     cfl : Courant factor, the time step over its bound
     viscosity : damping ratio of the highest mode
@@ -124,7 +125,7 @@ class CableNet:
         self.room = np.zeros((2, 3, n + const.row_stride)), contact.scratch()
 
     def arguments(self) -> tuple:
-        """Those of `net_kernels.forces`."""
+        """Return the arguments of `net_kernels.forces`."""
         bars = self.S0, self.cv, self.stiffness, self.length, self.drag
         return self.state, self.const, *bars, *self.room, self.spent
 
@@ -137,7 +138,7 @@ class CableNet:
         ]
 
     def energies(self) -> dict[str, float]:
-        """{name: [J]} of the whole net at the present whole step.
+        """Compute the energies {name: [J]} of the whole net at the present whole step.
 
         The kinetic ones are m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
         """

@@ -29,7 +29,8 @@ _MIN_LENGTH = 1e-12
 
 @kernel(fastmath={"reassoc", "contract", "nsz", "arcp"})
 def pull(x, y, z, offset, along, across, S0, cv, stiffness, length, drag, P):
-    """Pulls of one family of bars on their near nodes, into P. Returns the viscous work of the step.
+    """Add the pulls of one family of bars on their near nodes to P. Returns the viscous work of the
+    step.
 
     cv : [-] viscous force per step's change of length, over the stiffness
     length, drag : [m] of the bars, [N] their viscous forces; those of the step before, replaced by those of this one
@@ -55,7 +56,7 @@ def pull(x, y, z, offset, along, across, S0, cv, stiffness, length, drag, P):
 
 @kernel()
 def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent):
-    """Forces of all bars and of the projectile on the nodes, into state.f_int."""
+    """Add the forces of all bars and of the projectile on the nodes to state.f_int."""
     s = const.row_stride
     n = pulls.shape[2] - const.row_stride
     x, y, z = state.u

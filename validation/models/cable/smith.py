@@ -58,7 +58,8 @@ class TransverseImpact:
 
 
 def smith(yarn: Yarn, velocity: float) -> TransverseImpact:
-    """Smith's closed form for a straight yarn of linear behaviour, struck at `velocity` [m/s].
+    """Compute Smith's closed form for a straight yarn of linear behaviour, struck at `velocity`
+    [m/s].
 
     Raises
     ------
