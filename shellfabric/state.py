@@ -193,9 +193,7 @@ class Constants(Row):
     )
     window_limits = numbers(4, "-", "largest contact window (i0, i1, j0, j1)", "int64")
     points_per_side = integer("-", "contact points along each side of an element")
-    point_law = row(
-        PointLaw, "constants of the contact law of a point (`projectile.contact`)"
-    )
+    point_law = row(PointLaw, "constants of the contact law of a point (`projectile.contact`)")
     projectile_radius = number("m", "radius of the projectile's cylinder")
     projectile_mass = number("kg", "mass of the modelled part of the projectile")
     free_dofs = numbers(
