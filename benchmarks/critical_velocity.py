@@ -20,7 +20,7 @@ from pathlib import Path
 from shell import machine, publish
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import ballistic_limit, limit_scan
 
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")

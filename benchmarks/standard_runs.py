@@ -19,7 +19,8 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.backing.block import Backing
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable.net import CableNet
 
@@ -45,7 +46,7 @@ def arrays_of(result, nodes, peaks):
 def shot(name, velocity, **changes):
     """One ply or several, 250 us at the longest."""
     options = {"end_time": 250e-6, **changes}
-    result = run(ImpactSetup(catalogue.load(name), velocity, **options))
+    result = run_impact(ImpactSetup(catalogue.load(name), velocity, **options))
     return arrays_of(result, result.last[0].nodes, result.peaks[..., 0])
 
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from fabrics.base.executors import open_executor
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import ballistic_limit, inputs, strengths, v50
 
 FABRIC, OPENING, VELOCITIES = (

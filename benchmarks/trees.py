@@ -36,10 +36,11 @@ def shoot(plies, velocity):
     """One short shot: CPU time, wall time, memory, the last velocity to the bit."""
     start = time.perf_counter()
     from fabrics import catalogue
-    from shellfabric.impact import simulation
+    from shellfabric.impact.run import run_impact
+    from shellfabric.impact.setup import ImpactSetup
 
-    setup = simulation.ImpactSetup(catalogue.load(FABRIC), velocity, end_time=60e-6, plies=plies)
-    result = simulation.run(setup)
+    setup = ImpactSetup(catalogue.load(FABRIC), velocity, end_time=60e-6, plies=plies)
+    result = run_impact(setup)
     return {
         "cpu_s": round(used_cpu(), 2),
         "wall_s": round(time.perf_counter() - start, 2),
@@ -53,7 +54,7 @@ def march(plies, velocity, skip, steps):
     import numpy as np
 
     from fabrics import catalogue
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from shellfabric.panel.numerics import Numerics
     from shellfabric.plies.model import Pack
     from shellfabric.solver.pack_solver import PackSolver

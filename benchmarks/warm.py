@@ -141,7 +141,7 @@ def main():
             "impact, outputs = []": impact(plain),
             "weavecell --help": ("-m", "weavecell", "--help"),
             "import shellfabric": ("-c", "import shellfabric"),
-            "import shellfabric.impact.simulation": ("-c", "import shellfabric.impact.simulation"),
+            "import shellfabric.impact.run": ("-c", "import shellfabric.impact.run"),
             "import numba": ("-c", "import numba"),
             "import weavecell": ("-c", "import weavecell"),
         }

@@ -16,7 +16,7 @@ from SALib.sample import sobol as sampling
 
 import weavecell as wc
 from fabrics.variants import scale_yarns
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 
 INPUTS = ["modulus", "failure strain", "warp crimp"]
 PROBLEM = {"num_vars": len(INPUTS), "names": INPUTS, "bounds": [[0.8, 1.2]] * len(INPUTS)}

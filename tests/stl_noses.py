@@ -5,7 +5,7 @@ from math import radians
 
 import numpy as np
 
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid
 from weavecell.api import runs
@@ -114,7 +114,7 @@ def fire(shot, projectile, velocity):
         end_time="100 us",
         symmetry="quarter",
     )
-    results = [simulation.run(replace(setup, projectile=one)) for one in (shot, setup.projectile)]
+    results = [run_impact(replace(setup, projectile=one)) for one in (shot, setup.projectile)]
     rows = [
         (
             r.contact_force.max(),

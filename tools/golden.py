@@ -21,7 +21,7 @@ from fabrics.base.executors import InProcess
 from fabrics.base.schema import read_toml
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact
 from unitcell3d.identify.calibrate import calibrate
 from weavecell.scenes import build, honoured, impact
 from weavecell.scenes.coupon import CouponScene
@@ -92,7 +92,7 @@ def v50_of_eight_shots(path):
 
 RUNS = {
     "impact": (
-        lambda path: simulation.run(setup(path)),
+        lambda path: run_impact(setup(path)),
         [path.stem for path in sorted(EXAMPLES.glob("*.toml"))],
     ),
     "coupon": (

@@ -10,7 +10,8 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.base.files import write_whole
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.output import snapshots
 from weavecell.report import pictures, pictures3d
 from weavecell.report.pictures_figure import plots
@@ -29,7 +30,7 @@ US = 1e6
 def shot(velocity, interval=None):
     """Fire one shot at the panel of the thesis."""
     fabric = catalogue.load("S-720").with_effective_density()
-    return run(ImpactSetup(fabric, velocity, snapshot_interval=interval))
+    return run_impact(ImpactSetup(fabric, velocity, snapshot_interval=interval))
 
 
 def image_of(result):

@@ -101,7 +101,7 @@ class PackSolver(ExplicitSolver):
 
     contacts = CONTACTS
     counters = (*ExplicitSolver.counters, "perforated_samples")
-    module = "shellfabric.impact.simulation"  # whose code determines a run
+    module = "shellfabric.impact.run"  # whose code determines a run
 
     def __init__(
         self,

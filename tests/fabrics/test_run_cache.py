@@ -69,10 +69,10 @@ def test_what_has_no_value_of_its_own_is_no_part_of_a_key(value):
 @pytest.mark.parametrize(
     "module, file, counts",
     [
-        ("shellfabric.impact.simulation", "shellfabric/new.py", True),
-        ("shellfabric.impact.simulation", "fabrics/catalogue/new.toml", True),
-        ("shellfabric.impact.simulation", "shellfabric/pictures_new.py", False),
-        ("shellfabric.impact.simulation", "weavecell/studies/new.py", False),
+        ("shellfabric.impact.run", "shellfabric/new.py", True),
+        ("shellfabric.impact.run", "fabrics/catalogue/new.toml", True),
+        ("shellfabric.impact.run", "shellfabric/pictures_new.py", False),
+        ("shellfabric.impact.run", "weavecell/studies/new.py", False),
         ("weavecell.studies.v50", "weavecell/scenes/new.py", True),
         ("weavecell.studies.v50", "weavecell/report/new.py", False),
         ("validation.claims.runner", "validation/published/new.py", True),

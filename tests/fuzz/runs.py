@@ -18,7 +18,7 @@ from dataclasses import replace
 
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.base.schema import read_toml
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
 
@@ -70,7 +70,7 @@ def outcome(scene):
 
 def run(path, hooks=()):
     """The result of `shellfabric` for the scene at `path`, on one thread."""
-    return simulation.run(setup_of(path)[1], hooks=hooks)
+    return run_impact(setup_of(path)[1], hooks=hooks)
 
 
 def setup_of(path):

@@ -6,7 +6,8 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from tests.shellfabric.panels import SERIAL, make_panel, table
 
 SHOT = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
@@ -44,7 +45,7 @@ def shoot(fabric):
             **SHOT,
         }
         setup = ImpactSetup(**chosen | changes)
-        return run(setup, hooks=hooks, resume=resume)
+        return run_impact(setup, hooks=hooks, resume=resume)
 
     return make
 

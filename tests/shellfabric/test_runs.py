@@ -14,8 +14,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from fabrics.families.strain_rate import RateLaw
 from shellfabric.backing.block import Backing
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup, Ply
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.output import checkpoint
 from shellfabric.output.histories import HistoryRequest, Recorder
 from shellfabric.output.hooks import Snapshots
@@ -355,7 +355,7 @@ def memory(kind):
     gc.collect()
     gc.disable()
     try:
-        simulation.run(setup_of(kind, end_time=4e-6), hooks=(watch,))
+        run_impact(setup_of(kind, end_time=4e-6), hooks=(watch,))
         assert [one() for one in alive] == [None, None, None]
     finally:
         gc.enable()

@@ -18,7 +18,7 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from shellfabric.backing.block import Backing
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile

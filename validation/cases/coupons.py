@@ -10,7 +10,7 @@ from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import contact_force, quasistatic
 from shellfabric.coupon import pull_out as pulled
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from validation.models import variants as comparison
 from validation.published.bias_extension import coupon_fabric, measured
 from validation.values import Values

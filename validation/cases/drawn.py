@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.errors import InputError, UnstableError
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.run import run_impact_or_partial
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel.grid import SYMMETRIES
 from validation.cases import drawn_shots
 from validation.values import Values
@@ -69,7 +69,7 @@ def targets(*, number: int, seed: int) -> Values:
 
     def shoot(setup: ImpactSetup, table: Any, _: str = "") -> Any:
         began = time.process_time()
-        result, problem = simulation.fired(setup, table=table)
+        result, problem = run_impact_or_partial(setup, table=table)
         failure = None
         if problem:
             failure = UnstableError(problem)

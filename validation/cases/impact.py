@@ -17,7 +17,7 @@ from fabrics import ply_laws
 from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact, run_impact_or_partial
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
@@ -29,7 +29,8 @@ from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, 
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+    from shellfabric.impact.result import ImpactResult
+    from shellfabric.impact.setup import ImpactSetup
 
 STRAIGHT = (
     0.9  # least coefficient of determination of a line whose slope is called a speed of a wave
@@ -170,7 +171,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
         hooks = (lambda solver: crossing.append(int(plies_cross(solver))),)
     began = time.process_time()
     table = this.table()
-    result = simulation.run(
+    result = run_impact(
         replace(this, yarn_failure=this.yarn_failure and not unfailing), hooks=hooks, table=table
     )
     return {"cpu_s": time.process_time() - began, "crossings": max(crossing)} | found(
@@ -277,9 +278,9 @@ def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Va
 
     Raises
     ------
-    UnstableError : a shot with another outcome, or as of `simulation.run`
+    UnstableError : a shot with another outcome, or as of `run_impact`
     """
-    runs = [simulation.run(setup(velocity=velocity, **keywords)) for velocity in velocities]
+    runs = [run_impact(setup(velocity=velocity, **keywords)) for velocity in velocities]
     for velocity, run in zip(velocities, runs):
         if run.outcome != outcome:
             raise UnstableError(f"the shot at {velocity:g} m/s ends {run.outcome}, not {outcome}")
@@ -370,7 +371,7 @@ def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Valu
         )
         table = this.table(kept=True)
         began = time.process_time()
-        result, problem = simulation.fired(this, table=table)
+        result, problem = run_impact_or_partial(this, table=table)
         costs.append(time.process_time() - began)
         shares.append(next(check.value for check in result.checks if check.name == VISCOUS))
         rows.append({"strike_velocity_m_s": this.strike_velocity} | sweep.row_of(result, problem))

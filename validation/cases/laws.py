@@ -14,8 +14,8 @@ import weavecell as wc
 from shellfabric.cell import coefficients
 from shellfabric.cell.model import CellTable
 from shellfabric.cell.surface_cell import potential
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from validation.values import Values
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
@@ -127,7 +127,7 @@ def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
 
 def _velocity_and_tension(setup: ImpactSetup) -> tuple[float, float]:
     """[m/s] 200 us after the strike, or at the end of a shorter shot, and the highest tension of a yarn [N]."""
-    result = simulation.run(setup)
+    result = run_impact(setup)
     velocity = np.interp(200e-6, result.t, np.maximum(result.v, 0.0))
     return float(velocity), float(np.max(result.peak_tension))
 
@@ -182,7 +182,7 @@ def card(
         table = _card_table(setup, LAWS[law].of(Cloth(setup.cell()), match))  # type: ignore[arg-type]
     if finer:
         setup = mesh_uncertainty.finer(setup, table)
-    result = simulation.run(setup, table=table)
+    result = run_impact(setup, table=table)
     return {
         "t": result.t,
         "v": result.v,

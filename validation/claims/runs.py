@@ -21,7 +21,9 @@ from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.impact import simulation
+from shellfabric.impact.result import ImpactResult, collect_result
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
@@ -86,7 +88,7 @@ def setup(
     projectile: Values | str | None = None,
     history: Values | None = None,
     **keywords: Any,
-) -> simulation.ImpactSetup:
+) -> ImpactSetup:
     """Build `weavecell.setup` of a shot.
 
     Parameters
@@ -111,14 +113,14 @@ def setup(
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
-        first = simulation.Ply(changed_fabric(fabric, **change | struck))
-        rest = [simulation.Ply(used)] * (made.plies - 1)
+        first = Ply(changed_fabric(fabric, **change | struck))
+        rest = [Ply(used)] * (made.plies - 1)
         made = replace(made, lay_up=(first, *rest), fabric=first.fabric, laws=first.laws)
     return made
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shot(simulation.ImpactResult):
+class Shot(ImpactResult):
     """One impact.
 
     Parameters
@@ -160,9 +162,9 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
             const.warp_lines.filter_factor[:] = factor
             const.weft_lines.filter_factor[:] = factor
         solver.run((watch,))
-        result = simulation.collect_result(made, solver)
+        result = collect_result(made, solver)
     else:
-        result = simulation.run(made, hooks=(watch,))
+        result = run_impact(made, hooks=(watch,))
     # the table of the cell takes 15 MB and is not needed any more
     plain = made.target(made.plain_table())
     return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
@@ -185,7 +187,7 @@ def shots(
 
 def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """Fire one impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
-    made = simulation.ImpactSetup(
+    made = ImpactSetup(
         changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1
     )
     return CableNet(made).run()
@@ -222,7 +224,7 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
     given = made.fabric
     weft = replace(given.weave.weft, linear_density=1e-3 * given.weave.weft.linear_density)
     given = replace(given, weave=replace(given.weave, weft=weft), shear=None)
-    return SimpleNamespace(histories=simulation.run(replace(made, fabric=given)).histories)
+    return SimpleNamespace(histories=run_impact(replace(made, fabric=given)).histories)
 
 
 def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
@@ -294,13 +296,11 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
     """Time shell and cable net over 250 us of the same impact [s], run three times in turns; the
     least."""
-    made = simulation.ImpactSetup(
-        changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1
-    )
+    made = ImpactSetup(changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
     shell = []
     cable = []
     for _ in range(3):
-        shell.append(simulation.run(made).wall_time)
+        shell.append(run_impact(made).wall_time)
         cable.append(CableNet(made).run().wall_time)
     return SimpleNamespace(shell=min(shell), cable=min(cable))
 

@@ -21,7 +21,7 @@ from weavecell.results import out_folder
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
 __all__ = ["DeckResult", "export"]
 

@@ -37,7 +37,7 @@ from weavecell.scenes import honoured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange

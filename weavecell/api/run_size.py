@@ -22,7 +22,7 @@ import numpy as np
 from weavecell.api.result import Result
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
 __all__ = ["RunSize"]
 

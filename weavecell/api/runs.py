@@ -14,7 +14,7 @@ from weavecell.api import targets
 from weavecell.api.keywords import Keywords, explained
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
 __all__ = ["fabric", "setup"]
 

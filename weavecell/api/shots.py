@@ -47,7 +47,8 @@ from weavecell.scenes import honoured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+    from shellfabric.impact.result import ImpactResult
+    from shellfabric.impact.setup import ImpactSetup
     from weavecell.report.page import Embedded
     from weavecell.scenes.build import Case
     from weavecell.scenes.target import Target
@@ -135,7 +136,7 @@ def impact(
             return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
     # a digest of all inputs and code, which only a run with a folder needs
     inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
-    key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.simulation")
+    key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
     if out is not None and resume and (before := run_folder.finished(Path(out), key())):
         return before  # type: ignore[return-value]
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
@@ -229,7 +230,7 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
 
 def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     """The `mesh_uncertainty.Shot` of a set-up."""
-    from shellfabric.impact import simulation
+    from shellfabric.impact.run import run_impact
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
     from shellfabric.plies import memory
     from weavecell.studies.mesh_uncertainty import Shot
@@ -245,7 +246,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     again = None
     if resume and checkpoint.exists():
         again = checkpoint
-    run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
+    run = lambda hooks: run_impact(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
     return Shot(*progress.watched(run, panel.shot_title, hooks))
 
 

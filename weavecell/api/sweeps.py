@@ -42,7 +42,7 @@ from weavecell.scenes.target import Target, is_input_file, read
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from shellfabric.panel.quality import Indicator
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
@@ -393,9 +393,9 @@ def _of_setups(setups, how):
 
 def _fire(setup):
     """The ShotResult of a set-up, in a process of a sweep."""
-    from shellfabric.impact import simulation
+    from shellfabric.impact.run import run_impact_or_partial
 
-    result, problem = simulation.fired(setup)
+    result, problem = run_impact_or_partial(setup)
     return shot_of(targets.of(setup, {}, honoured.IMPACT), result, problem)
 
 

@@ -26,7 +26,7 @@ from weavecell.scenes.honoured import NO_HISTORY
 from weavecell.scenes.target import Target
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.execution import Execution
     from weavecell.scenes.honoured import Keys
 
@@ -62,7 +62,7 @@ def of(
     InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a
         shot without velocity
     """
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
     chosen = {key: value for key, value in options.items() if value is not None}
     beside = chosen

@@ -24,7 +24,7 @@ import numpy as np
 import fabrics
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
 from shellfabric.projectile.solid import volume

@@ -19,7 +19,7 @@ from weavecell.report.page import Card, Figure, Report, Section, Table
 from weavecell.scenes import words
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from weavecell.scenes.impact import Scene
 
 # [-] strains of the cell, to past the failure strain of the yarns

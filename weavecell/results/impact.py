@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from shellfabric.backing.coupling import BackingResult
-    from shellfabric.impact.simulation import ImpactResult
+    from shellfabric.impact.result import ImpactResult
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
 
@@ -130,7 +130,7 @@ class ImpactRecord:
     def of(
         cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any
     ) -> Self:
-        """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived
+        """The record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
         class."""
         from shellfabric.output.snapshots import quads
 

@@ -16,7 +16,7 @@ from fabrics import __version__, assumed
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
 # modules whose versions results depend on
 PACKAGES = (

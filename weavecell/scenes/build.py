@@ -26,7 +26,7 @@ from weavecell.scenes.impact import Scene
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup, Ply
+    from shellfabric.impact.setup import ImpactSetup, Ply
 
 # the command line prints the lines of this log
 LOG = logging.getLogger("weavecell")
@@ -61,7 +61,7 @@ class Case(Material):
     ----------
     scene : Scene or CouponScene
     name : short name of the run
-    lay_up : every simulation.Ply of plies that are not all alike, from the front
+    lay_up : every impact.setup.Ply of plies that are not all alike, from the front
     materials : of the lay-up, each once
     """
 
@@ -95,7 +95,7 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
         return Case(
             **vars(material(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name
         )
-    from shellfabric.impact.simulation import Ply
+    from shellfabric.impact.setup import Ply
 
     materials: dict[str, Material] = {}
     plies: list[Ply] = []

@@ -22,8 +22,8 @@ from typing import Any
 
 from fabrics import assumed, data_sheet
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip
 from weavecell.studies import inputs
@@ -253,7 +253,7 @@ def residual_velocity(
 
     def shot(changed):
         try:
-            result = simulation.run(replace(changed, snapshot_interval=None, history=None))
+            result = run_impact(replace(changed, snapshot_interval=None, history=None))
         except UnstableError:
             return "unstable", None
         return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)

@@ -17,7 +17,7 @@ from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
 from fabrics.fabric import Fabric
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 
 _PATH = Path(__file__).with_suffix(".toml")
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan
 from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.lambert_jonas import LambertJonas

@@ -38,7 +38,8 @@ import numpy as np
 
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
-from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+from shellfabric.impact.result import ImpactResult
+from shellfabric.impact.setup import ImpactSetup
 
 if TYPE_CHECKING:
     from weavecell.studies.window import Window

@@ -18,7 +18,7 @@ from math import cos, pi
 import numpy as np
 
 from fabrics import assumed
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import inputs
 
 FAMILIES = ("para-aramid", "UHMWPE")

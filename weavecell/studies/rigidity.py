@@ -13,7 +13,7 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactResult
+    from shellfabric.impact.result import ImpactResult
 
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough
 # (docs/reports/numerics.md)

@@ -13,7 +13,7 @@ from math import log, sqrt
 import numpy as np
 
 from fabrics.base.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack
 from shellfabric.yarns.model import aim

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
-from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
+from shellfabric.impact.result import ImpactResult
+from shellfabric.impact.run import run_impact_or_partial
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel import quality
 from weavecell.studies import inputs, v50
 from weavecell.studies import limit as limits
@@ -67,7 +69,7 @@ def row(
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
     """The row of one shot."""
-    return row_of(*fired(setup))
+    return row_of(*run_impact_or_partial(setup))
 
 
 def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:

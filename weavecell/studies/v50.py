@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,

@@ -25,7 +25,9 @@ from typing import Any
 import numpy as np
 
 from fabrics.base import run_cache
-from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
+from shellfabric.impact.result import ImpactResult
+from shellfabric.impact.run import run_impact_or_partial
+from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import sweep
 
 FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
@@ -92,7 +94,7 @@ def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
 
 def fire(setup: ImpactSetup) -> dict[str, Any]:
     """The row of one shot of a window."""
-    return _row(*fired(setup, table=setup.table(kept=True)))
+    return _row(*run_impact_or_partial(setup, table=setup.table(kept=True)))
 
 
 def _row(result, problem=""):

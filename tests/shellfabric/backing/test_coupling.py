@@ -12,7 +12,9 @@ from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
-from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
+from shellfabric.impact.result import collect_result
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import UNFAILING, ImpactSetup
 from shellfabric.output import checkpoint
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import at_angle
@@ -107,9 +109,9 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     light = Projectile(mass=0.02e-3, radius=3e-3)
     short = ImpactSetup(fabric, 60.0, projectile=light, **QUICK | {"end_time": 200e-6})
     long = replace(short, backing=replace(BLOCK, after_stop=30e-6))
-    stopped = run(short)
+    stopped = run_impact(short)
     path = tmp_path / "checkpoint.h5"
-    rested = run(long, hooks=(checkpoint.Checkpoints(path, stopped.t[-1] + 10e-6),))
+    rested = run_impact(long, hooks=(checkpoint.Checkpoints(path, stopped.t[-1] + 10e-6),))
     assert stopped.outcome == "stopped"
     assert rested.outcome == "stopped"
     assert rested.residual_velocity == 0
@@ -121,7 +123,7 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     checkpoint.read(march, path)
     assert march.time > stopped.t[-1]
     assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
-    cut = run(replace(long, end_time=stopped.t[-1] + 10e-6))
+    cut = run_impact(replace(long, end_time=stopped.t[-1] + 10e-6))
     assert cut.outcome == "stopped"
     assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(
         stopped.t[-1], abs=2.1e-6
@@ -170,7 +172,7 @@ def test_a_share_of_packed_fabric_that_is_none_is_refused(fabric, share):
 def test_a_whole_block_is_four_quarters(fabric):
     """In all that is read off it."""
     one, other = (
-        run(ImpactSetup(fabric, 100.0, symmetry=part, **QUICK | {"end_time": 20e-6})).backing
+        run_impact(ImpactSetup(fabric, 100.0, symmetry=part, **QUICK | {"end_time": 20e-6})).backing
         for part in ("whole", "quarter")
     )
     assert one.share == 1.0

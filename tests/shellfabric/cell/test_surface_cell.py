@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
 from shellfabric.cell.surface_cell import SurfaceCell, potential
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 
 
 def sampled(fabric, d1, d2, form="variational"):
@@ -96,7 +97,7 @@ def test_surface_of_the_3d_crossover(fabric):
     """
     surface = ResponseSurface.read(Path(__file__).parent / "data" / "S-720-coarse-9x9.h5")
     setup = ImpactSetup(fabric, 92.5, surface=surface)
-    result = run(setup)
+    result = run_impact(setup)
     assert result.outcome == "stopped"
     assert result.energy_error_max < 5e-4
     assert result.panel.table.residual < 2e-3

@@ -12,14 +12,14 @@ from tests.programs import printed
 MEASURE = """
 import json, sys
 import weavecell as wc
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact
 from shellfabric.plies import memory
 
 def peak():
     return 1024 * next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))
 
 given = json.loads(sys.argv[1])
-run = lambda opening: simulation.run(wc.setup("S-720", 92.5, opening=opening, symmetry="whole", **given))
+run = lambda opening: run_impact(wc.setup("S-720", 92.5, opening=opening, symmetry="whole", **given))
 run("30 mm")
 before = peak()
 done = run("300 mm")

@@ -7,7 +7,8 @@ equilibrium form.
 import pytest
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 
 CAPTIONS = {  # fabric: [m/s] at which the thesis's simulation of one ply stops and is perforated
     "S-720": (92.5, 155.0),
@@ -37,6 +38,6 @@ SLOW = pytest.mark.slow(25)
 def test_the_slower_shot_is_stopped_and_the_faster_one_perforates(form, name):
     fabric = catalogue.load(name).with_effective_density()
     for strike_velocity, expected in zip(CAPTIONS[name], ("stopped", "perforated")):
-        result = run(ImpactSetup(fabric, strike_velocity, cell_formulation=form))
+        result = run_impact(ImpactSetup(fabric, strike_velocity, cell_formulation=form))
         assert result.outcome == expected, strike_velocity
         assert result.energy_error_max < (5e-3 if form == "variational" else 1e-2)

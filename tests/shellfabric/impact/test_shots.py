@@ -9,7 +9,7 @@ import pytest
 from conftest_tools import advance, solver_at_rest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from shellfabric.impact.simulation import run
+from shellfabric.impact.run import run_impact
 from shellfabric.panel import motion_kernels
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
@@ -168,8 +168,8 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
     for family in range(2):
         assert 0 < times[family] <= setup.end_time + dt
         assert np.all((places[family] >= 0) & (places[family] <= 2 * middle))
-        until = run(replace(setup, end_time=times[family] - 0.5 * dt))
-        short = run(replace(setup, end_time=times[family] - 1.5 * dt))
+        until = run_impact(replace(setup, end_time=times[family] - 0.5 * dt))
+        short = run_impact(replace(setup, end_time=times[family] - 1.5 * dt))
         assert until.peaks[-1, family, 0] == peaks[family]
         assert short.peaks[-1, family, 0] < peaks[family]
 

@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics.base.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.output import snapshots
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.numerics import Numerics
@@ -180,7 +181,7 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
         numerics=Numerics(penalty=0.1),
         **STRIP,
     )
-    (recorded,) = run(setup).histories
+    (recorded,) = run_impact(setup).histories
     yarn = recorded.through("warp")
     warp = fabric.weave.warp
     heavy = replace(
@@ -210,7 +211,7 @@ def test_front_of_a_crimped_yarn_is_a_shock(fabric):
         history=HistoryRequest(weft=()),
         **STRIP | {"table_size": 201},
     )
-    (recorded,) = run(setup).histories
+    (recorded,) = run_impact(setup).histories
     yarn = recorded.through("warp")
     weave = fabric.weave
     front = wave_fronts.longitudinal(yarn, recorded.t)

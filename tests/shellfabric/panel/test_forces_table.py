@@ -10,7 +10,7 @@ from conftest_tools import Interrupted, far_from_nose
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Row, array, number
 from shellfabric.output import checkpoint
 from shellfabric.panel.forces import Module

@@ -5,7 +5,7 @@ from tests.programs import printed
 CODE = """
 import numpy as np
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.plies.frame_kernels import is_torn
 from shellfabric.solver.pack_solver import PackSolver
 

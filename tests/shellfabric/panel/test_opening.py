@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from panels import table
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import OPENING_ERROR, ImpactSetup
+from shellfabric.impact.setup import OPENING_ERROR, ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from weavecell.decks import ls_dyna, model
 

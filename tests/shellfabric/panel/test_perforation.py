@@ -8,7 +8,7 @@ from panels import make_panel
 
 from fabrics import catalogue
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel import perforation
 from shellfabric.solver.pack_solver import PackSolver
 

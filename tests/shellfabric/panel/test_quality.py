@@ -8,7 +8,8 @@ from panels import make_panel, table
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.impact.simulation import ELEMENT_SIDE, ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ELEMENT_SIDE, ImpactSetup
 from shellfabric.panel import quality
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.quality_kernels import alternation
@@ -111,7 +112,7 @@ def test_the_default_mesh_follows_projectile_and_failure_length():
 @pytest.mark.parametrize("lean", [{"obliquity": 0.5}, {"yaw": 0.3}])
 def test_the_fine_mesh_holds_the_path_of_an_oblique_projectile(lean):
     """A shot on the default mesh perforates before its projectile comes to the end of the fine mesh."""
-    shot = run(narrow(300.0, projectile=Projectile(**lean), symmetry="whole"))
+    shot = run_impact(narrow(300.0, projectile=Projectile(**lean), symmetry="whole"))
     (path,) = (one.value for one in shot.checks if one.name == "path over fine mesh")
     assert shot.outcome == "perforated"
     assert 0.5 < path < 1
@@ -122,7 +123,7 @@ def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     velocities = (180.0, 240.0, 300.0, 360.0)
     table = narrow().table()
     fine, usual, coarse = (
-        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities]
+        [run_impact(narrow(v, elements_per_crossover=n), table=table) for v in velocities]
         for n in (6, None, 1)
     )
     residual = [

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup, Ply, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.gap import gap_between
 
@@ -33,7 +34,7 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     """Plies of other crossovers and counts: the same energy balance, each with its own strength; the order matters."""
     one = Ply(SETUP.fabric)
     other = Ply(catalogue.load("S-726"), angle=pi / 2)
-    results = [run(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
+    results = [run_impact(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
     for result in results:
         assert result.energy_error_max < 2e-3
         assert result.cut_yarns[-1] > 0

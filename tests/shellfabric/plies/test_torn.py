@@ -11,8 +11,8 @@ from fabrics import catalogue
 from shellfabric.cloth import packing_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.driver import guards
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.panel import quality
 from shellfabric.panel.numerics import Numerics
@@ -111,11 +111,11 @@ def test_a_run_that_loses_too_much_to_its_step_is_made_again_once(monkeypatch):
     setup = ImpactSetup(
         S726, 200.0, opening=0.03, table_size=41, end_time=4e-6, numerics=Numerics(threads=1)
     )
-    first = simulation.run(setup)
+    first = run_impact(setup)
     assert first.step_factor == 1.0
     monkeypatch.setattr(guards, "MOST_STEP_LOSS", 0.0)
     times = []
-    again = simulation.run(setup, hooks=(lambda run: times.append(run.const.dt),))
+    again = run_impact(setup, hooks=(lambda run: times.append(run.const.dt),))
     assert again.step_factor == guards.SHORTER_STEP
     assert again.steps / first.steps == pytest.approx(1 / guards.SHORTER_STEP, rel=0.02)
     assert len(set(times)) == 2

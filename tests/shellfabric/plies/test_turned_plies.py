@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup, Ply, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import at_angle
@@ -64,8 +65,8 @@ def alike(one, other):
 
 def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
     """Both the special way of 0 and 90 degrees, and the general one, whose points are computed one at a time."""
-    special = run(laid(0, 90))
-    general = run(laid(30, -60))
+    special = run_impact(laid(0, 90))
+    general = run_impact(laid(30, -60))
     assert len(set(special.target.angles)) == 1
     assert len(set(general.target.angles)) == 2
     assert special.energies["ply_friction"][-1] > 1e-4
@@ -74,18 +75,18 @@ def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
 
 def test_what_all_plies_turn_with_changes_nothing():
     """The scene turned as a whole, its fragment simulator with it; and the same, all plies at one angle."""
-    straight = run(laid(0, 45, projectile=FSP))
-    assert alike(straight, run(laid(20, 65, projectile=replace(FSP, roll=radians(20)))))
-    assert not alike(straight, run(laid(20, 65, projectile=FSP)))  # which is another scene
+    straight = run_impact(laid(0, 45, projectile=FSP))
+    assert alike(straight, run_impact(laid(20, 65, projectile=replace(FSP, roll=radians(20)))))
+    assert not alike(straight, run_impact(laid(20, 65, projectile=FSP)))  # which is another scene
     one = laid(35, 35)
-    assert alike(run(laid(0, 0)), run(one))
+    assert alike(run_impact(laid(0, 0)), run_impact(one))
 
 
 def test_an_oblique_shot_turns_with_its_pack():
     """Velocity, place of the projectile and of the nodes are told in the frame of the pack, not in a ply's own."""
     aslant = Projectile(obliquity=radians(35), azimuth=radians(50), yaw=radians(5), friction=0.2)
-    one = run(laid(0, 30, projectile=aslant))
-    two = run(laid(-50, -20, projectile=replace(aslant, azimuth=0.0)))
+    one = run_impact(laid(0, 30, projectile=aslant))
+    two = run_impact(laid(-50, -20, projectile=replace(aslant, azimuth=0.0)))
     assert alike(one, two)
     c = np.cos(radians(50))
     s = np.sin(radians(50))
@@ -105,7 +106,7 @@ def test_an_oblique_shot_turns_with_its_pack():
 
 
 def test_angles_of_either_sign_mirror_each_other():
-    assert alike(run(laid(0, 45, 20)), run(laid(0, -45, -20)))
+    assert alike(run_impact(laid(0, 45, 20)), run_impact(laid(0, -45, -20)))
 
 
 def test_forces_between_turned_plies_balance():

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fabrics.materials import Isotropic, load
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile import bar_kernels as kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.dynamics import make_row
@@ -253,7 +254,9 @@ QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 60e-6}
 
 
 def shoot(fabric, body, velocity=100.0, **changes):
-    return run(ImpactSetup(fabric, velocity, projectile=Projectile(body=body), **QUICK | changes))
+    return run_impact(
+        ImpactSetup(fabric, velocity, projectile=Projectile(body=body), **QUICK | changes)
+    )
 
 
 def uniform(stiffer=1.0):
@@ -298,7 +301,7 @@ def test_an_oblique_bar_moves_rigidly_across_its_axis(fabric):
     shots = []
     for body in ("rigid", uniform(100.0)):
         shot = Projectile(body=body, obliquity=0.4, azimuth=np.pi / 2)
-        shots.append(run(ImpactSetup(fabric, 100.0, projectile=shot, **QUICK | changes)))
+        shots.append(run_impact(ImpactSetup(fabric, 100.0, projectile=shot, **QUICK | changes)))
     rigid, bar = shots
     assert bar.projectile_position == pytest.approx(rigid.projectile_position, abs=2e-6)
     assert bar.velocity == pytest.approx(rigid.velocity, abs=0.3)

@@ -110,9 +110,7 @@ def test_an_oblique_shot_with_friction_keeps_its_energy(pairs):
         "symmetry": "whole",
     }
     setup = stl_noses.runs.setup("S-720", 120.0, opening="50 mm", end_time="40 us", **given)
-    analytic, read = (
-        stl_noses.simulation.run(replace(setup, projectile=one)) for one in (shot, body)
-    )
+    analytic, read = (stl_noses.run_impact(replace(setup, projectile=one)) for one in (shot, body))
     assert read.residual_velocity == pytest.approx(analytic.residual_velocity, rel=0.01)
     assert read.max_deflection == pytest.approx(analytic.max_deflection, rel=0.01)
     assert read.energy_error_max < 0.0025

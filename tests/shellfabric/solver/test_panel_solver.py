@@ -12,7 +12,7 @@ from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import energy_kernels, membrane_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.panel.model import Panel

@@ -8,7 +8,8 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.output.checkpoint import Checkpoints
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
@@ -42,7 +43,7 @@ def energies_hold(result, error=0.005):
 
 
 def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
-    result = run(SETUP, table=table)
+    result = run_impact(SETUP, table=table)
     assert energies_hold(result, 1e-3)
     zone = result.target.plies[0].zone()
     assert result.energies["crossover_friction"][-1] > 1e-3 * result.strike_energy
@@ -82,8 +83,8 @@ def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
 def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
     """Time, deflection and tension of the straighter family; the warp gives up its crimp later than in the cell."""
     base = replace(SETUP, strike_velocity=45.0, impact_point=(0.0, 0.0), end_time=250e-6)
-    zone = run(replace(base, crossovers=YarnZone(8e-3, inf)), table=table)
-    plain = run(replace(base, crossovers=None, elements_per_crossover=1), table=table)
+    zone = run_impact(replace(base, crossovers=YarnZone(8e-3, inf)), table=table)
+    plain = run_impact(replace(base, crossovers=None, elements_per_crossover=1), table=table)
     assert energies_hold(zone, 1e-3)
     assert (zone.outcome, plain.outcome) == ("stopped", "stopped")
     assert zone.t[-1] == pytest.approx(plain.t[-1], rel=0.02)
@@ -92,7 +93,7 @@ def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
 
 
 def test_a_fast_nose_tears_yarns_and_perforates_and_the_energy_holds(table):
-    result = run(replace(SETUP, strike_velocity=250.0, end_time=80e-6), table=table)
+    result = run_impact(replace(SETUP, strike_velocity=250.0, end_time=80e-6), table=table)
     assert result.outcome == "perforated"
     assert result.cut_yarns[-1] >= 1
     assert 150.0 < result.residual_velocity < 250.0
@@ -101,7 +102,7 @@ def test_a_fast_nose_tears_yarns_and_perforates_and_the_energy_holds(table):
 
 
 def test_a_nose_passes_between_yarns_that_slip_freely(table):
-    result = run(
+    result = run_impact(
         replace(SETUP, strike_velocity=120.0, crossovers=YarnZone(12e-3, 0.0), end_time=150e-6),
         table=table,
     )
@@ -115,7 +116,7 @@ def test_oblique_and_rough_noses_keep_the_energy(table):
         mass=1.1e-3, radius=2.7e-3, shape="chisel", flat_width=2.5e-3, flat_angle=radians(35), edge_radius=0.2e-3,
         obliquity=radians(20), friction=0.2,
     )  # fmt: skip
-    result = run(
+    result = run_impact(
         replace(SETUP, projectile=chisel, crossovers=YarnZone(12e-3, 0.2), end_time=30e-6),
         table=table,
     )
@@ -125,8 +126,8 @@ def test_oblique_and_rough_noses_keep_the_energy(table):
 
 def test_a_resumed_run_is_the_same_to_the_last_bit(table, tmp_path):
     path = tmp_path / "run.h5"
-    first = run(SETUP, table=table, hooks=[Checkpoints(path, 12e-6)])
-    again = run(SETUP, table=table, resume=path)
+    first = run_impact(SETUP, table=table, hooks=[Checkpoints(path, 12e-6)])
+    again = run_impact(SETUP, table=table, resume=path)
     assert np.array_equal(first.step_history, again.step_history)
     for name, energy in first.energies.items():
         assert np.array_equal(energy, again.energies[name]), name
@@ -134,7 +135,7 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(table, tmp_path):
 
 def test_snapshots_and_the_deflection_have_the_yarns_of_the_zone(table):
     """Places and tensions of the elements under the nose are those of the yarns, continuous across the rim."""
-    result = run(replace(SETUP, crossovers=YarnZone(8e-3, inf)), table=table)
+    result = run_impact(replace(SETUP, crossovers=YarnZone(8e-3, inf)), table=table)
     last = result.last[0]
     (i0, i1), (j0, j1) = result.panel.rim_rows
     assert result.peak_tension[1] == pytest.approx(last.tension[..., 1].max(), rel=0.1)
@@ -145,7 +146,7 @@ def test_snapshots_and_the_deflection_have_the_yarns_of_the_zone(table):
 
 
 def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
-    result = run(SETUP, table=table)
+    result = run_impact(SETUP, table=table)
     found = {check.name: check for check in result.checks}["slip at the rim"]
     assert "panel.zone is 8 mm" in found.meaning
     zone = result.target.plies[0].zone()
@@ -159,7 +160,7 @@ def test_a_pinned_run_that_stops_a_nose_names_the_friction_that_this_takes(table
     pinned = replace(SETUP, crossovers=None, elements_per_crossover=1, strike_velocity=45.0)
     shots = {}
     for name, end_time in (("stopped", 250e-6), ("in flight", 20e-6)):
-        result = run(replace(pinned, end_time=end_time), table=table)
+        result = run_impact(replace(pinned, end_time=end_time), table=table)
         assert result.outcome == name
         shots[name] = {check.name: check for check in result.checks}
     check = shots["stopped"]["friction to hold yarns"]
@@ -188,7 +189,7 @@ def test_with_the_friction_of_the_rule_resolved_yarns_stop_a_nose_as_pinned_ones
     outcomes = []
     for friction in (0.1, needed):
         resolved = replace(setup, crossovers=YarnZone(friction=friction))
-        outcomes.append(run(resolved, table=table).outcome)
+        outcomes.append(run_impact(resolved, table=table).outcome)
     assert outcomes == ["perforated", "stopped"]
 
 

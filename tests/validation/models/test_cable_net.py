@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from validation.models.cable import net_kernels as kernels
 from validation.models.cable.net import CableNet
 
@@ -16,7 +17,7 @@ FLAT = S720.with_yarns(crimp=0.0)
 
 
 def net(fabric, velocity, end_time=250e-6, opening=0.203, **numerics):
-    setup = simulation.ImpactSetup(
+    setup = ImpactSetup(
         fabric, velocity, end_time=end_time, opening=opening, elements_per_crossover=1
     )
     return CableNet(setup, **numerics)
@@ -89,12 +90,12 @@ def beside_shell(crimps):
     """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
     fabric = replace(S720.with_yarns(crimp=crimps), shear=None)
     mesh = {"elements_per_crossover": 1, "cell_model": "decoupled"}
-    setup = simulation.ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
+    setup = ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
     stiffness = (
         setup.panel().constants().point_law.stiffness
         / CableNet(setup, penalty=1.0).const.point_law.stiffness
     )
-    return simulation.run(setup), CableNet(setup, penalty=stiffness).run()
+    return run_impact(setup), CableNet(setup, penalty=stiffness).run()
 
 
 @pytest.mark.parametrize(

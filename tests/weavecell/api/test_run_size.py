@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import weavecell as wc
-from shellfabric.impact import simulation
+from shellfabric.impact.run import run_impact_or_partial
 from tests.scene_text import impact_scene
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH
 from weavecell.studies import assumed_range
@@ -19,7 +19,7 @@ PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"
 def test_elements_and_steps_are_those_of_the_run(panel):
     size = wc.impact("S-720", "90 m/s", **panel, check=True)
     setup = wc.setup("S-720", "90 m/s", **panel)
-    result, _ = simulation.fired(setup)
+    result, _ = run_impact_or_partial(setup)
     assert size.elements == setup.target().elements
     assert size.steps == round(result.t[-1] / size.time_step)
     assert size.cpu_time[0] < size.cpu_time[1]

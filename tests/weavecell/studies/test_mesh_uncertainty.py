@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError, UnstableError
-from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel.boundary import Grip
 from weavecell.report import chapters_discretisation as chapters
 from weavecell.studies import mesh_uncertainty
@@ -64,8 +65,8 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
 
 
 def test_intervals_of_a_shot(setup, table):
-    result = run(setup, table=table)
-    finer = run(mesh_uncertainty.finer(setup, table), table=table)
+    result = run_impact(setup, table=table)
+    finer = run_impact(mesh_uncertainty.finer(setup, table), table=table)
     pair = compared(result, finer)
     assert pair.same_outcome
     assert pair.meshes == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")

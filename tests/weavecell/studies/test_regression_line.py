@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fabrics import catalogue
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.measured.rows import read
 from weavecell.api import targets

@@ -10,8 +10,8 @@ from numpy.testing import assert_array_equal
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from shellfabric.impact import simulation
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
@@ -89,7 +89,7 @@ def test_plies_of_a_draw_are_of_one_roll(setup):
 
 def test_yarns_of_one_strength_make_the_plain_shot(setup):
     whole = replace(setup, symmetry="whole")
-    plain, drawn = map(simulation.run, (whole, replace(whole, strength=YarnStrength(inf))))
+    plain, drawn = map(run_impact, (whole, replace(whole, strength=YarnStrength(inf))))
     assert drawn.residual_velocity == plain.residual_velocity
     assert drawn.peak_tension == plain.peak_tension
 

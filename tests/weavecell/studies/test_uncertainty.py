@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
-from shellfabric.impact.simulation import ImpactSetup, Ply
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics

@@ -31,7 +31,7 @@ from validation.models.cable import net_kernels as kernels
 from validation.values import largest
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
 
 CONTACT_DAMPING = 0.5  # ratio to critical
 VISCOSITY = 0.1  # damping ratio of the highest mode of the taut net, as in the shell

@@ -16,7 +16,7 @@ from weavecell.results import display, keys
 from weavecell.results.display import text
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.setup import ImpactSetup
     from shellfabric.output.histories import Histories
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut

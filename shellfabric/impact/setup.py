@@ -1,8 +1,7 @@
-"""One impact on a panel of one ply or several: set-up, run, result."""
+"""Set-up of an impact: what strikes which panel, of one ply or several, and how it is meshed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
@@ -12,34 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FilePath, FloatArray, positive, refuse
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.checks import refuse
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
 from shellfabric.backing.block import Backing
-from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
-from shellfabric.driver import guards
-from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.strengths import YarnStrength, with_strengths
-from shellfabric.output import checkpoint, histories
-from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.hooks import Snapshots
-from shellfabric.output.snapshots import Snapshot
-from shellfabric.panel import boundary, quality
+from shellfabric.output import histories
+from shellfabric.panel import boundary
 from shellfabric.panel.boundary import Boundary
-from shellfabric.panel.grid import SYMMETRIES
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
-from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
-from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 from shellfabric.yarns.model import YarnPanel, YarnZone
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -497,269 +486,3 @@ class ImpactSetup:
             contact=self.contact,
             friction=self.ply_friction,
         )
-
-
-@dataclass(frozen=True)
-class ImpactResult:
-    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever
-    the symmetry.
-
-    Parameters
-    ----------
-    setup : what was run
-    target : Pack, of one ply or several
-    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile
-        has stopped when it no longer moves along the panel's normal, though it may slide on
-    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has
-        stopped
-    velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point
-        of the projectile
-    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
-        (PackSolver)
-    deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
-    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
-        the energy at the start
-    plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
-    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
-        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
-        tension where there was none
-    deepest, held_apart : (plies - 1,) and [-] see PackSolver
-    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
-        the projectile [N]
-    bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
-    backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
-    projectile_position : (3,) [m] position of its nose at the end
-    last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
-    snapshots : tuple of such tuples
-    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing
-        was to be recorded
-    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
-    max_deflection : [m] largest entry of `deflection`
-    checks : tuple of quality.Indicator
-    failures : (plies, 2) State.failure_sums of each ply
-    step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
-    """
-
-    setup: ImpactSetup
-    target: Pack
-    outcome: str
-    residual_velocity: float
-    velocity: np.ndarray
-    t: np.ndarray
-    v: np.ndarray
-    nose_position: np.ndarray
-    contact_force: np.ndarray
-    deflection: np.ndarray
-    energies: dict
-    plies: dict
-    peaks: np.ndarray
-    deepest: np.ndarray
-    held_apart: int
-    step_history: np.ndarray
-    bar: dynamics.BarHistory | None
-    backing: BackingResult | None
-    projectile_position: np.ndarray
-    last: tuple[Snapshot, ...]
-    snapshots: tuple[tuple[Snapshot, ...], ...]
-    histories: tuple[histories.Histories, ...]
-    steps: int
-    wall_time: float
-    ns_per_element_step: float
-    max_deflection: float
-    checks: tuple
-    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
-    step_factor: float = 1.0
-
-    @property
-    def strike_energy(self) -> float:
-        """[J]"""
-        return self.setup.projectile.energy(self.setup.strike_velocity)
-
-    @property
-    def energy_error_max(self) -> float:
-        """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
-
-    @property
-    def mirrored(self) -> tuple[bool, bool]:
-        """(x, y), True if the modelled part continues mirrored beyond x = 0 or y = 0."""
-        return SYMMETRIES[self.setup.symmetry]
-
-    @property
-    def panels(self) -> tuple[Panel, ...]:
-        """(plies,) the Panel of each ply."""
-        return self.target.plies
-
-    @property
-    def panel(self) -> Panel:
-        """The first ply."""
-        return self.panels[0]
-
-    @property
-    def peak_tension(self) -> tuple[float, float]:
-        """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
-        warp, weft = self.peaks[..., 0].max(axis=0)
-        return float(warp), float(weft)
-
-    @property
-    def absorbed_energy(self) -> float:
-        """[J] that the projectile has lost."""
-        return float(self.strike_energy - self.energies["kinetic_projectile"][-1])
-
-    @property
-    def cut_yarns(self) -> FloatArray:
-        """(n,) cut yarns of all plies (`ply_audit.cut_yarns`)."""
-        return self.plies["cut_yarns"].sum(axis=1)
-
-    @property
-    def reactions(self) -> dict[str, FloatArray]:
-        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact
-        point, of all plies."""
-        return {family: self.plies[f"reaction_{family}"].sum(axis=1) for family in ("warp", "weft")}
-
-
-def run(
-    setup: ImpactSetup,
-    *,
-    hooks: Iterable[Hook] = (),
-    resume: FilePath | None = None,
-    table: CellTable | None = None,
-    target: Pack | None = None,
-) -> ImpactResult:
-    """Run an impact; once more with a shorter step if the first run loses too much to its length
-    (`guards`).
-
-    Parameters
-    ----------
-    setup : ImpactSetup
-    hooks : called as hook(solver) after every audit
-    resume : path of a checkpoint of the same set-up to go on from; the result is that of the
-        uninterrupted run, bit for bit
-    table : CellTable that a set-up of the same cell has filled, or None
-    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes
-        it
-
-    Raises
-    ------
-    InputError : a set-up or checkpoint that cannot be used
-    UnstableError : the run became unphysical; its attribute `result` holds what was computed
-    """
-    made = target or setup.target(table)
-    memory.check(made.plies, setup.snapshots)
-    if setup.snapshot_interval is not None:
-        positive(setup, "snapshot_interval")
-    solver = _solver(setup, made)
-    factor = 1.0
-    kept = tuple(hooks)
-    if resume is not None:
-        solver, factor = _resumed(setup, solver, resume)
-    result = _followed(setup, solver, factor, kept)
-    if factor < 1.0 or solver.step_loss <= guards.MOST_STEP_LOSS:
-        return result
-    shorter = _solver(setup, made.at_shorter_step(guards.SHORTER_STEP))
-    return _followed(setup, shorter, guards.SHORTER_STEP, kept)
-
-
-def _solver(setup, target):
-    """The solver of a shot at `target`."""
-    velocity = setup.strike_velocity
-    interval = setup.sample_interval
-    solver = PackSolver(target, velocity, setup.end_time, interval=interval)
-    solver.history_request = setup.history
-    return solver
-
-
-def _resumed(setup, solver, path):
-    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step
-    that follows it."""
-    try:
-        checkpoint.read(solver, path)
-    except InputError as problem:
-        shorter = _solver(setup, solver.pack.at_shorter_step(guards.SHORTER_STEP))
-        try:
-            checkpoint.read(shorter, path)
-        except InputError:
-            raise problem from None
-        return shorter, guards.SHORTER_STEP
-    return solver, 1.0
-
-
-def _followed(setup, solver, factor, hooks):
-    """The result of a solver's run, with what the set-up records."""
-    own: list[Hook] = []
-    if setup.history:
-        own.append(histories.Recorder(solver.pack.plies, setup.history))
-    if setup.snapshot_interval is not None:
-        own.append(Snapshots(setup.snapshot_interval))
-    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
-
-
-def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
-    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had
-    computed.
-
-    Raises
-    ------
-    UnstableError : a run that became unstable before it had a result
-    """
-    try:
-        return run(setup, **others), ""
-    except UnstableError as problem:
-        if problem.result is None:
-            raise
-        return problem.result, str(problem)
-
-
-def collect_result(
-    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
-) -> ImpactResult:
-    """Gather what a run has recorded."""
-    panels = solver.pack.plies
-    elements = sum(panel.elements for panel in panels)
-    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
-    clock = solver.const.dt * np.arange(1, len(fine) + 1)
-    bar = None
-    if solver.bar and setup.projectile.bar:
-        bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
-    backing = None
-    if solver.backing:
-        backing = solver.backing.result()
-    recorded: tuple[histories.Histories, ...] = ()
-    if setup.history and solver.histories:
-        recorded = histories.unpack(solver.histories, panels, setup.history)
-    plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
-    deflection = plies["deflection"][:, -1]
-    speed = dynamics.velocity(solver.state, solver.const, solver.bar)
-    last = output_snapshots.of_plies(solver)
-    return ImpactResult(
-        setup=setup,
-        target=solver.pack,
-        outcome=solver.outcome,
-        residual_velocity=solver.residual_velocity,
-        velocity=panels[0].in_pack(speed),
-        t=solver.sample("t"),
-        v=solver.sample("v"),
-        nose_position=solver.sample("z"),
-        contact_force=solver.contact_force,
-        deflection=deflection,
-        energies={name: solver.sample(name) for name in solver.energy_names},
-        plies=plies,
-        peaks=solver.peak_tensions,
-        deepest=solver.deepest,
-        held_apart=solver.held_apart,
-        step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
-        bar=bar,
-        backing=backing,
-        projectile_position=last[0].projectile_position.copy(),
-        last=last,
-        snapshots=tuple(solver.snapshots),
-        histories=recorded,
-        steps=solver.steps,
-        wall_time=solver.wall_time,
-        ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
-        max_deflection=float(deflection.max()),
-        checks=quality.of_solver(solver),
-        failures=np.array([state.failure_sums for state in solver.states]),
-        step_factor=step_factor,
-    )

@@ -1,0 +1,194 @@
+"""Result of an impact, and how it is collected from a solver that has run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fabrics.base.checks import FloatArray
+from shellfabric.backing.coupling import BackingResult
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.output import histories
+from shellfabric.output import snapshots as output_snapshots
+from shellfabric.output.snapshots import Snapshot
+from shellfabric.panel import quality
+from shellfabric.panel.grid import SYMMETRIES
+from shellfabric.panel.model import Panel
+from shellfabric.plies.model import Pack
+from shellfabric.projectile import dynamics
+from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
+
+
+@dataclass(frozen=True)
+class ImpactResult:
+    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever
+    the symmetry.
+
+    Parameters
+    ----------
+    setup : what was run
+    target : Pack, of one ply or several
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile
+        has stopped when it no longer moves along the panel's normal, though it may slide on
+    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has
+        stopped
+    velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
+    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point
+        of the projectile
+    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
+        (PackSolver)
+    deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
+    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
+        the energy at the start
+    plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
+    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
+        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
+        tension where there was none
+    deepest, held_apart : (plies - 1,) and [-] see PackSolver
+    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
+        the projectile [N]
+    bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
+    backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
+    projectile_position : (3,) [m] position of its nose at the end
+    last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
+    snapshots : tuple of such tuples
+    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing
+        was to be recorded
+    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
+    max_deflection : [m] largest entry of `deflection`
+    checks : tuple of quality.Indicator
+    failures : (plies, 2) State.failure_sums of each ply
+    step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
+    """
+
+    setup: ImpactSetup
+    target: Pack
+    outcome: str
+    residual_velocity: float
+    velocity: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    nose_position: np.ndarray
+    contact_force: np.ndarray
+    deflection: np.ndarray
+    energies: dict
+    plies: dict
+    peaks: np.ndarray
+    deepest: np.ndarray
+    held_apart: int
+    step_history: np.ndarray
+    bar: dynamics.BarHistory | None
+    backing: BackingResult | None
+    projectile_position: np.ndarray
+    last: tuple[Snapshot, ...]
+    snapshots: tuple[tuple[Snapshot, ...], ...]
+    histories: tuple[histories.Histories, ...]
+    steps: int
+    wall_time: float
+    ns_per_element_step: float
+    max_deflection: float
+    checks: tuple
+    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
+    step_factor: float = 1.0
+
+    @property
+    def strike_energy(self) -> float:
+        """[J]"""
+        return self.setup.projectile.energy(self.setup.strike_velocity)
+
+    @property
+    def energy_error_max(self) -> float:
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
+
+    @property
+    def mirrored(self) -> tuple[bool, bool]:
+        """(x, y), True if the modelled part continues mirrored beyond x = 0 or y = 0."""
+        return SYMMETRIES[self.setup.symmetry]
+
+    @property
+    def panels(self) -> tuple[Panel, ...]:
+        """(plies,) the Panel of each ply."""
+        return self.target.plies
+
+    @property
+    def panel(self) -> Panel:
+        """The first ply."""
+        return self.panels[0]
+
+    @property
+    def peak_tension(self) -> tuple[float, float]:
+        """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
+        warp, weft = self.peaks[..., 0].max(axis=0)
+        return float(warp), float(weft)
+
+    @property
+    def absorbed_energy(self) -> float:
+        """[J] that the projectile has lost."""
+        return float(self.strike_energy - self.energies["kinetic_projectile"][-1])
+
+    @property
+    def cut_yarns(self) -> FloatArray:
+        """(n,) cut yarns of all plies (`ply_audit.cut_yarns`)."""
+        return self.plies["cut_yarns"].sum(axis=1)
+
+    @property
+    def reactions(self) -> dict[str, FloatArray]:
+        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact
+        point, of all plies."""
+        return {family: self.plies[f"reaction_{family}"].sum(axis=1) for family in ("warp", "weft")}
+
+
+def collect_result(
+    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
+) -> ImpactResult:
+    """Gather what a run has recorded."""
+    panels = solver.pack.plies
+    elements = sum(panel.elements for panel in panels)
+    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+    clock = solver.const.dt * np.arange(1, len(fine) + 1)
+    bar = None
+    if solver.bar and setup.projectile.bar:
+        bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
+    backing = None
+    if solver.backing:
+        backing = solver.backing.result()
+    recorded: tuple[histories.Histories, ...] = ()
+    if setup.history and solver.histories:
+        recorded = histories.unpack(solver.histories, panels, setup.history)
+    plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
+    deflection = plies["deflection"][:, -1]
+    speed = dynamics.velocity(solver.state, solver.const, solver.bar)
+    last = output_snapshots.of_plies(solver)
+    return ImpactResult(
+        setup=setup,
+        target=solver.pack,
+        outcome=solver.outcome,
+        residual_velocity=solver.residual_velocity,
+        velocity=panels[0].in_pack(speed),
+        t=solver.sample("t"),
+        v=solver.sample("v"),
+        nose_position=solver.sample("z"),
+        contact_force=solver.contact_force,
+        deflection=deflection,
+        energies={name: solver.sample(name) for name in solver.energy_names},
+        plies=plies,
+        peaks=solver.peak_tensions,
+        deepest=solver.deepest,
+        held_apart=solver.held_apart,
+        step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
+        bar=bar,
+        backing=backing,
+        projectile_position=last[0].projectile_position.copy(),
+        last=last,
+        snapshots=tuple(solver.snapshots),
+        histories=recorded,
+        steps=solver.steps,
+        wall_time=solver.wall_time,
+        ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
+        max_deflection=float(deflection.max()),
+        checks=quality.of_solver(solver),
+        failures=np.array([state.failure_sums for state in solver.states]),
+        step_factor=step_factor,
+    )

@@ -1,0 +1,112 @@
+"""Run of an impact: its solver with its hooks, from the start or from a checkpoint, and once more with a
+shorter step where the first run loses too much to its length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from fabrics.base.checks import FilePath, positive
+from fabrics.base.errors import InputError, UnstableError
+from shellfabric.cell.model import CellTable
+from shellfabric.driver import guards
+from shellfabric.driver.solver import Hook, run_to_end
+from shellfabric.impact.result import ImpactResult, collect_result
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.output import checkpoint, histories
+from shellfabric.output.hooks import Snapshots
+from shellfabric.plies import memory
+from shellfabric.plies.model import Pack
+from shellfabric.solver.pack_solver import PackSolver
+
+
+def run_impact(
+    setup: ImpactSetup,
+    *,
+    hooks: Iterable[Hook] = (),
+    resume: FilePath | None = None,
+    table: CellTable | None = None,
+    target: Pack | None = None,
+) -> ImpactResult:
+    """Run an impact; once more with a shorter step if the first run loses too much to its length
+    (`guards`).
+
+    Parameters
+    ----------
+    setup : ImpactSetup
+    hooks : called as hook(solver) after every audit
+    resume : path of a checkpoint of the same set-up to go on from; the result is that of the
+        uninterrupted run, bit for bit
+    table : CellTable that a set-up of the same cell has filled, or None
+    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes
+        it
+
+    Raises
+    ------
+    InputError : a set-up or checkpoint that cannot be used
+    UnstableError : the run became unphysical; its attribute `result` holds what was computed
+    """
+    made = target or setup.target(table)
+    memory.check(made.plies, setup.snapshots)
+    if setup.snapshot_interval is not None:
+        positive(setup, "snapshot_interval")
+    solver = _make_solver(setup, made)
+    factor = 1.0
+    kept = tuple(hooks)
+    if resume is not None:
+        solver, factor = _resume(setup, solver, resume)
+    result = _run_recorded(setup, solver, factor, kept)
+    if factor < 1.0 or solver.step_loss <= guards.MOST_STEP_LOSS:
+        return result
+    shorter = _make_solver(setup, made.at_shorter_step(guards.SHORTER_STEP))
+    return _run_recorded(setup, shorter, guards.SHORTER_STEP, kept)
+
+
+def _make_solver(setup, target):
+    """The solver of a shot at `target`."""
+    velocity = setup.strike_velocity
+    interval = setup.sample_interval
+    solver = PackSolver(target, velocity, setup.end_time, interval=interval)
+    solver.history_request = setup.history
+    return solver
+
+
+def _resume(setup, solver, path):
+    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step
+    that follows it."""
+    try:
+        checkpoint.read(solver, path)
+    except InputError as problem:
+        shorter = _make_solver(setup, solver.pack.at_shorter_step(guards.SHORTER_STEP))
+        try:
+            checkpoint.read(shorter, path)
+        except InputError:
+            raise problem from None
+        return shorter, guards.SHORTER_STEP
+    return solver, 1.0
+
+
+def _run_recorded(setup, solver, factor, hooks):
+    """The result of a solver's run, with what the set-up records."""
+    own: list[Hook] = []
+    if setup.history:
+        own.append(histories.Recorder(solver.pack.plies, setup.history))
+    if setup.snapshot_interval is not None:
+        own.append(Snapshots(setup.snapshot_interval))
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
+
+
+def run_impact_or_partial(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
+    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had
+    computed.
+
+    Raises
+    ------
+    UnstableError : a run that became unstable before it had a result
+    """
+    try:
+        return run_impact(setup, **others), ""
+    except UnstableError as problem:
+        if problem.result is None:
+            raise
+        return problem.result, str(problem)
