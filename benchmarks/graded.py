@@ -216,7 +216,9 @@ def behind(table, zones, crossovers):
     )
     solver = PackSolver(panel, 1.0, 1.0)
     state, const, solver.exchange = solver.state, solver.const, np.inf  # no checks of the energy
-    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
+    state.projectile_position[2] = -1.0
+    state.first_row = 0
+    state.end_row = const.ni
     X, weave, d = panel.coordinates()[0], panel.weave, 2 * panel.weave.w1
     if zones is not None and zones[0][1] < 1:  # a pulse is as many of the smallest elements long
         crossovers *= zones[0][1]

@@ -76,7 +76,8 @@ def pressed(pack, steps):
     march.stack.projectile_position[:, 2] -= 1.0
     march.stack.awake[:] = True
     for p, (state, const) in enumerate(zip(march.states, march.consts)):
-        state.active_rows[:] = 0, const.ni
+        state.first_row = 0
+        state.end_row = const.ni
         state.u[2][: (const.ni + 1) * const.row_stride] = 5e-3 - p * (pack.gaps[0] + 2e-5)
     clocked(march, 2)
     return clocked(march, steps)

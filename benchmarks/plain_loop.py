@@ -292,7 +292,8 @@ def shaken(panel):
         part[: state.mass.size] = np.where(
             state.dt_over_mass > 0, rng.uniform(-0.5, 0.5, state.mass.size), 0.0
         )
-    state.active_rows[:] = 0, panel.counts[0]
+    state.first_row = 0
+    state.end_row = panel.counts[0]
     solver.advance(np.empty((40, 3)))
     return solver
 

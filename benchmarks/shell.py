@@ -84,7 +84,8 @@ def march(panel, strike_velocity, steps, everywhere):
     solver = PackSolver(panel, strike_velocity, END)
     solver.threads, solver.exchange = 1, np.inf  # no checks of the energy
     if everywhere:
-        solver.state.active_rows[:] = 0, solver.const.ni
+        solver.state.first_row = 0
+        solver.state.end_row = solver.const.ni
         solver.advance(np.empty((FIRST, 3)))
     fine = np.empty((steps, 3))
     wall, cpu = time.perf_counter(), time.process_time()

@@ -68,7 +68,8 @@ def march(plies, velocity, skip, steps):
         solver.exchange = np.inf  # no audits
         solver.advance(np.empty((0, 3)))
         for state, const in zip(solver.states, solver.consts):
-            state.active_rows[:] = 0, const.ni
+            state.first_row = 0
+            state.end_row = const.ni
         if plies > 1:
             solver.stack.awake[:] = True
         solver.advance(np.empty((skip, 3)))

@@ -22,6 +22,8 @@ from shellfabric.jit.table import (
     per_family,
     per_slot,
     row,
+    tally,
+    total,
 )
 
 
@@ -273,8 +275,8 @@ class State(Row, kept=True):
     )
     modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
     surface = row(Surface, "what touches the ply sees of it")
-    yarns_ahead = array("1 int64", "-", "points of whole resolved yarns ahead of the nose")
-    yarn_work = array("1", "J", "work done so far on resolved yarns and on the contacts of theirs")
+    yarns_ahead = tally("-", "points of whole resolved yarns ahead of the nose")
+    yarn_work = total("J", "work done so far on resolved yarns and on the contacts of theirs")
     mass = array("slots", "kg", "lumped mass of the nodes")
     inverse_mass = array("slots", "1/kg", "inverse mass; 0 where a node is held or prescribed")
     dt_over_mass = array("slots", "s/kg", "dt times inverse_mass")
@@ -311,11 +313,9 @@ class State(Row, kept=True):
         "damage of each yarn segment by the strength at strain rates, at its first "
         "node; empty without such a law",
     )
-    failure_sums = array(
-        "2",
-        "-",
-        "over the segments that have failed: their number, sum of tension over the "
-        "strength of the yarn",
+    failed_segments = total("-", "edges and segments of resolved yarns that have failed")
+    loads_at_failure = total(
+        "-", "sum over these of their tension at failure over the strength of their yarn"
     )
     element_flag = array(
         "slots uint8",
@@ -360,8 +360,7 @@ class State(Row, kept=True):
         "m/s",
         "likewise, velocity increment that the contact force of the last step gave",
     )
-    force_scale = array(
-        "1",
+    force_scale = total(
         "N",
         "regularising force of the implicit contact: the projectile's force over the "
         "contact points of an element",
@@ -370,29 +369,26 @@ class State(Row, kept=True):
     projectile_position = array("3", "m", "position of the projectile's nose")
     projectile_velocity = array("3", "m/s", "velocity of the projectile, at half steps")
     f_contact_nose = array("3", "N", "contact force of the ply on the projectile")
-    contact_energy = array(
-        "5",
-        "J, m",
-        "work taken by normal contact, energy in its springs, work of friction, "
-        "energy in friction springs; last the largest penetration [m]",
-    )
-    active_rows = array("2 int64", "-", "first and end of the active element rows")
-    counter = array("3 int64", "-", "steps made, steps without contact, failed yarn segments")
-    energy_sums = array(
-        "blocks, 4",
-        "J",
-        "work of the yarn forces; viscous work; energy lost with failed yarns; lost "
-        "with trellis, bending and packing",
-    )
+    contact_work = total("J", "work that the normal contact with the nose has taken so far")
+    contact_spring_energy = total("J", "stored in its springs")
+    nose_friction_work = total("J", "work of the friction on the nose so far")
+    friction_spring_energy = total("J", "stored in the springs of this friction")
+    max_penetration = total("m", "largest penetration so far of a point of whole fabric")
+    first_row = tally("-", "first of the active element rows")
+    end_row = tally("-", "row behind the last of them")
+    steps = tally("-", "steps made; `motion_kernels.AT_REST` before the initial forces")
+    failures = tally("-", "edges of the membrane that have failed")
+    edge_work = array("blocks", "J", "work of the yarn forces so far")
+    viscous_work = array("blocks", "J", "work of the viscous yarn forces so far")
+    lost_with_yarns = total("J", "energy lost with failed yarns")
+    lost_with_elements = total("J", "energy lost with trellis, bending and packing beside these")
     peak_tension = array(
         "2", "N", "highest tension of warp and weft so far, as mean over a yarn segment"
     )
-    peak_segment = array(
-        "2, 2 int64",
-        "-",
-        "slot at which the warp and the weft segment of the highest tension begin, "
-        "and the step (counted by the ply)",
+    peak_slot = array(
+        "2 int64", "-", "slots at which the warp and the weft segment of that tension begin"
     )
+    peak_step = array("2 int64", "-", "steps (of `steps`) in which they had it; 0 if none had")
     contact_window = array("4 int64", "-", "present contact window (i0, i1, j0, j1)")
     nose_window = array("4 int64", "-", "rows and columns of nodes with forces of `f_contact`")
     friction_state = array(
@@ -401,12 +397,9 @@ class State(Row, kept=True):
         "elastic slip and friction force of each contact point; empty without friction",
     )
     slip_force = array("n", "N", "force on the slipping nodes along their axis at the last step")
-    slip_energy = array(
-        "3",
-        "J",
-        "work of the boundary on prescribed nodes, work of clamp friction, kinetic "
-        "energy of gripped nodes",
-    )
+    boundary_work = total("J", "work of the boundary on prescribed nodes so far")
+    clamp_friction_work = total("J", "work of clamp friction so far")
+    gripped_kinetic_energy = total("J", "kinetic energy of gripped nodes")
     f_block_nose = array("3", "N", "force of the backing block on the projectile")
     f_block_cloth = array(
         "3 x slots", "N", "force of the backing block on the nodes; empty without one"
@@ -488,24 +481,24 @@ class Stack(Row, kept=True):
         "-",
         "whether its implicit nose contact is evaluated after the contact of plies in this step",
     )
-    counter = array(
-        "3 int64",
-        "-",
-        "steps made, steps without contact, steps up to the stop where the run goes "
-        "on after it, else 0",
+    steps = tally("-", "steps made")
+    idle_steps = tally("-", "of these the last without contact and without fabric ahead")
+    stop_step = tally(
+        "-", "steps up to the stop of the projectile where the run goes on after it, else 0"
     )
     projectile_position = array(
         "plies, 3", "m", "position of the nose, from each ply's own plane at rest"
     )
     f_contact_nose = array("plies, 3", "N", "contact force of each ply on the projectile")
-    ply_counters = array("plies, 3 int64", "-", "counter of each ply")
+    ply_steps = array("plies int64", "-", "`State.steps` of each ply")
+    ply_failures = array("plies int64", "-", "`State.failures` of each ply")
     projectile_velocity = array(
         "3", "m/s", "velocity of the projectile, at half steps, in the first ply's frame"
     )
     turns = array(
         "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
     )
-    after_stop = array("1", "s", "for which the run goes on after the projectile has turned back")
+    after_stop = total("s", "for which the run goes on after the projectile has turned back")
 
 
 class PackContact(Row):

@@ -335,7 +335,7 @@ class Block:
         """Add what contact takes from a partner that moves at `speed` in half a step before now, by
         its force of now, and by that of a step ago, which it replaces; the force."""
         both = before + force
-        self.row.taken[...] -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
+        self.row.taken -= 0.5 * self.dt * float(np.sum(both * np.asarray(speed, float)))
         before[...] = force
         return force
 
@@ -371,7 +371,7 @@ class Block:
             self._step(step)
             self.row.outer[:] = 0.0
             self.row.drags[:] = 0.0
-        self.row.time[...] += self.dt
+        self.row.time += self.dt
 
     def _step(self, dt):
         kick = float(self.row.kick)
@@ -380,7 +380,7 @@ class Block:
         if inside_out.any():
             raise self._unstable("a brick is turned inside out", int(np.argmax(inside_out)))
         kernels.move(self.row, 0.5 * (kick + dt), dt)
-        self.row.kick[...] = dt
+        self.row.kick = dt
 
     def _unstable(self, what, brick=None):
         """The error of a brick; without one, of that which bears the shortest step."""

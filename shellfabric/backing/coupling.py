@@ -220,7 +220,7 @@ class BackingCoupling:
         state.f_block_nose[:] = turned_back(
             block.strike(position, velocity, self.projectile), self._turned_back
         )
-        if state.counter[2] > 0:  # yarns have failed
+        if state.failures > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
             self._loose[:] = np.repeat(~eroded, self.p**2)
         places, speeds = np.empty((2, self._loose.size, 3))
@@ -247,8 +247,8 @@ class BackingCoupling:
         symmetry."""
         touched = np.flatnonzero(forces.reshape(self.const.ni, -1).any(axis=1))
         if touched.size:  # where nothing has moved yet, nothing is worked on
-            state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 1, 0))
-            state.active_rows[1] = max(state.active_rows[1], min(touched[-1] + 2, self.const.ni))
+            state.first_row = min(state.first_row, max(touched[0] - 1, 0))
+            state.end_row = max(state.end_row, min(touched[-1] + 2, self.const.ni))
         touch.to_nodes(forces, self._weights, self.const.nj, state.f_block_cloth)
         if self.const.mirror_x:
             self._nodal(state.f_block_cloth[0])[0] = 0.0

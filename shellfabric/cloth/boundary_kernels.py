@@ -18,11 +18,6 @@ steps over the motion between.
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-# of state.slip_energy
-BOUNDARY_WORK = 0
-CLAMP_FRICTION = 1
-KINETIC = 2
-
 
 @kernel()
 def slip_fraction(time, start, end):
@@ -54,14 +49,10 @@ def update_slip_nodes(state, const, time):
                 after = min(free + most, 0.0)
             force = mass * (free - after) / const.dt
             kinetic += 0.5 * mass * before * after
-            state.slip_energy[CLAMP_FRICTION] += (
-                0.5 * const.dt * before * (state.slip_force[m] + force)
-            )
+            state.clamp_friction_work += 0.5 * const.dt * before * (state.slip_force[m] + force)
         else:
             after = (pull * slip_fraction(time + const.dt, start, end) - state.u[c][k]) / const.dt
-            state.slip_energy[BOUNDARY_WORK] += (
-                0.5 * const.dt * before * (state.slip_force[m] + force)
-            )
+            state.boundary_work += 0.5 * const.dt * before * (state.slip_force[m] + force)
         state.slip_force[m] = force
         state.v[c][k] = after
-    state.slip_energy[KINETIC] = kinetic
+    state.gripped_kinetic_energy = kinetic

@@ -113,8 +113,8 @@ def find_failures(const, state, family, first, last):
                 slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
             if min(mean, slow[k]) > state.peak_tension[family]:
                 state.peak_tension[family] = min(mean, slow[k])
-                state.peak_segment[family, 0] = k
-                state.peak_segment[family, 1] = state.counter[0] + 1
+                state.peak_slot[family] = k
+                state.peak_step[family] = state.steps + 1
             if slow[k] <= half:
                 continue
             state.warm_rows[family, i] = True
@@ -124,8 +124,8 @@ def find_failures(const, state, family, first, last):
             )
             strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
             if load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0:
-                state.failure_sums[0] += 1.0
-                state.failure_sums[1] += load
+                state.failed_segments += 1.0
+                state.loads_at_failure += load
                 state.failed[family][k] = 1
                 count += 1
     return count

@@ -50,11 +50,6 @@ from shellfabric.state import unit
 WARP = 0
 WEFT = 1
 ONE = np.uint64(1)
-# of state.energy_sums; what is lost with failed yarns, and with trellis and turns
-WORK = 0
-VISCOUS = 1
-LOST_YARN = 2
-LOST_TRELLIS = 3
 # of state.block_damage: a block without failures, with some, with some of this step
 INTACT = 0
 DAMAGED = 1
@@ -301,8 +296,8 @@ def pull_yarns(state, const, work, block, first, last):
         )
         done, damped = step_work(again, cv, k, length, stretch, N, kept)
         if not again:
-            state.energy_sums[block, WORK] += done
-            state.energy_sums[block, VISCOUS] += damped
+            state.edge_work[block] += done
+            state.viscous_work[block] += damped
         turned = work.trellis_turn[family]
         pull_edges(
             again,

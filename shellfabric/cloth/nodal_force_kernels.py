@@ -40,8 +40,8 @@ def extend_window(window, i0, i1, j0, j1):
 @kernel(_nrt=False, forceinline=True)
 def include_rows(state, const, first, last):
     """Widen the window of active element rows to first .. last - 1, as far as there are any."""
-    state.active_rows[0] = min(state.active_rows[0], max(first, 0))
-    state.active_rows[1] = max(state.active_rows[1], min(last, const.ni))
+    state.first_row = min(state.first_row, max(first, 0))
+    state.end_row = max(state.end_row, min(last, const.ni))
 
 
 @kernel(_nrt=False)

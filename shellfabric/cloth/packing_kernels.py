@@ -146,7 +146,7 @@ def is_fabric(state, const, k):
 def let_go(state, const):
     """Flag the torn elements that are drawn out; energy [J] that they stored."""
     lost = 0.0
-    for i in range(state.active_rows[0], state.active_rows[1]):
+    for i in range(state.first_row, state.end_row):
         for j in range(const.nj):
             k = np.uint64(i * const.row_stride + j)
             flag = state.element_flag[k]

@@ -58,7 +58,7 @@ class ImpactResult:
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
-    failures : (plies, 2) State.failure_sums of each ply
+    failures : (plies, 2) State.failed_segments and State.loads_at_failure of each ply
     step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
     """
 
@@ -189,6 +189,8 @@ def collect_result(
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
         max_deflection=float(deflection.max()),
         checks=quality.of_solver(solver),
-        failures=np.array([state.failure_sums for state in solver.states]),
+        failures=np.array(
+            [(state.failed_segments, state.loads_at_failure) for state in solver.states]
+        ),
         step_factor=step_factor,
     )

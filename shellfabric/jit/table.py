@@ -80,8 +80,13 @@ def number(unit: str, meaning: str) -> Any:
 
 
 def total(unit: str, meaning: str, *, kept: bool = False) -> Any:
-    """Field of a number that kernels set; for Python an array without dimensions."""
+    """Make the field of a number that kernels and Python set by its name."""
     return Field("total", unit, meaning, (TOTAL, TOTAL), kept)
+
+
+def tally(unit: str, meaning: str, *, kept: bool = False) -> Any:
+    """Make the field of an integer that kernels and Python set by its name."""
+    return Field("tally", unit, meaning, (TALLY, TALLY), kept)
 
 
 def integer(unit: str, meaning: str) -> Any:
@@ -145,11 +150,13 @@ def parts_of(shape: str) -> tuple[list[int], list[str], str]:
 class TotalType(types.Type):
     """numba type of the place of a number that kernels set."""
 
-    def __init__(self) -> None:
-        super().__init__(name="total")
+    def __init__(self, name: str, number: Any) -> None:
+        self.number = number  # numba type of what stands there
+        super().__init__(name=name)
 
 
-TOTAL = TotalType()
+TOTAL = TotalType("total", types.float64)
+TALLY = TotalType("tally", types.int64)
 PER_SLOT = types.float64, array_type("slots")  # on a uniform and on a graded grid
 
 
@@ -195,6 +202,22 @@ class RowType(types.Type):
         return self.name, ()
 
 
+class _Total:
+    """Reads and sets a total or a tally of a row in Python as kernels do, by its name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __get__(self, row: Row | None, table: type[Row]) -> Any:
+        """Return the number, not the array in which kernels have it."""
+        if row is None:
+            return self
+        return vars(row)[self.name][()]
+
+    def __set__(self, row: Row, value: float) -> None:
+        vars(row)[self.name][()] = value
+
+
 class Row:
     """Arrays and numbers by name, as the class lists them. A row does not change; its arrays do.
 
@@ -216,8 +239,10 @@ class Row:
                 name: replace(part, kept=name not in rows) for name, part in cls.fields.items()
             }
         cls._fields = tuple(cls.fields)
-        for name in cls.fields:
+        for name, field in cls.fields.items():
             delattr(cls, name)
+            if isinstance(field.kinds[UNIFORM], TotalType):
+                setattr(cls, name, _Total(name))
         uniform = RowType(cls, UNIFORM)
         graded = RowType(cls, GRADED)
         if graded.members == uniform.members:
@@ -245,9 +270,12 @@ class Row:
         own["_address"] = memory.ctypes.data
 
     def __setattr__(self, name, value):
-        raise AttributeError(
-            f"{type(self).__name__}.{name} cannot be set: kernels have its address"
-        )
+        """Set a total or a tally; refuse to set what else a row has."""
+        if not isinstance(vars(type(self)).get(name), _Total):
+            raise AttributeError(
+                f"{type(self).__name__}.{name} cannot be set: kernels have its address"
+            )
+        object.__setattr__(self, name, value)
 
     def __iter__(self) -> Iterator[Any]:
         return (self.__dict__[name] for name in self._fields)
@@ -277,7 +305,8 @@ class Row:
         """{name: zeros} of all arrays of the table whose shapes have no other sizes than these.
         Flat arrays of slots begin with a cache line."""
         found = {name: _zeros(field.shape, sizes) for name, field in cls.fields.items()}
-        return {name: value for name, value in found.items() if value is not None}
+        arrays = {name: value for name, value in found.items() if value is not None}
+        return arrays | cls.totals()
 
     @classmethod
     def empty(cls) -> Any:
@@ -285,9 +314,10 @@ class Row:
         return cls(**{name: _nothing(field) for name, field in cls.fields.items()})
 
     @classmethod
-    def totals(cls) -> list[str]:
-        """Names of its totals."""
-        return [name for name, field in cls.fields.items() if field.shape == "total"]
+    def totals(cls) -> dict[str, Any]:
+        """Return {name: zero} of its totals and tallies."""
+        kinds = {name: field.kinds[UNIFORM] for name, field in cls.fields.items()}
+        return {name: _zero(kind) for name, kind in kinds.items() if isinstance(kind, TotalType)}
 
     @classmethod
     def kept(cls) -> list[str]:
@@ -333,13 +363,18 @@ def _made(table, values):
 def _nothing(field):
     """The least value of a field."""
     kind = field.kinds[UNIFORM]
-    if kind == TOTAL:
-        return np.zeros(())
+    if isinstance(kind, TotalType):
+        return _zero(kind)
     if kind == array_type(field.shape):
         return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):
         return (0,) * kind.count
     return numpy_support.as_dtype(kind).type(0)
+
+
+def _zero(kind):
+    """Return the array without dimensions of a total or a tally, at zero."""
+    return np.zeros((), numpy_support.as_dtype(kind.number))
 
 
 def _as_tuples(kind, value):
@@ -370,8 +405,6 @@ def _grid_of(table, values):
 
 def _zeros(shape, sizes):
     """Zeros of a shape, or None where one of its sizes is not known."""
-    if shape == "total":
-        return np.zeros(())
     counts, dimensions, kind = parts_of(shape)
     known = sizes | {name: int(name) for name in dimensions if name.isdigit()}
     if not known.keys() >= set(dimensions):
@@ -410,7 +443,11 @@ def words_of(kind: Any, value: Any, name: str) -> list[int]:
         if getattr(value, "_numba_type_", None) != kind:
             raise TypeError(f"{name} must be a row of {kind}, not {_said(value)}")
         return [value._address]
-    if kind == TOTAL and isinstance(value, np.ndarray) and value.shape == ():
+    if isinstance(kind, TotalType):
+        dtype = numpy_support.as_dtype(kind.number)
+        if not (isinstance(value, np.ndarray) and value.dtype == dtype and value.shape == ()):
+            needed = f"an array of {dtype} without dimensions"
+            raise TypeError(f"{name} must be {needed}, not {_said(value)}")
         return [value.ctypes.data]
     if isinstance(kind, types.Array):
         dtype = numpy_support.as_dtype(kind.dtype)
@@ -520,30 +557,32 @@ class _Attribute(AttributeTemplate):
         if name not in kind.members:
             return None
         member = kind.members[name][0]
-        if member == TOTAL:
-            return types.float64
+        if isinstance(member, TotalType):
+            return member.number
         return member
 
 
 @lower_getattr_generic(RowType)
 def _member(context, builder, kind, pointer, name):
     member, first = kind.members[name]
-    if member == TOTAL:
-        return builder.load(_place_of_total(builder, pointer, first))
+    if isinstance(member, TotalType):
+        return builder.load(_place_of_total(context, builder, member, pointer, first))
     return _loaded(context, builder, member, pointer, first)
 
 
 @lower_setattr_generic(RowType)
 def _set_total(context, builder, sig, arguments, name):
     member, first = sig.args[0].members[name]
-    if member != TOTAL:
+    if not isinstance(member, TotalType):
         raise TypeError(f"{sig.args[0]}.{name} is no total: kernels cannot set it")
-    builder.store(arguments[1], _place_of_total(builder, arguments[0], first))
+    value = context.cast(builder, arguments[1], sig.args[1], member.number)
+    builder.store(value, _place_of_total(context, builder, member, arguments[0], first))
 
 
-def _place_of_total(builder, pointer, first):
+def _place_of_total(context, builder, kind, pointer, first):
+    """Return the pointer to a total or a tally, whose address is word number `first`."""
     address = _load_word(builder, pointer, first)
-    return builder.inttoptr(address, ir.DoubleType().as_pointer())
+    return builder.inttoptr(address, context.get_data_type(kind.number).as_pointer())
 
 
 def _loaded(context, builder, kind, pointer, first):

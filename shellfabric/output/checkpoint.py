@@ -106,8 +106,9 @@ def _arrays(solver):
     from the run."""
     for group, value in solver.checkpoint_arrays().items():
         if isinstance(value, Row):
+            arrays = vars(value)  # of totals too, whose numbers attributes give
             for name in value.kept():
-                yield from _leaves(f"{group}/{name}", getattr(value, name))
+                yield from _leaves(f"{group}/{name}", arrays[name])
         else:
             yield group, value
 

@@ -160,13 +160,12 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
     ni = const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
-        state.active_rows[:] = (
-            max(state.contact_window[0] - 2, 0),
-            min(state.contact_window[1] + 2, ni),
-        )
+        state.first_row = max(state.contact_window[0] - 2, 0)
+        state.end_row = min(state.contact_window[1] + 2, ni)
     if np.any(const.slip_data[:, 0]):
         # edges with a prescribed pull-in move before any wave comes to them
-        state.active_rows[:] = (0, ni)
+        state.first_row = 0
+        state.end_row = ni
     return state
 
 
@@ -200,8 +199,9 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["projectile_position"] = panel.shot.start()
     found["projectile_velocity"] = strike_velocity * panel.shot.flight
     i0, i1 = const.window_limits[:2]
-    found["active_rows"][:] = max(i0 - 2, 0), min(i1 + 2, const.ni)
-    found["counter"][0] = AT_REST
+    found["first_row"][...] = max(i0 - 2, 0)
+    found["end_row"][...] = min(i1 + 2, const.ni)
+    found["steps"][...] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
     found["modules"] = forces.make_table(panel.force_modules(), panel.sides is not None)

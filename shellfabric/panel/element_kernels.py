@@ -103,8 +103,8 @@ def refresh_tensions(state, const, first, last, work):
     per = const.rows_per_block
     for block in range(first, last):
         if state.tension_stale[block]:
-            low = max(state.active_rows[0], block * per)
-            high = min(state.active_rows[1], (block + 1) * per)
+            low = max(state.first_row, block * per)
+            high = min(state.end_row, (block + 1) * per)
             stretches(state, const, low, high, False, work)
             interpolate_tensions(state, const, block, low, high, False, work)
 

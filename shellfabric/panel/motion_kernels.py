@@ -11,12 +11,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
 from shellfabric.state import unit
 
-# of state.counter
-STEP = 0
-IDLE = 1
-FAILURES = 2
-TURNED = 2  # of stack.counter: steps up to the stop of the projectile where the run goes on after it, else 0
-AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
+AT_REST = -1  # of state.steps, until the initial forces are computed
 _MIN_VELOCITY = 1e-60
 
 
@@ -60,7 +55,7 @@ def row_has_moved(state, const, i):
 
 @unit()
 def grow_active_rows(state, const):
-    """Grow the window of active element rows, state.active_rows, ahead of the motion.
+    """Grow the window of active element rows, state.first_row .. state.end_row - 1, ahead of the motion.
 
     The forces of a node reach two rows further than the nodes that have moved: over the segments
     that cross, and in the variational form over those that cross these. So in a step motion goes
@@ -68,18 +63,18 @@ def grow_active_rows(state, const):
     beyond are missing: there is a window in time if its outer five rows are kept at rest.
     """
     for _ in range(2):
-        first = state.active_rows[0]
-        last = state.active_rows[1]
+        first = state.first_row
+        last = state.end_row
         stirred = False
         for i in range(first, min(first + 5, const.ni + 1)):
             stirred = stirred or row_has_moved(state, const, i)
         if first > 0 and stirred:
-            state.active_rows[0] -= 1
+            state.first_row -= 1
         stirred = False
         for i in range(max(last - 4, 0), last + 1):
             stirred = stirred or row_has_moved(state, const, i)
         if last < const.ni and stirred:
-            state.active_rows[1] += 1
+            state.end_row += 1
 
 
 @unit()
@@ -102,4 +97,4 @@ def move_rows(state, const, first, last):
 def active_blocks(state, const):
     """(first, last): the blocks first .. last - 1 hold the active rows."""
     per = const.rows_per_block
-    return state.active_rows[0] // per, (state.active_rows[1] + per - 1) // per
+    return state.first_row // per, (state.end_row + per - 1) // per

@@ -242,12 +242,11 @@ class Monitor:
 
     def sampled(self, solver: Any) -> None:
         """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
-        from shellfabric.panel.motion_kernels import FAILURES
         from shellfabric.panel.quality_kernels import sample
 
         if solver.zone is not None:
             return  # about the nose there are yarns in the place of the panel's edges
-        if len(solver.samples) % EVERY or any(state.counter[FAILURES] for state in solver.states):
+        if len(solver.samples) % EVERY or any(state.failures for state in solver.states):
             return
         for (_, const, state), row, (i, j), light in zip(
             solver.parts, self.found, self._places, self._light
@@ -292,7 +291,6 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
 
 def of_solver(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
-    from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 
     panel = solver.panel
     const = solver.const
@@ -302,7 +300,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     broken = float(cut_yarns[-1] > 0 and solver.zone is None)
-    depth = max(float(state.contact_energy[MAX_PENETRATION]) for state in solver.states)
+    depth = max(float(state.max_penetration) for state in solver.states)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
     largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}

@@ -9,7 +9,6 @@ from shellfabric.cloth.nodal_force_kernels import give_impulses, half_step_work,
 from shellfabric.cloth.packing_kernels import is_fabric
 from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
 from shellfabric.jit.compile import kernel
-from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.state import unit
 
 STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
@@ -36,7 +35,7 @@ def look_at_torn(state, const, contact, p):
     """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more:
     those without a yarn of either family, eroded ones, and those that join pieces which have
     parted."""
-    contact.failures[p] = state.counter[FAILURES]
+    contact.failures[p] = state.failures
     if contact.failures[p] == 0:
         return
     for i in range(const.ni):

@@ -36,7 +36,7 @@ from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import AT_REST, STEP
+from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
 from shellfabric.plies.arrays import pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
@@ -259,7 +259,7 @@ class Pack:
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         found = Stack.zeros(plies=len(self.plies))
-        found["ply_counters"][:, STEP] = AT_REST
+        found["ply_steps"][:] = AT_REST
         found["projectile_velocity"][:] = strike_velocity * self.plies[0].shot.flight
         found["turns"][:] = self.turns
         stack = Stack(body=Body(**Body.zeros()), **found)
@@ -273,7 +273,8 @@ class Pack:
             shared = {
                 "projectile_position": stack.projectile_position[p],
                 "f_contact_nose": stack.f_contact_nose[p],
-                "counter": stack.ply_counters[p],
+                "steps": stack.ply_steps[p, ...],
+                "failures": stack.ply_failures[p, ...],
             }
             if p == 0:
                 shared["projectile_velocity"] = stack.projectile_velocity

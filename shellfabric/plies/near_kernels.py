@@ -22,7 +22,6 @@ import math
 
 from shellfabric.cloth.vector_kernels import cross, difference, dot, scaled
 from shellfabric.jit.compile import kernel
-from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.frame_kernels import (
     MIRROR_X,
     NI,
@@ -210,7 +209,7 @@ def list_facets(contact, state, t, side):
             if contact.dropped[g] == 0:
                 found = add_facet(contact, side, found, g, g + s, g + s + 1)
                 found = add_facet(contact, side, found, g, g + s + 1, g + 1)
-    if state.counter[FAILURES] == 0:
+    if state.failures == 0:
         return found
     for i in range(i0, i1 + 1):
         for j in range(j0, j1 + 1):

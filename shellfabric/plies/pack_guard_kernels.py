@@ -29,7 +29,7 @@ def hold_apart(states, consts, contact):
         for p in range(len(states)):
             state = row_of(states, p)
             const = row_of(consts, p)
-            place(state, const, state.active_rows[0], state.active_rows[1])
+            place(state, const, state.first_row, state.end_row)
             look_at_torn(state, const, contact, p)
             follow(state, const, contact, p)
         for t in range(contact.travel.size):
@@ -78,8 +78,8 @@ def follow(state, const, contact, p):
     down = (const.ni + near.TALL - 1) // near.TALL
     speed = contact.block_speed[p]
     for i in range(down + 1):
-        begin = max(i * near.TALL, state.active_rows[0])
-        end = min((i + 1) * near.TALL, state.active_rows[1] + 1)
+        begin = max(i * near.TALL, state.first_row)
+        end = min((i + 1) * near.TALL, state.end_row + 1)
         for j in range(across + 1):
             square = broadcast(0.0)
             own = head_mask(s - j * near.WIDE)

@@ -50,7 +50,7 @@ def contact_state(near: Sequence[int], points: int, friction: float) -> dict[str
         "friction_state": np.zeros((*rubbing, 6)),
         "dv_other": tuple(np.zeros((3, 0))),
         "dv_contact": tuple(np.zeros((3, 0))),
-        "force_scale": np.array([contact_kernels.MIN_FORCE_SCALE]),
+        "force_scale": np.array(contact_kernels.MIN_FORCE_SCALE),
     }
 
 

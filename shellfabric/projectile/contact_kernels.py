@@ -71,9 +71,6 @@ from shellfabric.projectile.window_kernels import (
 )
 from shellfabric.state import Scratch, unit
 
-# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole
-# fabric so far
-CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 # first rows of work.point_data, of vectors with three components
 PLACE, VELOCITY, AHEAD, PUSHED, FORCE = 0, 3, 6, 9, 12
@@ -98,7 +95,7 @@ def contact_forces(state, const, work):
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
     see_nose(state, const, work)
     i0, i1, j0, j1 = window_bounds(state)
-    state.contact_energy[FRICTION_SPRING] = 0.0
+    state.friction_spring_energy = 0.0
     taken = 0.0
     spring = 0.0
     for i in range(i0, i1):
@@ -358,7 +355,7 @@ def contact_point(state, const, point, work):
             away = dot(normal, add(v, column(at, AHEAD, lane)))
             gave = dot(normal, column(at, PUSHED, lane))
             push = implicit_penalty_force(
-                const, (hard, drag), (depth, away), (before, gave), state.force_scale[0]
+                const, (hard, drag), (depth, away), (before, gave), state.force_scale
             )
             spring = -0.5 * depth * min(push, -hard * depth)
         else:
@@ -368,8 +365,7 @@ def contact_point(state, const, point, work):
         state.in_contact[e] = True
         # how deep fabric goes says how stiff the contact should be; torn ends hang anywhere
         if part == 1.0:
-            deepest = state.contact_energy[MAX_PENETRATION]
-            state.contact_energy[MAX_PENETRATION] = max(deepest, -depth)
+            state.max_penetration = max(state.max_penetration, -depth)
     force = scaled(push, normal)
     last[e] = push
     rubbed = 0.0
@@ -379,8 +375,8 @@ def contact_point(state, const, point, work):
         rub, rubbed, held = friction_kernels.friction_force(
             stuck, limit, (stiffness, damping), const.dt, normal, v
         )
-        state.contact_energy[FRICTION] += rubbed
-        state.contact_energy[FRICTION_SPRING] += held
+        state.nose_friction_work += rubbed
+        state.friction_spring_energy += held
         force = add(force, rub)
     store_point(at, FORCE, lane, force)
     for c in range(3):

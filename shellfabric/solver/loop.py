@@ -81,7 +81,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             grow_active_rows(state, const)
             update_blocks(state, const, work)
             break_yarns(state, const, work)
-            other_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+            other_forces(state, const, state.first_row, state.end_row, True)
             place_surface(state, const, several)
             # an implicit spring of the nose has to know the pushes of the other plies first
             stack.waits_for_plies[p] = touch(state, const, work)

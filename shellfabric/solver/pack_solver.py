@@ -23,7 +23,6 @@ from shellfabric.jit.compile import PythonCell, compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
 from shellfabric.panel import edges, forces, quality
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import memory, near_kernels, pressure_kernels
 from shellfabric.plies.arrays import on_grids
@@ -165,7 +164,7 @@ class PackSolver(ExplicitSolver):
         # the forces at rest
         self._run_thread(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 0, 1, np.inf)
         if self.panel.backing is not None:
-            self.stack.after_stop[0] = self.panel.backing.after_stop
+            self.stack.after_stop = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
@@ -214,7 +213,7 @@ class PackSolver(ExplicitSolver):
     @property
     def steps(self) -> int:
         """Steps made."""
-        return int(self.stack.counter[STEP])
+        return int(self.stack.steps)
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
@@ -319,7 +318,7 @@ class PackSolver(ExplicitSolver):
         self._held = []
         for ply, (panel, const, state) in enumerate(self.parts):
             held_elements = None
-            if state.counter[FAILURES]:
+            if state.failures:
                 held_elements = held(state, const)
             self._held.append(held_elements)
             row = [
@@ -394,13 +393,13 @@ class PackSolver(ExplicitSolver):
         """
         self.monitor.sampled(self)
         self.contact.count[near_kernels.REMAKE] = 1
-        turned = self.stack.counter[TURNED]
+        turned = int(self.stack.stop_step)
         if turned and (
-            self.time - turned * self.const.dt >= self.stack.after_stop[0]
+            self.time - turned * self.const.dt >= self.stack.after_stop
             or self.steps >= self.last_step
         ):
             self.reason = STOPPED
-        failed = any(state.counter[FAILURES] for state in self.states)
+        failed = any(state.failures for state in self.states)
         ends = self.reason != RUNNING or self.zone is not None
         if ends or not failed or self.backing is not None:
             return

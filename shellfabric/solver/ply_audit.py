@@ -14,12 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
-from shellfabric.cloth import boundary_kernels
-from shellfabric.cloth.membrane_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel import forces, grading
-from shellfabric.panel.motion_kernels import STEP
 from shellfabric.panel.slots import by_element, by_node
-from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels as kernels
 
 if TYPE_CHECKING:
@@ -36,29 +32,26 @@ def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
     rest : [J] stored at rest
     """
     out = audited(const, state)
-    sums = state.energy_sums.sum(axis=0)
-    contact = state.contact_energy
-    slip = state.slip_energy
     found = {
-        "kinetic_fabric": out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
+        "kinetic_fabric": out[kernels.KINETIC] + state.gripped_kinetic_energy,
         "yarn_strain": out[kernels.STORED],
         "formulation_residual": 0.0,
         "yarn_snap": 0.0,
         "shear": out[kernels.SHEAR],
         "bending": 0.0,
         "packing": 0.0,
-        "viscous": sums[VISCOUS],
-        "contact": contact[contact_kernels.CONTACT],
-        "friction": contact[contact_kernels.FRICTION],
-        "failure_dissipation": sums[LOST_YARN] + sums[LOST_TRELLIS],
-        "clamp_friction": slip[boundary_kernels.CLAMP_FRICTION],
-        "boundary_work": slip[boundary_kernels.BOUNDARY_WORK],
+        "viscous": sum(state.viscous_work),
+        "contact": state.contact_work,
+        "friction": state.nose_friction_work,
+        "failure_dissipation": state.lost_with_yarns + state.lost_with_elements,
+        "clamp_friction": state.clamp_friction_work,
+        "boundary_work": state.boundary_work,
     }
     # work of the forces that is neither stored nor lost, of either form
     form = "formulation_residual"
     if const.variational:
         form = "yarn_snap"
-    found[form] = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    found[form] = sum(state.edge_work) - (out[kernels.STORED] - rest) - state.lost_with_yarns
     modules = forces.modules_of(state.modules)
     for module, stored in zip(modules, out[kernels.BENDING :]):
         found[module.energy] = found.get(module.energy, 0.0) + stored
@@ -147,11 +140,11 @@ def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> F
     """
     found = np.full((2, 4), np.nan)
     found[:, 0] = state.peak_tension
-    for family, (slot, step) in enumerate(state.peak_segment):
+    for family, (slot, step) in enumerate(zip(state.peak_slot, state.peak_step)):
         if step > 0:
             place = list(divmod(int(slot), const.row_stride))
             lines = panel.lines()
-            found[family, 1] = const.dt * (step + steps - state.counter[STEP])
+            found[family, 1] = const.dt * (step + steps - state.steps)
             found[family, 2:] = [lines[axis][at] for axis, at in enumerate(place)]
             found[family, 2 + family] = 0.5 * (
                 lines[family][place[family]] + lines[family][place[family] + 1]

@@ -23,24 +23,11 @@ from shellfabric.cloth import (
     packing_kernels,
 )
 from shellfabric.cloth.grid_kernels import place
-from shellfabric.cloth.membrane_kernels import (
-    DAMAGED,
-    LOST_TRELLIS,
-    LOST_YARN,
-    REDO,
-    VISCOUS,
-    WORK,
-)
+from shellfabric.cloth.membrane_kernels import DAMAGED, REDO
 from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.compile import call_module, entry, kernel
 from shellfabric.panel import element_kernels
-from shellfabric.panel.motion_kernels import (
-    AT_REST,
-    FAILURES,
-    STEP,
-    active_blocks,
-    move_rows,
-)
+from shellfabric.panel.motion_kernels import AT_REST, active_blocks, move_rows
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.state import unit
 
@@ -77,8 +64,8 @@ def stored_energy(state, const, low, high):
 @kernel(_nrt=False, inline="always")
 def find_failures(state, const, work):
     """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
-    first = state.active_rows[0]
-    last = state.active_rows[1]
+    first = state.first_row
+    last = state.end_row
     per = const.rows_per_block
     count = 0
     low = const.ni
@@ -121,9 +108,9 @@ def apply_failure(state, const, work):
     worked, damped = failure_kernels.half_step_work(const, state, low, high)
     failure_kernels.break_edges(const, state, 0, low, high)
     failure_kernels.break_edges(const, state, 1, low, high)
-    state.counter[FAILURES] += count
-    first = state.active_rows[0]
-    last = state.active_rows[1]
+    state.failures += count
+    first = state.first_row
+    last = state.end_row
     for block in range(*active_blocks(state, const)):
         if state.block_damage[block] == REDO:
             start = max(first, block * per)
@@ -132,10 +119,10 @@ def apply_failure(state, const, work):
             state.block_damage[block] = DAMAGED
     now_stored, now_sheared = stored_energy(state, const, low, high)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
-    state.energy_sums[0, WORK] += now_worked - worked
-    state.energy_sums[0, VISCOUS] += now_damped - damped
-    state.energy_sums[0, LOST_YARN] += stored - now_stored + now_worked - worked
-    state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
+    state.edge_work[0] += now_worked - worked
+    state.viscous_work[0] += now_damped - damped
+    state.lost_with_yarns += stored - now_stored + now_worked - worked
+    state.lost_with_elements += sheared - now_sheared
 
 
 @kernel(_nrt=False, inline="always")
@@ -147,13 +134,13 @@ def update_blocks(state, const, work):
     elements of a block need are moved first: its own, and two beyond.
     """
     per = const.rows_per_block
-    first_row = state.active_rows[0]
-    last_row = state.active_rows[1]
+    first_row = state.first_row
+    end_row = state.end_row
     moved = first_row
     for block in range(*active_blocks(state, const)):
         begin = max(first_row, block * per)
-        end = min(last_row, (block + 1) * per)
-        needed = min(end + 2, last_row + 1)
+        end = min(end_row, (block + 1) * per)
+        needed = min(end + 2, end_row + 1)
         move_rows(state, const, moved, needed)
         moved = needed
         element_kernels.element_forces(state, const, block, begin, end, work)
@@ -162,7 +149,7 @@ def update_blocks(state, const, work):
 @unit(later=True)
 def apply_backing_impulse(state, const):
     """Give the nodes the impulses of the backing block."""
-    window = (state.active_rows[0], state.active_rows[1] + 1, 0, const.row_stride)
+    window = (state.first_row, state.end_row + 1, 0, const.row_stride)
     give_impulses(state, const, state.f_block_cloth, window)
 
 
@@ -170,16 +157,16 @@ def apply_backing_impulse(state, const):
 def nose_contact(state, const, work):
     """The nose's forces on a ply."""
     taken, spring = contact_kernels.contact_forces(state, const, work.contact_scratch)
-    state.contact_energy[0] += taken
-    state.contact_energy[1] = spring
+    state.contact_work += taken
+    state.contact_spring_energy = spring
 
 
 @kernel(_nrt=False, inline="always")
 def break_yarns(state, const, work):
     """The failure criterion. Torn elements that are drawn out count as failures."""
     apply_failure(state, const, work)
-    if state.counter[FAILURES] > 0:
-        state.energy_sums[0, LOST_TRELLIS] += packing_kernels.let_go(state, const)
+    if state.failures > 0:
+        state.lost_with_elements += packing_kernels.let_go(state, const)
 
 
 @kernel(_nrt=False, inline="always")
@@ -189,7 +176,7 @@ def place_surface(state, const, all_rows):
     if const.window_follows:
         window_kernels.move_window(state, const)
     if all_rows:
-        place(state, const, state.active_rows[0], state.active_rows[1])
+        place(state, const, state.first_row, state.end_row)
     else:
         window_kernels.place_near_nose(state, const)
 
@@ -212,28 +199,28 @@ def touch(state, const, work):
 @kernel(_nrt=False, inline="always")
 def move_edges(state, const):
     """Count the step; move the nodes that slip in a clamp or are pulled."""
-    state.counter[STEP] += 1
+    state.steps += 1
     if const.slip_node.size > 0:
-        boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
+        boundary_kernels.update_slip_nodes(state, const, state.steps * const.dt)
 
 
 @kernel(_nrt=False)
 def internal_work(state):
     """[J] work done so far on yarns, their viscosity and the contact with the nose."""
-    total = state.contact_energy[contact_kernels.CONTACT] + state.yarn_work[0]
-    for block in range(state.energy_sums.shape[0]):
-        total += state.energy_sums[block, WORK] + state.energy_sums[block, VISCOUS]
+    total = state.contact_work + state.yarn_work
+    for block in range(state.edge_work.size):
+        total += state.edge_work[block] + state.viscous_work[block]
     return total
 
 
 @kernel(_nrt=False)
 def begin(state, const, work):
     """Forces and slipping edges of the state at rest, before its first step."""
-    if state.counter[STEP] == AT_REST:
+    if state.steps == AT_REST:
         initial_forces(state, const, work)
         if const.slip_node.size > 0:
             boundary_kernels.update_slip_nodes(state, const, 0.0)
-        state.counter[STEP] = 0
+        state.steps = 0
 
 
 @kernel(_nrt=False)

@@ -16,7 +16,6 @@ from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
-from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED
 from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over
 from shellfabric.plies.near_kernels import list_pressed
@@ -147,7 +146,7 @@ def predict_increments(state, const, contact, p):
         f_y = 0.0
         quarters *= 2.0
     force = math.sqrt(f_x**2 + f_y**2 + f_z**2)
-    state.force_scale[0] = quarters * force / const.points_per_side**2
+    state.force_scale = quarters * force / const.points_per_side**2
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -163,7 +162,7 @@ def clear_increments(state, const):
     for c in range(3):
         state.dv_other[c][:] = 0.0
         state.dv_contact[c][:] = 0.0
-    state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
+    state.force_scale = contact_kernels.MIN_FORCE_SCALE
 
 
 @kernel(_nrt=False)
@@ -202,7 +201,7 @@ def record_step(state, const, stack, force, row):
 @unit("integer", row="9")
 def note(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
-    stack.counter[STEP] += 1
+    stack.steps += 1
     first = row_of(states, 0)
     const = row_of(consts, 0)
     last = row_of(states, len(states) - 1)
@@ -213,10 +212,10 @@ def note(states, consts, stack, row):
     speed = normal_velocity(first, const, stack)
     if not abs(speed) < 1e9:
         return NOT_FINITE
-    if stack.counter[TURNED] > 0:
+    if stack.stop_step > 0:
         return RUNNING
-    if speed <= 0.0 and stack.after_stop[0] > 0.0:
-        stack.counter[TURNED] = stack.counter[STEP]
+    if speed <= 0.0 and stack.after_stop > 0.0:
+        stack.stop_step = stack.steps
         return RUNNING
     if speed <= 0.0:
         return STOPPED
@@ -226,9 +225,9 @@ def note(states, consts, stack, row):
     pushed = False
     for p in range(len(states)):
         state = row_of(states, p)
-        failed |= stack.ply_counters[p, FAILURES] > 0 or state.modules.nose[0] != 0
+        failed |= stack.ply_failures[p] > 0 or state.modules.nose[0] != 0
         pushed |= stack.f_contact_nose[p, 2] != 0.0 or state.f_block_nose[2] != 0.0
-        pushed |= state.yarns_ahead[0] > 0
+        pushed |= state.yarns_ahead > 0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
@@ -236,10 +235,10 @@ def note(states, consts, stack, row):
                 idle = False
                 break
     if idle:
-        stack.counter[IDLE] = stack.counter[IDLE] + 1
+        stack.idle_steps += 1
     else:
-        stack.counter[IDLE] = 0
-    if stack.counter[IDLE] >= const.perforation_delay_steps:
+        stack.idle_steps = 0
+    if stack.idle_steps >= const.perforation_delay_steps:
         return PERFORATED
     return RUNNING
 

@@ -21,11 +21,6 @@ from shellfabric.cloth.membrane_kernels import SUM
 from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
 
-# of zone.counter
-AHEAD = 0
-COUNTED = 1
-BREAKING = 2
-STEPS = 3
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 
@@ -57,7 +52,7 @@ def yarn_of(zone, family, n):
 @kernel(_nrt=False)
 def chain_forces(zone):
     """Forces of all segments, in place of what zone.f has."""
-    if zone.counter[BREAKING] > 0:
+    if zone.segments_to_break > 0:
         break_segments(zone)
     zone.stored = 0.0
     for family in range(2):
@@ -73,7 +68,7 @@ def break_segments(zone):
 
     Half of the work of a step is that of the force at its begin: their tension does it for the last time.
     """
-    zone.counter[BREAKING] = 0
+    zone.segments_to_break = 0
     for family in range(2):
         for n in range(*nodes_of(zone, family)):
             if zone.breaking[n] and zone.whole[n]:
@@ -193,7 +188,7 @@ def follow_segment(zone, family, n):
     strength_kernels.keep_damage(zone.rate_law, zone.rate_damage, n, damage)
     zone.breaking[n] = load > strength_kernels.highest_load(zone.rate_law) or damage >= 1.0
     if zone.breaking[n]:
-        zone.counter[BREAKING] += 1
+        zone.segments_to_break += 1
 
 
 @kernel(_nrt=False)

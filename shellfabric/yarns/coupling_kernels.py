@@ -18,9 +18,8 @@ import numpy as np
 
 from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
-from shellfabric.projectile import contact_kernels
 from shellfabric.state import unit
-from shellfabric.yarns.chain_kernels import AHEAD, COUNTED, STEPS, move, nodes_of
+from shellfabric.yarns.chain_kernels import move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.state import Zone
 from shellfabric.yarns.zone_kernels import inner_forces
@@ -38,7 +37,7 @@ def yarn_forces(state, const, own, first, last, acting):
 @unit("number", later=True, own=Zone)
 def march_zone(state, const, own, first, last, acting):
     """[J] that the contact of the nose with a zone stores; moves the zone through a step of its ply."""
-    steps = own.counter[STEPS]
+    steps = own.substeps
     end = three(state.projectile_position, 0)
     own.outer_force[PRESENT] = 0.0
     for k in range(1, steps + 1):
@@ -96,25 +95,25 @@ def give_outer_forces(zone, state, ahead):
 @kernel(_nrt=False)
 def write_to_ply(zone, state):
     """Copy what the ply keeps of the zone: work, energies of the contact with the nose, peak tensions, torn yarns."""
-    state.yarns_ahead[0] = zone.counter[AHEAD]
-    state.yarn_work[0] = stored_and_lost(zone)
-    state.contact_energy[contact_kernels.CONTACT] = zone.stored_at_nose
-    state.contact_energy[contact_kernels.SPRING] = zone.stored_at_nose
-    state.contact_energy[contact_kernels.FRICTION] = zone.nose_friction_work
+    state.yarns_ahead = zone.points_ahead
+    state.yarn_work = stored_and_lost(zone)
+    state.contact_work = zone.stored_at_nose
+    state.contact_spring_energy = zone.stored_at_nose
+    state.nose_friction_work = zone.nose_friction_work
     for family in range(2):
         if zone.peak_tension[family] > state.peak_tension[family]:
             state.peak_tension[family] = zone.peak_tension[family]
-            state.peak_segment[family, 0] = edge_of(zone, family, zone.peak_segment[family])
-            state.peak_segment[family, 1] = state.counter[0]
-    if zone.torn_segments > zone.counter[COUNTED]:
-        zone.counter[COUNTED] = int(zone.torn_segments)
+            state.peak_slot[family] = edge_of(zone, family, zone.peak_segment[family])
+            state.peak_step[family] = state.steps
+    if zone.torn_segments > zone.torn_segments_told:
+        zone.torn_segments_told = int(zone.torn_segments)
         for family in range(2):
             for n in range(*nodes_of(zone, family)):
                 k = edge_of(zone, family, n)
                 if zone.breaking[n] and not zone.whole[n] and state.failed[family][k] == 0:
                     state.failed[family][k] = 1
-                    state.failure_sums[0] += 1.0
-                    state.failure_sums[1] += zone.filtered[n] / zone.strength[n]
+                    state.failed_segments += 1.0
+                    state.loads_at_failure += zone.filtered[n] / zone.strength[n]
 
 
 @kernel()

@@ -248,7 +248,8 @@ class YarnPanel(Panel):
         grid(state.element_flag)[i0:i1, j0:j1] = flag
         per = const.rows_per_block
         state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, const.ni - 1) // per + 1] = DAMAGED
-        state.active_rows[:] = max(i0 - 3, 0), min(i1 + 3, const.ni)
+        state.first_row = max(i0 - 3, 0)
+        state.end_row = min(i1 + 3, const.ni)
         held = grid(state.inverse_mass) == 0.0
         mass = self._rim_masses(grid(state.yarn_length[0]), grid(state.yarn_length[1]))
         grid(state.mass)[i0 : i1 + 1, j0 : j1 + 1] = mass

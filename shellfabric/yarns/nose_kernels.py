@@ -20,7 +20,6 @@ from shellfabric.cloth.vector_kernels import (
 )
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile import friction_kernels, sdf_kernels
-from shellfabric.yarns.chain_kernels import AHEAD
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
@@ -34,7 +33,7 @@ def nose_forces(zone, state, const):
     for c in range(3):
         state.f_contact_nose[c] = 0.0
     zone.stored_at_nose = 0.0
-    zone.counter[AHEAD] = 0
+    zone.points_ahead = 0
     for family in range(2):
         for yarn in range(zone.yarns[family]):
             n = zone.first[family] + yarn * zone.nodes[family] + 1
@@ -77,7 +76,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
     if square > reach * reach:
         return
     if held and z > -const.shoulder and square < const.projectile_radius**2:
-        zone.counter[AHEAD] += 1
+        zone.points_ahead += 1
     if z > zone.rod:
         return
     distance, normal = sdf_kernels.distance(const.nose, (x, y, z))

@@ -377,11 +377,11 @@ class YarnPatch:
             nose_stiffness=NOSE * unit,
             nose_energy=np.zeros((size, 2)),
             rubbed=np.zeros((size if nose_friction > 0 else 0, 2, 6)),
-            counter=np.array([0, 0, 0, steps]),
+            substeps=steps,
             outer_force=np.zeros((2, chains["tied_node"].size + 1, 3)),
             tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),
             tied_rest=chains["x"][:, chains["tied_node"]].T,
-            **{name: np.zeros(()) for name in Zone.totals()},
+            **Zone.totals(),
         )
 
 

@@ -1,6 +1,6 @@
 """The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
 
-from shellfabric.jit.table import Row, array, number, total
+from shellfabric.jit.table import Row, array, integer, number, tally, total
 
 
 class Zone(Row):
@@ -96,13 +96,10 @@ class Zone(Row):
         "friction springs of these points, and their forces; empty without friction",
         kept=True,
     )
-    counter = array(
-        "4 int64",
-        "-",
-        "points of whole yarns ahead of the nose, torn segments that the ply knows of, segments to break, "
-        "steps in a step of the ply",
-        kept=True,
-    )
+    substeps = integer("-", "steps in a step of the ply")
+    points_ahead = tally("-", "points of whole yarns ahead of the nose", kept=True)
+    segments_to_break = tally("-", "segments that break in the next step", kept=True)
+    torn_segments_told = tally("-", "of `torn_segments` those that the ply knows of", kept=True)
     tied_node = array("ends int64", "-", "ends of the chains")
     tied_slot = array("ends int64", "-", "slots of the membrane's nodes that they are")
     tied_rest = array("ends, 3", "m", "their places at rest")

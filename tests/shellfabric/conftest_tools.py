@@ -35,7 +35,8 @@ def out_of_reach(panel):
     """A solver of one thread whose projectile is far away from its panel, all rows of which move; state, constants."""
     solver = solver_at_rest(panel, 1.0)
     solver.state.projectile_position[2] = -1.0
-    solver.state.active_rows[:] = 0, solver.const.ni
+    solver.state.first_row = 0
+    solver.state.end_row = solver.const.ni
     return solver, solver.state, solver.const
 
 
@@ -63,7 +64,8 @@ def far_from_nose(pack):
     solver.stack.projectile_position[:, 2] -= 1.0
     solver.stack.awake[:] = True
     for state, const in zip(solver.states, solver.consts):
-        state.active_rows[:] = 0, const.ni
+        state.first_row = 0
+        state.end_row = const.ni
     return solver
 
 
@@ -96,7 +98,7 @@ def foresee(state, const, due, given):
         found.append(tuple(np.zeros((3, state.surface.x[0].size))))
         for part, component in zip(found[-1], with_ghosts(const, np.moveaxis(vectors, -1, 0))):
             part[:] = component
-    return state._replace(dv_other=found[0], dv_contact=found[1], force_scale=np.array([0.02]))
+    return state._replace(dv_other=found[0], dv_contact=found[1], force_scale=np.array(0.02))
 
 
 def node_forces(panel, state):
@@ -121,7 +123,7 @@ def press_once(states, consts, contact):
     contact.count[near_kernels.STEP] += 1
     for p in range(len(states)):
         state = row_of(states, p)
-        place(state, row_of(consts, p), state.active_rows[0], state.active_rows[1])
+        place(state, row_of(consts, p), state.first_row, state.end_row)
         frame_kernels.look_at_torn(state, row_of(consts, p), contact, p)
     for t in range(contact.travel.size):
         near_kernels.refresh_box(contact, t)
@@ -147,7 +149,8 @@ class Pressed:
         self.contact = pack.plies_contact(self.consts, self.states)
         self.states = on_grids(self.states, self.contact)
         for state, const in zip(self.states, self.consts):
-            state.active_rows[:] = 0, const.ni
+            state.first_row = 0
+            state.end_row = const.ni
         self.thickness = self.contact.thickness[:2].mean()
 
     def copy(self):

@@ -374,7 +374,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
 
     def shot_at(target):
         solver = PackSolver(target, velocity, UNDECIDED, interval=_AUDIT)
-        solver.stack.after_stop[0] = 0.0
+        solver.stack.after_stop = 0.0
         return solver.run((hook,))
 
     solver = shot_at(panel)

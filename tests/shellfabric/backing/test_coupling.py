@@ -66,7 +66,7 @@ def test_forces_on_points_are_given_to_nodes_by_their_weights(fabric):
     for c, at in enumerate(behind._rest[:2]):
         moment = (forces[..., 2].ravel() * places[:, c]).sum()
         assert (nodal[2].ravel() * at).sum() == pytest.approx(moment, rel=1e-9)
-    assert tuple(state.active_rows) == (0, const.ni)
+    assert (state.first_row, state.end_row) == (0, const.ni)
 
 
 def test_a_step_of_the_face_throws_no_point_out():

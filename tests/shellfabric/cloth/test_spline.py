@@ -141,10 +141,10 @@ def plain_contact(panel, state, const):
                         e = (i - i_near) * columns + j - const.window_limits[2]
                         before = (
                             state.last_contact_force[a * const.points_per_side + b, e]
-                            + state.force_scale[0]
+                            + state.force_scale
                         )
                         speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
-                        speeding += state.force_scale[0] * const.dt / const.point_law.mass
+                        speeding += state.force_scale * const.dt / const.point_law.mass
                         moving_on = moving + sum(w * due[m] for m, w in shares.items())
                         f = max(-c * normal @ moving_on - k * depth, 0.0) / (
                             1.0 + c * speeding / before

@@ -55,8 +55,9 @@ def test_pulled_at_a_steady_rate_a_yarn_fails_by_the_law(ready, panel_of, rate, 
     assert expected * 0.99 - step < reached < expected * 1.001 + step
     if rate >= LAW.rates[0]:
         assert reached > expected * 0.999 - step
-    count, tensions = state.failure_sums
-    assert tensions / count == pytest.approx(reached / yarn.failure_strain)
+    assert state.loads_at_failure / state.failed_segments == pytest.approx(
+        reached / yarn.failure_strain
+    )
 
 
 def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):

@@ -18,6 +18,8 @@ from shellfabric.jit.table import (
     per_slot,
     row,
     row_of,
+    tally,
+    total,
 )
 
 
@@ -39,6 +41,8 @@ class Sheet(Row):
     grid = array("rows, 3", "m", "places")
     stiffness = per_slot("N/m", "of the slots")
     inner = row(Inner, "another")
+    taken = total("J", "work", kept=True)
+    steps = tally("-", "made", kept=True)
 
 
 def values(**changes):
@@ -79,6 +83,9 @@ FIXED.flags.writeable = False
         ("stiffness", np.zeros(8)[::2], "strides (16,)"),
         ("inner", None, "must be a row of Inner"),
         ("inner", np.zeros(1), "must be a row of Inner"),
+        ("taken", 1.5, "an array of float64 without dimensions, not 1.5"),
+        ("taken", np.zeros(1), "without dimensions"),
+        ("steps", np.zeros(()), "an array of int64 without dimensions"),
     ],
 )
 def test_a_row_of_wrong_values_is_refused_by_name(name, value, said):
@@ -146,7 +153,7 @@ def test_a_kernel_reads_what_python_has_put_there():
 
 
 def test_kept_is_what_a_checkpoint_has():
-    assert Sheet.kept() == ["u"]
+    assert Sheet.kept() == ["u", "taken", "steps"]
 
 
 @entry(_nrt=False)
@@ -164,3 +171,34 @@ def test_machine_code_of_other_places_is_not_taken():
     assert str(before.types[0]) != str(after.types[0])
     for table in (before, after):
         assert first_of_a(table(a=np.array([1.0]), b=np.array([2.0]))) == 1.0
+
+
+@entry(_nrt=False)
+def work_on(sheet):
+    """Add to the numbers of a row by their names."""
+    sheet.taken += 0.25 * sheet.steps
+    sheet.steps += 2
+    return sheet.taken
+
+
+def test_kernels_and_python_read_and_set_a_number_by_its_name():
+    sheet = Sheet(**values())
+    sheet.steps = 3
+    sheet.steps += 2
+    sheet.taken = 0.5
+    before = sheet.taken
+    assert work_on(sheet) == 1.75
+    assert before == 0.5  # a number, which does not follow what the kernel does
+    assert sheet.taken == 1.75
+    assert sheet.steps == 7
+
+
+def test_rows_may_share_a_number():
+    """A number of a row may be a place in an array of another, and goes with what a checkpoint keeps."""
+    of_all = np.array([4, 5, 6])
+    sheet = Sheet(**values(steps=of_all[1, ...]))
+    work_on(sheet)
+    assert of_all.tolist() == [4, 7, 6]
+    again = pickle.loads(pickle.dumps(sheet))
+    work_on(again)
+    assert (sheet.steps, again.steps) == (7, 9)

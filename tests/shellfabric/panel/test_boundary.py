@@ -33,11 +33,9 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     const = solver.const
     triangle = SLIP.length * np.maximum(1 - abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
-        steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(
-            state.counter[0]
-        )
+        steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.steps)
         advance(solver, max(steps, 30))
-        part = np.clip((state.counter[0] * const.dt - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
+        part = np.clip((state.steps * const.dt - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
         u = np.array([grid(const, each) for each in state.u])
         assert_allclose(u[1, :, -1], -part * triangle, atol=1e-15)
         assert not u[[0, 2], :, -1].any()

@@ -13,7 +13,6 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
 from shellfabric.plies.model import Pack, at_angle
@@ -241,8 +240,9 @@ def crumpled(ply, plies, seed=7):
         state.element_flag[cut] |= WARP_FAILED
         state.intact_fraction[0][cut] = 0.0
         state.block_damage[:] = 1
-        state.counter[FAILURES] = 12
-        state.active_rows[:] = 0, const.ni
+        state.failures = 12
+        state.first_row = 0
+        state.end_row = const.ni
         march.stack.awake[p] = True
     return march
 
@@ -288,7 +288,7 @@ def bore(march, p):
     for family in (0, 1):
         state.intact_fraction[family][:] = 0.0
     state.block_damage[:] = 1
-    state.counter[FAILURES] = march.stack.ply_counters[p, FAILURES] = 1
+    state.failures = march.stack.ply_failures[p] = 1
 
 
 def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
@@ -299,7 +299,8 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
     inner = slice(4, march.const.ni - 3)
     nodes = (const.ni + 1) * const.row_stride
     march.states[0].v[2][:nodes].reshape(-1, const.row_stride)[inner, inner] = 20.0
-    march.states[0].active_rows[:] = 0, const.ni
+    march.states[0].first_row = 0
+    march.states[0].end_row = const.ni
 
     def momentum():
         return momenta(march).sum(axis=0) + march.projectile.mass * march.stack.projectile_velocity

@@ -10,7 +10,6 @@ from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
 from shellfabric.cloth import surface_kernels as surface
-from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import frame_kernels, pressure_kernels
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 
@@ -314,7 +313,7 @@ def tear(pressed, p, rows, flag=1):
     columns = rows if flag == 7 else rows.start
     grid(const, state.element_flag)[rows, columns] = flag
     grid(const, state.intact_fraction[0])[rows, columns] = 0.0
-    state.counter[FAILURES] += 1
+    state.failures += 1
 
 
 @pytest.mark.parametrize("torn", [0, 1])
@@ -343,7 +342,7 @@ def contract(pressed, factor):
 def test_a_torn_ply_that_contracts_presses_with_its_area_at_rest(ply, alone):
     two = Flat(ply).alone() if alone else Flat(ply)
     whole = two.place(0.2)
-    two.states[0].counter[FAILURES] += 1
+    two.states[0].failures += 1
     for factor in (0.8, 0.5, 0.1):
         contract(two, factor)
         assert two.place(0.2) == pytest.approx(whole, rel=1e-6)
@@ -354,7 +353,7 @@ def test_a_torn_ply_that_contracts_presses_with_its_area_at_rest(ply, alone):
 def test_plies_that_are_at_a_depth_without_motion_do_not_press(ply, alone, torn):
     """What a search finds at once gives no energy: beside tears, and in folds of whole plies."""
     two = Flat(ply).alone() if alone else Flat(ply)
-    two.states[0].counter[FAILURES] += torn
+    two.states[0].failures += torn
     grid(two.consts[0], two.states[0].u[2])[:] = 0.2 * two.thickness
     two.press()
     assert two.force(0, frame_kernels.BEHIND)[..., 2].sum() == 0.0

@@ -8,7 +8,6 @@ from panels import make_panel
 from shellfabric.cloth.membrane_kernels import DAMAGED, ERODED
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import contact_kernels
-from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.window_kernels import place_near_nose
 
@@ -80,14 +79,14 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
     pushed = sum(float(f[nodes] @ v[nodes]) for f, v in zip(state.f_contact, state.v))
     pushed += float(state.f_contact_nose @ state.projectile_velocity)
     assert abs(pushed) > 10.0
-    rubbed = state.contact_energy[FRICTION]
+    rubbed = state.nose_friction_work
     for intact in state.intact_fraction:
         intact[:] = 0.0
     state.element_flag[nodes] = flag
     state.block_damage[:] = DAMAGED
     place_near_nose(state, const)
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
-    assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
+    assert more + state.nose_friction_work - rubbed == pytest.approx(
         -0.5 * const.dt * pushed, rel=1e-9
     )
     assert not state.last_contact_force.any()

@@ -16,7 +16,6 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.yarns.chain_kernels import STEPS
 from shellfabric.yarns.model import YarnZone, aim, friction_to_hold, slip_at_rim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
@@ -58,7 +57,7 @@ def test_nose_membrane_and_zone_keep_their_momentum(table):
     zone = solver.zone
     state = solver.state
     const = solver.const
-    assert zone.counter[STEPS] == 3
+    assert zone.substeps == 3
     given = SPHERE.mass * 60.0
     kept = SPHERE.mass * solver.stack.projectile_velocity[2]
     kept += const.dt * state.f_contact_nose[2]
