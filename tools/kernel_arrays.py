@@ -44,6 +44,9 @@ TERMS = {
         "Consecutive element rows that one thread handles together, small enough for the "
         "cache. Results do not depend on blocks or threads."
     ),
+    "total, tally": (
+        "A number, or an integer, that kernels set by its name, as in `state.failures += 1`. So does Python."
+    ),
     "active rows": (
         "Element rows that motion can have reached; the rest is exactly at rest and is skipped."
     ),
