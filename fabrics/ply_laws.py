@@ -61,7 +61,7 @@ def choose(choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:
 
 
 def fitted_data(choice: PlyLaw | FilePath) -> str:
-    """Digest of the data that a law.json was fitted to; empty of any other choice, and if it is not
+    """Digest the data that a law.json was fitted to; empty of any other choice, and if it is not
     known."""
     if isinstance(choice, PlyLaw) or choice in NAMED or Path(choice).suffix == ".csv":
         return ""

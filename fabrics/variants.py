@@ -137,8 +137,8 @@ def with_failure_length(fabric: Fabric, length: float) -> Fabric:
 
 
 def data_digest(fabric: Fabric) -> str:
-    """Digest of what a compression law of the fabric is computed from: its weave, sections and
-    solid laws.
+    """Digest what a compression law of the fabric is computed from: its weave, sections and solid
+    laws.
 
     The linear densities are the effective ones, so that it is the same for either choice; laws of
     the solid that are assumed are left out.

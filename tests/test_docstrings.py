@@ -319,3 +319,38 @@ def test_planted_references_are_found_if_they_name_nothing(small_house, referenc
     if dead:
         assert found[0].startswith("shellfabric/planted.py:")
         assert found[0].endswith(f"`{reference}`")
+
+
+@pytest.mark.parametrize(
+    ("docstring", "verb"),
+    [
+        ("Compute the force [N].", True),
+        ("Number the nodes.", True),
+        ("Solve.", True),
+        ("Number of nodes.", False),
+        ("The force [N].", False),
+        ("[N] of the nose.", False),
+        ("Number, from 1, of the yarn.", False),
+        ("`load` of eight points.", False),
+        ("", False),
+    ],
+)
+def test_first_words_that_are_verbs_are_told_from_nouns(tool, docstring, verb):
+    assert tool("docstrings").begins_with_a_verb(docstring) is verb
+
+
+def test_public_functions_without_a_verb_are_reported_properties_and_private_ones_are_not(
+    tool, tmp_path
+):
+    folder = tmp_path / "fabrics"
+    folder.mkdir()
+    (folder / "cloth.py").write_text(
+        'def force(u):\n    """The force."""\n\n'
+        'def _inner(u):\n    """The same."""\n\n'
+        "class Yarn:\n"
+        '    @property\n    def mass(self):\n        """[kg]"""\n\n'
+        '    def stress(self):\n        """Compute the stress."""\n\n'
+        "    def strain(self):\n        return 0\n"
+    )
+    found = tool("docstrings").without_verb(tmp_path)
+    assert found == ["fabrics/cloth.py:1 force", "fabrics/cloth.py:15 Yarn.strain"]

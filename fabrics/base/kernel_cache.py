@@ -123,7 +123,7 @@ def digest(parts: Iterable[tuple[str, bytes]]) -> str:
 
 @cache
 def one_compiler_a_node() -> None:
-    """From now on look for kernels in the cache, and compile those that are not there, under a
+    """Look for kernels in the cache from now on, and compile those that are not there, under a
     lock.
 
     The processes of a user on a node that share a cache share the lock, so that each kernel is

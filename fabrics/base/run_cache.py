@@ -50,7 +50,7 @@ _SHORT = 12
 
 @cache
 def code(*modules: str) -> str:
-    """Digest of the code of some modules (dotted names): the names and bytes of `files_of`."""
+    """Digest the code of some modules (dotted names): the names and bytes of `files_of`."""
     return digest((str(file.relative_to(ROOT)), file.read_bytes()) for file in files_of(*modules))
 
 
@@ -88,7 +88,7 @@ def version(*modules: str) -> str:
 
 
 def key(inputs: object, *modules: str) -> str:
-    """Name of a result: digest of the inputs, of the version and of the code of the modules that
+    """Name a result: the digest of the inputs, of the version and of the code of the modules that
     compute it."""
     return hashlib.sha256(
         f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()
@@ -96,7 +96,7 @@ def key(inputs: object, *modules: str) -> str:
 
 
 def inputs_digest(inputs: object) -> str:
-    """Digest of a value.
+    """Digest a value.
 
     Raises
     ------

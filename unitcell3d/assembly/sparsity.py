@@ -65,7 +65,7 @@ class Pattern:
         return bool(np.all(np.isin(self._pairs(stencil), self._keys)))
 
     def places(self, stencil: IntArray) -> IntArray:
-        """Number of the block (m, s, s) of each pair of nodes of the stencils (m, s)."""
+        """Return the number of the block (m, s, s) of each pair of nodes of the stencils (m, s)."""
         return np.searchsorted(self._keys, self._pairs(stencil))
 
     def scalar_places(self, rows: IntArray, columns: IntArray) -> IntArray:

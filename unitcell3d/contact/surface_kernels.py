@@ -46,8 +46,8 @@ def cubics(t, w):
 
 @kernel()
 def cell_of(xi, cells):
-    """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the
-    grid."""
+    """Return the number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one
+    beyond the grid."""
     return min(max(int(np.floor(xi)), 0), cells - 1)
 
 

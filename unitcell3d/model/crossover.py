@@ -241,8 +241,8 @@ class YarnsModel:
         return strain, self.fibres.means(strain)
 
     def worst_element(self, x: FloatArray) -> tuple[int, float]:
-        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that
-        ratio."""
+        """Find the number of the hexahedron with the least corner volume ratio to the undeformed,
+        and that ratio."""
         with np.errstate(invalid="ignore"):  # positions of a state that has gone wrong
             volumes = np.linalg.det(corner_edges(x, self.hexes))
         ratio = volumes / np.linalg.det(corner_edges(self.points, self.hexes))

@@ -55,7 +55,7 @@ class Record:
 
 
 def judge(claim: Claim, found: Values) -> Record:
-    """Record of a claim of which {name: value} were found; numbers are in SI."""
+    """Judge a claim of which {name: value} were found, and return its record; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
     missed = []
     for condition in claim.conditions:

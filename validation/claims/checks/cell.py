@@ -59,7 +59,7 @@ def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
 
 
 def stretch_at_failure(yarn: Yarn) -> float:
-    """Stretch of the cell at which a yarn alone is at its strength."""
+    """Find the stretch of the cell at which a yarn alone is at its strength."""
     return (1 + yarn.crimp) * (1 + yarn.failure_strain)
 
 
