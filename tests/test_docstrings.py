@@ -30,6 +30,10 @@ DOTTED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\(\))?")
 SOURCE_FILE = re.compile(r"[\w./-]+\.(py|md|toml|csv|sh|ipynb)")
 # files that users write and runs make
 USERS_FILES = (".toml", ".csv", ".json", ".h5", ".vtu", ".png", ".html", ".k", ".inp")
+# "`SHAPES` of `shellfabric/projectile/shapes.py`"
+NAME_OF_FILE = re.compile(
+    r"`(\w+)`\s+(?:of|in)\s+`((?:fabrics|meshing|unitcell3d|shellfabric|validation|weavecell)/[\w/]+\.py)`"
+)
 MAKE = re.compile(r"make ([a-z-]+)")
 DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
@@ -41,6 +45,7 @@ class Index:
         self.root = root
         self.trees = {}  # path: tree
         self.modules = {}  # dotted name of a module or folder: names in it
+        self.defined = {}  # dotted name of a module: names that it defines, without imports
         self.classes = {}  # name of a class: [(its members, names of its bases)]
         self.members = set()  # names that any class, module or table defines
         self.libraries = set()  # names that come from other libraries
@@ -72,6 +77,8 @@ class Index:
             parts = parts[:-1]
         names = assigned(tree)
         self._add_name(parts, names)
+        own = [node for node in tree.body if not isinstance(node, (ast.Import, ast.ImportFrom))]
+        self.defined[".".join(parts)] = assigned(ast.Module(own, []))
         self.members |= names
         for node in ast.walk(tree):
             if isinstance(node, (ast.Import, ast.ImportFrom)):
@@ -266,8 +273,47 @@ def dead_references(root):
                     yield f"{path.relative_to(root)}:{line} `{reference}`"
 
 
+def pages(root):
+    """Yield (path, text) of README, CONTRIBUTING and the pages of the documentation."""
+    for path in (root / "README.md", root / "CONTRIBUTING.md", *sorted(root.glob("docs/**/*.md"))):
+        if path.exists() and "generated" not in path.parts:
+            yield path, path.read_text("utf-8")
+
+
+def dead_references_of_pages(root):
+    """Yield "file:line `reference`" of each file, and each name of a file, that is not there.
+
+    Pages quote keys, columns and commands in backticks too. Looked up are dotted names that begin
+    with a package, files of the packages, and names written as "`NAME` of `folder/file.py`".
+    """
+    index = Index(root)
+    for path, text in pages(root):
+        for found in IN_BACKTICKS.finditer(text):
+            reference = found[1]
+            ours = reference.split(".")[0].split("/")[0] in PACKAGES
+            dotted = DOTTED.fullmatch(reference) and "." in reference
+            source = SOURCE_FILE.fullmatch(reference) and reference.endswith(".py")
+            if ours and (dotted or source) and not exists(index, reference, set()):
+                yield place_on_page(root, path, text, found, reference)
+        for found in NAME_OF_FILE.finditer(text):
+            name, file = found.groups()
+            module = ".".join(Path(file).with_suffix("").parts)
+            if name not in index.defined.get(module, ()):
+                yield place_on_page(root, path, text, found, f"{name} of {file}")
+
+
+def place_on_page(root, path, text, found, reference):
+    """Write "file:line `reference`" for a match on a page."""
+    line = text.count("\n", 0, found.start()) + 1
+    return f"{path.relative_to(root)}:{line} `{reference}`"
+
+
 def test_references_name_what_exists():
     assert sorted(dead_references(ROOT)) == []
+
+
+def test_pages_name_files_and_functions_that_exist():
+    assert sorted(dead_references_of_pages(ROOT)) == []
 
 
 @pytest.fixture(scope="module")
@@ -287,6 +333,7 @@ def small_house(tmp_path_factory):
         "class Panel(Base):\n    def mesh(self):\n        self.sides = 2\n\n"
         "class Grid:\n    kept: int\n"
     )
+    (root / "docs").mkdir()
     return root
 
 
@@ -354,3 +401,20 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
     )
     found = tool("docstrings").without_verb(tmp_path)
     assert found == ["fabrics/cloth.py:1 force", "fabrics/cloth.py:15 Yarn.strain"]
+
+
+@pytest.mark.parametrize(
+    ("text", "dead"),
+    [
+        ("`pull_yarns` of `shellfabric/cloth/yarn_kernels.py`", 0),
+        ("`push_yarns` of `shellfabric/cloth/yarn_kernels.py`", 1),
+        ("`Panel` in\n  `shellfabric/cloth/panel.py`", 0),
+        ("`Plate` in\n  `shellfabric/cloth/panel.py`", 1),
+        ("`shellfabric/cloth/gone.py`", 1),
+        ("`shellfabric.cloth.panel.Panel.mesh` and `shellfabric.state`", 1),
+        ("`projectile.shape` of an input file, `my.toml`, `panel --mesh`", 0),
+    ],
+)
+def test_planted_references_of_pages_are_found_if_they_name_nothing(small_house, text, dead):
+    (small_house / "CONTRIBUTING.md").write_text(f"# Add\n\n- {text}\n")
+    assert len(list(dead_references_of_pages(small_house))) == dead
