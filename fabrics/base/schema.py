@@ -2,8 +2,10 @@
 each error.
 
 A field of a table is all that is said of its key: type, unit, limits, default, what it means
-(`title`) and what is allowed (`description`). What keys mean to each other is said by validators of
-the table that holds them. For each value that is wrong the user gets one line: the file, the key,
+(`title`) and what is allowed (`description`). Marks say how Python gives it (`AsKeywords`,
+`AsDict`, `FileOnly`, `MayBeObject`) and what it is in the standard shot (`StandardShot`): they stand
+beside the field's type, `Annotated[string(...), FileOnly()]`. What keys mean to each other is said
+by validators of the table that holds them. For each value that is wrong the user gets one line: the file, the key,
 the value as written, and what is allowed. The docstring of a table is a sentence about it and,
 after an empty line, an example. The page of keys, the JSON Schemas and what Python takes are made
 from them.
@@ -18,6 +20,7 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -72,6 +75,64 @@ class Table(BaseModel):
 
 
 Kind = TypeVar("Kind", bound=Table)
+Mark = TypeVar("Mark")
+
+
+@dataclass(frozen=True)
+class AsKeywords:
+    """Mark a table whose keys are keywords of their own in Python."""
+
+
+@dataclass(frozen=True)
+class AsDict:
+    """Mark a table that Python gives as a dict.
+
+    Parameters
+    ----------
+    named_by : key whose value a text in place of the dict is, or None if there is no such key
+    """
+
+    named_by: str | None = None
+
+
+@dataclass(frozen=True)
+class FileOnly:
+    """Mark a key of the input file that Python has not among its keywords."""
+
+
+@dataclass(frozen=True)
+class MayBeObject:
+    """Mark a key whose value may be an object in Python, which no file can hold."""
+
+
+@dataclass(frozen=True)
+class StandardShot:
+    """Mark a key that files have to give, with its value where a fabric is named alone.
+
+    Parameters
+    ----------
+    value : as it stands in a file
+    """
+
+    value: str
+
+
+def mark(entry: FieldInfo, kind: type[Mark]) -> Mark | None:
+    """Return the mark of a kind that a field has, or None."""
+    for part in entry.metadata:
+        if isinstance(part, kind):
+            return part
+    return None
+
+
+def marked(table: type[Table], kind: type[Mark]) -> dict[str, Mark]:
+    """Return {key: its mark} of the keys of a table that have a mark of a kind."""
+    found = {}
+    for key, entry in table.model_fields.items():
+        own = mark(entry, kind)
+        if own is not None:
+            found[key] = own
+    return found
 
 
 def described(

@@ -3,7 +3,8 @@
 The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables
 [projectile], [history], [numerics] and [backing] are dicts; a projectile or a backing may be just
 its name. A number stands for a quantity in SI units, an object for what a file names; everything
-else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it
+else is written as in the file. Which is which is marked at the fields of the schema
+(`fabrics.base.schema`). `Keywords` names them for editors and type checkers; a test holds it
 against the schema.
 """
 
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, InputErrors, nearest, together
-from weavecell.scenes.target import STANDARD
+from fabrics.base.schema import AsDict, AsKeywords, FileOnly, MayBeObject, mark
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw, HasLaw
@@ -28,29 +29,7 @@ if TYPE_CHECKING:
         CompressionLaw | tuple[CompressionLaw, CompressionLaw] | HasLaw | FilePath | None
     )
 
-__all__ = ["DEFAULTS", "Keywords", "scene"]
-
-FLAT = ("fabric", "panel", "run")
-GROUPS = ("projectile", "history", "numerics", "backing")
-# keys of the file that Python has not: the fabric is an argument, a call writes all outputs
-NOT_HERE = (
-    "fabric.name",
-    "fabric.file",
-    "fabric.linear_density",
-    "run.checkpoint_interval",
-    "run.outputs",
-)
-# of keys that the input file requires
-DEFAULTS: dict[str, Any] = {
-    "projectile": {
-        key: value for key, value in STANDARD["projectile"].items() if key != "strike_velocity"
-    },
-    **STANDARD["panel"],
-}
-_OBJECTS = {
-    "fabric": ("law", "surface"),
-    "panel": ("ply_contact",),
-}  # may be objects, which no file can hold
+__all__ = ["Keywords", "scene"]
 
 Function = TypeVar("Function", bound=Callable)
 # a number in SI units, or a text with a unit
@@ -195,12 +174,38 @@ def tables() -> dict[str, str]:
     them."""
     from weavecell.scenes.impact import Scene
 
-    flat = {}
-    for name in FLAT:
-        for key in fields_of(Scene, name):
-            if f"{name}.{key}" not in NOT_HERE:
-                flat[key] = name
-    return flat | dict.fromkeys(GROUPS, "")
+    found = {}
+    for name, entry in Scene.model_fields.items():
+        if mark(entry, AsDict):
+            found[name] = ""
+        elif mark(entry, AsKeywords):
+            keys = [
+                key for key, field in fields_of(Scene, name).items() if not mark(field, FileOnly)
+            ]
+            found |= dict.fromkeys(keys, name)
+    return found
+
+
+def defaults() -> dict[str, Any]:
+    """Return {keyword: value} of what files have to give and Python may leave out, which is that of
+    the standard shot."""
+    from weavecell.scenes.impact import standard_shot
+
+    of_table = tables()
+    values: dict[str, Any] = {}
+    for table, keys in standard_shot().items():
+        for key, value in keys.items():
+            if of_table.get(key) == table:
+                values[key] = value
+            elif of_table.get(table) == "" and not mark(_field(table, key), FileOnly):
+                values.setdefault(table, {})[key] = value
+    return values
+
+
+def _field(table, key):
+    from weavecell.scenes.impact import Scene
+
+    return fields_of(Scene, table)[key]
 
 
 def scene(
@@ -223,10 +228,9 @@ def scene(
     from weavecell.scenes import honoured, impact
 
     known = tables()
-    table: dict[str, Any] = {name: {} for name in (*FLAT, "projectile")}
-    for key, value in (
-        DEFAULTS | {key: value for key, value in options.items() if value is not None}
-    ).items():
+    table: dict[str, Any] = {name: {} for name in (*known.values(), "projectile") if name}
+    given = {key: value for key, value in options.items() if value is not None}
+    for key, value in (defaults() | given).items():
         if key not in known:
             raise _unknown(key, value, known, function)
         if isinstance(value, tuple) and key == "law":
@@ -237,10 +241,10 @@ def scene(
             table[known[key]][key] = of_file
         else:
             table[key] = of_file
-    if isinstance(table["projectile"], str):
-        table["projectile"] = {"name": table["projectile"]}
-    if isinstance(table.get("backing"), str):
-        table["backing"] = {"material": table["backing"]}
+    for name, entry in impact.Scene.model_fields.items():
+        as_dict = mark(entry, AsDict)
+        if as_dict and as_dict.named_by and isinstance(table.get(name), str):
+            table[name] = {as_dict.named_by: table[name]}
     if not isinstance(table["projectile"], dict) or "strike_velocity" in table["projectile"]:
         raise InputError(
             key="projectile",
@@ -283,10 +287,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
     from weavecell.scenes.impact import Scene
 
-    objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
-    if not isinstance(fabric, (str, Path)) or not all(
-        isinstance(value, (str, dict)) for value in objects
-    ):
+    if not isinstance(fabric, (str, Path)) or _has_object(table):
         return ""
     if str(fabric).endswith(".toml"):
         named = {"file": str(Path(fabric).resolve())}
@@ -298,6 +299,18 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
         if written := _text(value, Scene.model_fields[key]):
             content[key] = written
     return tomlkit.dumps(content)
+
+
+def _has_object(table):
+    """Return whether a table of `scene` has an object, which no file can hold."""
+    from weavecell.scenes.impact import Scene
+
+    for name in table:
+        for key, field in fields_of(Scene, name).items():
+            value = table[name].get(key, "")
+            if mark(field, MayBeObject) and not isinstance(value, (str, dict)):
+                return True
+    return False
 
 
 @contextmanager
@@ -350,8 +363,9 @@ def _unknown(key, value, known, function):
     from weavecell.scenes.impact import Scene
     from weavecell.scenes.panel import PanelTable
 
-    for group in GROUPS:
-        if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
+    for group in (name for name, table in known.items() if not table):
+        field = fields_of(Scene, group).get(key)
+        if field is not None and not mark(field, FileOnly):
             return InputError(
                 f'is not a keyword of {function}, did you mean {group}={{"{key}": ...}}?',
                 key=key,
@@ -371,9 +385,11 @@ def _unknown(key, value, known, function):
     )
 
 
-def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
+def named(problem: InputError, flat: Sequence[str] | None = None) -> InputError:
     """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the
-    tables `flat`."""
+    tables `flat`; None: those that the schema of an impact gives as keywords."""
+    if flat is None:
+        flat = sorted(set(tables().values()))
     if isinstance(problem, InputErrors):
         return together([named(part, flat) for part in problem.problems])
     key = problem.key or ""

@@ -13,7 +13,9 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
+    FileOnly,
     Kind,
+    MayBeObject,
     Table,
     described,
     in_python,
@@ -125,20 +127,29 @@ class FabricTable(Table):
     law = "published"
     """
 
-    name: string(
-        "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
-        "the name of a fabric of the catalogue",
-    ) = None
-    file: string(
-        "fabric file of the user; either this or `fabric.name`",
-        "the path of a fabric file (*.toml)",
-    ) = None
-    linear_density: one_of(
-        "the linear density that is used where a fabric file has two: `effective`, from the areal density of the "
-        "published runs, or `nominal`, of the data sheet",
-        "effective",
-        "nominal",
-    ) = "effective"
+    name: Annotated[
+        string(
+            "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
+            "the name of a fabric of the catalogue",
+        ),
+        FileOnly(),
+    ] = None
+    file: Annotated[
+        string(
+            "fabric file of the user; either this or `fabric.name`",
+            "the path of a fabric file (*.toml)",
+        ),
+        FileOnly(),
+    ] = None
+    linear_density: Annotated[
+        one_of(
+            "the linear density that is used where a fabric file has two: `effective`, from the areal density of the "
+            "published runs, or `nominal`, of the data sheet",
+            "effective",
+            "nominal",
+        ),
+        FileOnly(),
+    ] = "effective"
     weaving_damage: Annotated[
         WeavingDamageTable | None,
         Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
@@ -149,6 +160,7 @@ class FabricTable(Table):
             "compression law of warp and weft; needed for a fabric without a published one, such as your own",
             LAW,
         ),
+        MayBeObject(),
     ] = "published"
     cell_model: one_of(
         "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
@@ -171,6 +183,7 @@ class FabricTable(Table):
             "response surface of the 3D crossover, which replaces the analytical cell and `fabric.law`",
             "the path of a surface written by `weavecell surface`",
         ),
+        MayBeObject(),
     ] = None
     crossover_gap: quantity(
         "play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True

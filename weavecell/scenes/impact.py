@@ -12,15 +12,21 @@ from fabrics import backings, projectiles
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
+    AsDict,
+    AsKeywords,
+    FileOnly,
+    StandardShot,
     Table,
     angle,
     described,
+    marked,
     number,
     one_of,
     quantities,
     quantity,
     some_of,
     string,
+    tables_in,
     validated,
     whole,
 )
@@ -58,19 +64,29 @@ class ProjectileTable(Table):
         "file; its values replace keys that are not given, also required ones",
         "the name of a projectile, or the path of a projectile file (*.toml)",
     ) = None
-    mass: quantity(
-        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.25 to 30 diameters",
-        "kg",
-        "3 g",
-    )
-    diameter: quantity("diameter", "m", "5.5 mm")
-    edge_radius: quantity(
-        "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
-        "to which sharp ones are rounded",
-        "m",
-        "0.3 mm",
-    ) = None
-    strike_velocity: quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s")
+    mass: Annotated[
+        quantity(
+            "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.25 to 30 diameters",
+            "kg",
+            "3 g",
+        ),
+        StandardShot("3 g"),
+    ]
+    diameter: Annotated[quantity("diameter", "m", "5.5 mm"), StandardShot("5.5 mm")]
+    edge_radius: Annotated[
+        quantity(
+            "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
+            "to which sharp ones are rounded",
+            "m",
+            "0.3 mm",
+        ),
+        StandardShot("0.3 mm"),
+    ] = None
+    strike_velocity: Annotated[
+        quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s"),
+        FileOnly(),
+        StandardShot("92.5 m/s"),
+    ]
     shape: one_of("shape of the nose", *SHAPES) = "flat"
     length: quantity(
         "overall length; without it a cylinder has no rear end, and the elastic bar has the length given in the thesis",
@@ -235,18 +251,24 @@ class RunTable(Table):
     snapshot_interval: quantity(
         "time between the shapes kept for ParaView and the pictures", "s", "10 us"
     ) = 1e-5
-    checkpoint_interval: quantity(
-        "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
-        "is written",
-        "s",
-        "50 us",
-    ) = 5e-5
-    outputs: some_of(
-        "which outputs are written beside `histories.h5` and `summary.json`",
-        "paraview",
-        "pictures",
-        "report",
-    ) = ("paraview", "pictures", "report")
+    checkpoint_interval: Annotated[
+        quantity(
+            "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
+            "is written",
+            "s",
+            "50 us",
+        ),
+        FileOnly(),
+    ] = 5e-5
+    outputs: Annotated[
+        some_of(
+            "which outputs are written beside `histories.h5` and `summary.json`",
+            "paraview",
+            "pictures",
+            "report",
+        ),
+        FileOnly(),
+    ] = ("paraview", "pictures", "report")
 
     @model_validator(mode="after")
     def _within_the_run(self):
@@ -352,14 +374,22 @@ class Scene(Table):
     """
 
     title: string("heading of the report", "a text") = ""
-    fabric: Annotated[FabricTable, Field(description="a table [fabric]")] = FabricTable()
-    projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
-    panel: Annotated[PanelTable, Field(description="a table [panel]")]
-    run: Annotated[RunTable, Field(description="a table [run]")] = RunTable()
-    history: Annotated[HistoryTable | None, Field(description="a table [history]")] = None
+    fabric: Annotated[FabricTable, Field(description="a table [fabric]"), AsKeywords()] = (
+        FabricTable()
+    )
+    projectile: Annotated[
+        ProjectileTable, Field(description="a table [projectile]"), AsDict("name")
+    ]
+    panel: Annotated[PanelTable, Field(description="a table [panel]"), AsKeywords()]
+    run: Annotated[RunTable, Field(description="a table [run]"), AsKeywords()] = RunTable()
+    history: Annotated[HistoryTable | None, Field(description="a table [history]"), AsDict()] = None
     accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
-    numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
-    backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
+    numerics: Annotated[NumericsTable, Field(description="a table [numerics]"), AsDict()] = (
+        NumericsTable()
+    )
+    backing: Annotated[
+        BackingTable | None, Field(description="a table [backing]"), AsDict("material")
+    ] = None
 
     @model_validator(mode="after")
     def _of_tables_that_fit(self):
@@ -401,6 +431,18 @@ class Scene(Table):
             if panel.sets(key):
                 raise InputError(key=f"panel.{key}", allowed=words)
         return self
+
+
+def standard_shot() -> dict[str, dict[str, str]]:
+    """Return {table: {key: value as it stands in a file}} of the shot of the thesis' tests: one ply,
+    203 mm square and clamped, struck by the flat cylinder of 3 g and 5.5 mm."""
+    shot = {}
+    for name, entry in Scene.model_fields.items():
+        for table in tables_in(entry.annotation):
+            values = {key: mark.value for key, mark in marked(table, StandardShot).items()}
+            if values:
+                shot[name] = values
+    return shot
 
 
 def check(

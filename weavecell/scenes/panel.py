@@ -12,6 +12,8 @@ from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
     TEXT_OR_TWO,
+    MayBeObject,
+    StandardShot,
     Table,
     angle,
     as_tuple,
@@ -268,15 +270,18 @@ class PanelTable(Table):
     plies = 4
     """
 
-    opening: from_text(
-        float | tuple[float, float],
-        _opening,
-        "side of the square opening of the frame, or both sides; diameter of a round one",
-        f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
-        "m",
-        "203 mm",
-        TEXT_OR_TWO,
-    )
+    opening: Annotated[
+        from_text(
+            float | tuple[float, float],
+            _opening,
+            "side of the square opening of the frame, or both sides; diameter of a round one",
+            f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
+            "m",
+            "203 mm",
+            TEXT_OR_TWO,
+        ),
+        StandardShot("203 mm"),
+    ]
     opening_shape: one_of(
         "shape of the opening; round needs clamped edges", "rectangular", "round"
     ) = "rectangular"
@@ -324,6 +329,7 @@ class PanelTable(Table):
             "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
             _PLY_CONTACT,
         ),
+        MayBeObject(),
     ] = None
     ply_friction: number(
         "pack: Coulomb coefficient between plies; if not given 0 of a fabric of the catalogue, else assumed",

@@ -1,7 +1,7 @@
 """What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
 
 A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the
-flat cylinder of 3 g and 5.5 mm (`STANDARD`).
+flat cylinder of 3 g and 5.5 mm (`scenes.impact.standard_shot`).
 """
 
 from __future__ import annotations
@@ -23,15 +23,6 @@ from weavecell.scenes import impact as scenes
 from weavecell.scenes.honoured import Keys
 
 ALLOWED = "an input file or fabric file (*.toml), or one of "
-STANDARD = {
-    "projectile": {
-        "mass": "3 g",
-        "diameter": "5.5 mm",
-        "edge_radius": "0.3 mm",
-        "strike_velocity": "92.5 m/s",
-    },
-    "panel": {"opening": "203 mm"},
-}
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 
 
@@ -140,7 +131,7 @@ def read(
         fabric = {"file": os.path.relpath(name, out)}
     else:
         raise unknown(name)
-    table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
+    table = {"fabric": fabric, **scenes.standard_shot()}
     text = tomlkit.dumps(table)
     return _target(
         scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text
