@@ -75,8 +75,8 @@ class ProjectileTable(Table):
     diameter: Annotated[quantity("diameter", "m", "5.5 mm"), StandardShot("5.5 mm")]
     edge_radius: Annotated[
         quantity(
-            "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
-            "to which sharp ones are rounded",
+            "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's "
+            "edges, to which sharp ones are rounded",
             "m",
             "0.3 mm",
         ),
@@ -253,8 +253,8 @@ class RunTable(Table):
     ) = 1e-5
     checkpoint_interval: Annotated[
         quantity(
-            "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
-            "is written",
+            "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, "
+            "none is written",
             "s",
             "50 us",
         ),
