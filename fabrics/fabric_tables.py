@@ -131,7 +131,7 @@ class Quantity:
 
 
 def _data(meaning, sample, bounds):
-    """The type of a key that holds a Datum, `bounds` as of Quantity."""
+    """The type of a key that holds a Datum, `bounds` as in Quantity."""
     of = Quantity(bounds, sample, meaning)
     return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, f'such as "{sample}"')]
 

@@ -82,7 +82,7 @@ class ConformingSection:
         return self.arch * np.cos(np.pi * np.asarray(y, float) / self.span) + self.offset
 
     def stations(self, n: int) -> FloatArray:
-        """Compute the places y [m] of the n + 1 mesh lines from the middle to the cut, in equal
+        """Compute the positions y [m] of the n + 1 mesh lines from the middle to the cut, in equal
         steps."""
         return np.linspace(0, self.half_width, n + 1)
 

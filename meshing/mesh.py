@@ -192,8 +192,8 @@ def place(
     Parameters
     ----------
     family : 0 along x, 1 along y
-    s, centre : (nx+1,) [m] places along the yarn and heights of its centreline
-    y, heights : (ny+1,), (ny+1, nz+1) [m] places across and heights of the section
+    s, centre : (nx+1,) [m] positions along the yarn and heights of its centreline
+    y, heights : (ny+1,), (ny+1, nz+1) [m] positions across and heights of the section
     across : [m] of the centreline
 
     Returns

@@ -57,7 +57,7 @@ class Plan:
 
         Parameters
         ----------
-        size : as of `meshing.inputs.size`
+        size : as in `meshing.inputs.size`
         shift : whether a rigid shift can remove an overlap
 
         Raises
@@ -83,12 +83,12 @@ class Plan:
         return cls(fabric.name, weave, section_fit, elements, end_shells)
 
     def along(self, family: int) -> FloatArray:
-        """Compute the places (nx+1,) [m] of the mesh planes from the crossing to the end of the
+        """Compute the positions (nx+1,) [m] of the mesh planes from the crossing to the end of the
         cell."""
         return np.linspace(0, self.weave.w[family], self.size[0] + 1)
 
     def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Compute places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1)
+        """Compute positions across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1)
         [m2] of a section."""
         section = self.section_fit.sections[family]
         _, ny, nz = self.size
@@ -145,5 +145,5 @@ def with_room(fabric: Fabric) -> Fabric:
 
 
 def mirrored(half: FloatArray) -> FloatArray:
-    """Mirror places (n + 1,) on one side of zero to both sides, (2 n + 1,)."""
+    """Mirror positions (n + 1,) on one side of zero to both sides, (2 n + 1,)."""
     return np.concatenate([-half[:0:-1], half])

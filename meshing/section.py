@@ -92,7 +92,7 @@ class Section:
         return self.thickness / 2 * shape
 
     def stations(self, n: int) -> FloatArray:
-        """Compute the places y [m] of the n + 1 mesh lines from the middle to the cut: equal steps
+        """Compute the positions y [m] of the n + 1 mesh lines from the middle to the cut: equal steps
         of y, or of the angle of the ellipse.
 
         Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is

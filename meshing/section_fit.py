@@ -172,7 +172,7 @@ def fit_sections(
 
 @dataclass(frozen=True)
 class _Request:
-    """What is asked of the sections of any kind, as of `fit_sections`; refused: an overlap is."""
+    """What is asked of the sections of any kind, as in `fit_sections`; refused: an overlap is."""
 
     widths: Sequence[float]
     fractions: Sequence[float]

@@ -122,7 +122,7 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     """Make the records of a chart: its methods with their errors by group; last the reference, with
     what it is known to.
 
-    Parameters as of `mapped`; results have "cpu_s".
+    Parameters as in `mapped`; results have "cpu_s".
     """
     entry = study.content["cost"]
     quantities = rows[0].quantities

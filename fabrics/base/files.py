@@ -135,7 +135,7 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
     Parameters
     ----------
-    formats : kind and version of the file, as of `write_hdf5`; one of these
+    formats : kind and version of the file, as in `write_hdf5`; one of these
     what : the file in words, for the message
 
     Raises

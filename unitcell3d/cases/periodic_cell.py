@@ -44,7 +44,7 @@ def shear(
     ----------
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
-    numerics, failure : as of a `model.crossover.YarnsModel`
+    numerics, failure : as in a `model.crossover.YarnsModel`
     rows, hooks : see `path_following.follow`
 
     Returns

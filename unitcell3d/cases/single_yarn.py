@@ -38,7 +38,7 @@ class YarnModel(YarnsModel):
     fabric : Fabric
     family : 0 warp, 1 weft
     bars : number of fibre lines with bars; all if not given
-    numerics, integration, failure : as of a `model.crossover.YarnsModel`
+    numerics, integration, failure : as in a `model.crossover.YarnsModel`
 
     Raises
     ------

@@ -96,7 +96,7 @@ def curve(x, nodes, weights, values):
 
 @kernel()
 def nearest_nodes(x, first, second, toward, st):
-    """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along
+    """Fill `st` : (2,) with the positions of the nodes that are nearest to each other as seen along
     `toward`."""
     least = np.inf
     for i in range(first.size):

@@ -138,7 +138,7 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]
 
     Parameters
     ----------
-    mesh, cells : as of `crossings`
+    mesh, cells : as in `crossings`
     images : periodic_images.Images
     """
     reach = cells // 2

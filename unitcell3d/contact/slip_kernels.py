@@ -18,7 +18,7 @@ def mobilised_friction(x, slave, master, law, state):
     Parameters
     ----------
     x : (n, 3) [m] positions of that state
-    slave, master, law, state : as of `surface_contact_kernels.contact_pass`
+    slave, master, law, state : as in `surface_contact_kernels.contact_pass`
 
     Returns
     -------

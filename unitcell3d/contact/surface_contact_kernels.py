@@ -80,7 +80,7 @@ def overlap_weight(xi, cells, free_low, free_high):
 
 @kernel()
 def point_of(x, nodes, shape, point):
-    """Fill `point` : (3,) with the place of a slave point on its face."""
+    """Fill `point` : (3,) with the position of a slave point on its face."""
     for c in range(3):
         point[c] = 0.0
         for k in range(SLAVE):

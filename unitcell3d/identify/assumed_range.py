@@ -41,7 +41,7 @@ def with_assumed_range(
     ----------
     fabric : Fabric that was calibrated
     done : its Calibration
-    **choices : size, friction, jobs, executor, on_progress as of `calibrate.calibrate_all`
+    **choices : size, friction, jobs, executor, on_progress as in `calibrate.calibrate_all`
 
     Returns
     -------

@@ -109,7 +109,7 @@ def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) ->
     ----------
     fabric : Fabric, with solid laws
     out : directory for histories and laws, or None
-    **choices : as of `calibrate_all`
+    **choices : as in `calibrate_all`
 
     Raises
     ------
@@ -148,7 +148,7 @@ def calibrate_all(
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     laws : whether the laws are written as well; not where more is to be added to them before
     resume : take finished paths from their files, unless these are of other inputs or of other code
-    executor, jobs : as of `fabrics.base.executors.open_executor`; local processes also tell of each step
+    executor, jobs : as in `fabrics.base.executors.open_executor`; local processes also tell of each step
     on_progress : called as on_progress(fabric name, path name, share of that path)
 
     Returns

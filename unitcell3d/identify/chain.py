@@ -69,7 +69,7 @@ def law_intervals(
     Parameters
     ----------
     fits : of SolidFit
-    folder, executor, jobs, report : as of `fabrics.base.run_cache.results`
+    folder, executor, jobs, report : as in `fabrics.base.run_cache.results`
     friction : [-] Coulomb's coefficient
 
     Returns

@@ -89,7 +89,7 @@ def sample(
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     folder : where finished lines are kept, or None
     resume : begin with the lines of the folder; otherwise it is emptied first
-    executor, jobs : as of `fabrics.base.executors.open_executor`, for the lines
+    executor, jobs : as in `fabrics.base.executors.open_executor`, for the lines
     on_progress : called as on_progress(share) after each line
     provenance : text kept with the surface
 

@@ -175,10 +175,10 @@ def record(
         solver and with_constants
     found : least_squares.Found, of the weighted misfit
     before, computed : (n,) [m] closures
-    checked : as of a SolidFit
+    checked : as in a SolidFit
     limits : of (x low, x high)
     sizes : of the two meshes, as texts
-    failed : as of a SolidFit
+    failed : as in a SolidFit
     """
     fabric = fit.fabric
     curve = fit.curve

@@ -256,8 +256,8 @@ class CrossoverModel(YarnsModel):
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
-    fabric, numerics : as of a `YarnsModel`
-    **choices : integration, failure: as of a `YarnsModel`
+    fabric, numerics : as in a `YarnsModel`
+    **choices : integration, failure: as in a `YarnsModel`
 
     Raises
     ------

@@ -137,7 +137,7 @@ class CellModel(YarnsModel):
     ----------
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
-    numerics, failure : as of a `model.crossover.YarnsModel`
+    numerics, failure : as in a `model.crossover.YarnsModel`
 
     Raises
     ------

@@ -57,7 +57,7 @@ class PullOutModel(YarnsModel):
     Parameters
     ----------
     crossover : meshing.crossover.Crossover, a whole one
-    fabric, numerics : as of a `model.crossover.YarnsModel`
+    fabric, numerics : as in a `model.crossover.YarnsModel`
     pulled : 0 pulls the warp, 1 the weft
     platens : whether two rigid platens without friction stand above and below the yarns
 

@@ -138,7 +138,7 @@ def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
 
 
 def _penalty_continuation(model, solver, guess, load):
-    """Equilibrium by way of softer contacts."""
+    """Equilibrium by penalty continuation: softer contacts first."""
     full = model.numerics
     try:
         for factor in SOFTENINGS:

@@ -45,7 +45,7 @@ def march(
     block: Backing = BLOCK,
     opening: float = 0.203,
 ) -> PackSolver:
-    """Set up the march of a shot at a target before a block.
+    """Set up the time integration of a shot at a target before a block.
 
     Parameters
     ----------

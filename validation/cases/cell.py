@@ -69,7 +69,7 @@ def _miss(model, F, d1, d2):
 
 def bracket(*, d1: float, d2: float) -> Values:
     """Solve what `shellfabric` solves instead, one monotone equation in a bracket: F [N] and
-    closing, as of `newton`."""
+    closing, as in `newton`."""
     fabric = catalogue.load(FABRIC)
     model = CellModel(fabric)
     F = float(model.solve(*_stretches(fabric, d1, d2))["F"])

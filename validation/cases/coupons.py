@@ -42,7 +42,7 @@ def bias(
 
     Parameters
     ----------
-    name : of its fabric, as of `bias_extension.coupon_fabric`
+    name : of its fabric, as in `bias_extension.coupon_fabric`
     factor : [-] on the moduli of its trellis, the second of which is the first without `locking`; 0 for no trellis
     model, law, table : of the cell, of its compression, and the stretches of its table
     crossovers : along each side of an element of thicker yarns
@@ -87,7 +87,7 @@ def cross(
     ----------
     strain : [-] of the arms
     centre, arm : [crossovers] width of the cross, length of its woven arms
-    model, law, table, crossovers : as of `bias`
+    model, law, table, crossovers : as in `bias`
     options : of `quasistatic.biaxial`
 
     Returns

@@ -278,7 +278,7 @@ def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Va
 
     Raises
     ------
-    UnstableError : a shot with another outcome, or as of `run_impact`
+    UnstableError : a shot with another outcome, or as in `run_impact`
     """
     runs = [run_impact(setup(velocity=velocity, **keywords)) for velocity in velocities]
     for velocity, run in zip(velocities, runs):

@@ -326,7 +326,7 @@ def straight_side(run: Any, velocity: float) -> float:
 
 
 def _profile(run, t):
-    """Places along the warp through the impact point and their deflections at the instant nearest t."""
+    """Positions along the warp through the impact point and their deflections at the instant nearest t."""
     warp = yarn(run, "warp")
     k = int(np.argmin(abs(run.histories[0].t - t)))
     return warp.place[k], warp.deflection[k]

@@ -138,7 +138,7 @@ def _value(text):
 # {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
 OF_SHOTS: dict[str, Callable[[Any], Any]] = {
     "outcome": lambda shot: shot.outcome,
-    # the largest way of a yarn's end out of its clamp
+    # the largest displacement of a yarn's end out of its clamp
     "slip": lambda shot: 1e3 * float(shot.plies["pull_in"].max()),
     "torn_plies": lambda shot: float(np.count_nonzero(shot.plies["cut_yarns"][-1])),
 }

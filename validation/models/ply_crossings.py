@@ -1,4 +1,4 @@
-"""Whether plies of a pack go through each other, told by another library than the contact: ipctk looks for edges of
+"""Whether plies of a pack go through each other, found by another library than the contact: ipctk looks for edges of
 the triangulated plies that cross triangles of other plies.
 
 An element is two triangles where it has yarns of both families, has not eroded, and has never been drawn out to more

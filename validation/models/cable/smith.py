@@ -81,7 +81,7 @@ def smith(yarn: Yarn, velocity: float) -> TransverseImpact:
 
 @dataclass(frozen=True)
 class YarnRun:
-    """Half of a struck yarn, marched by the cable model.
+    """Half of a struck yarn, integrated by the cable model.
 
     Parameters
     ----------
