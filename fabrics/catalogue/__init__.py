@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from fabrics import assumed, data_sheet, ply_laws
+from fabrics import assumed, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest
 from fabrics.base.schema import read_toml, validated
@@ -187,11 +187,11 @@ def _fabric(file, data, sources, path):
         notes=tuple(notes),
     )
     fabric = assumed.with_ranges_of_guesses(fabric)
-    if file.ply_contact is None:
-        return fabric
-    law = ply_laws.from_table(file.ply_contact, fabric, path)
-    entry = {"value": law.words(), "source": law.source, "status": law.status}
-    return replace(fabric, ply_contact=law, sources=fabric.sources | {"ply_contact": entry})
+    if file.ply_contact is not None:
+        law = ply_laws.from_table(file.ply_contact, fabric, path)
+        entry = {"value": law.words(), "source": law.source, "status": law.status}
+        fabric = replace(fabric, ply_contact=law, sources=fabric.sources | {"ply_contact": entry})
+    return plausible.noted(fabric)
 
 
 def _guessed(key, datum):

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics import plausible
 from fabrics.base.checks import refuse
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
@@ -164,6 +165,23 @@ class ImpactSetup:
             refuse(self, "symmetry", allowed)
         if self.strength is not None and not self.yarn_failure:
             raise InputError(key="strength", allowed="left out: the yarns do not fail")
+        plausible.judge(self._numbers())
+
+    def _numbers(self):
+        """The numbers of the set-up beside its fabrics that are compared with plausible ranges."""
+        thickness = self.fabric.weave.thickness
+        gaps = [("panel.ply_gap", self.ply_gap)]
+        gaps += [("panel.ply.gap", ply.gap) for ply in self.lay_up]
+        for key, gap in gaps:
+            if gap is not None and thickness > 0:
+                yield plausible.Number(key, "ply_gap", gap / thickness)
+        if self.strength is not None:
+            shape = self.strength.weibull_shape
+            yield plausible.Number("panel.strength.weibull_shape", "weibull_shape", shape)
+        if self.backing is not None:
+            yield from plausible.of_block(self.backing.material)
+            ratio = self.backing.standoff / float(np.min(self.opening))
+            yield plausible.Number("backing.standoff", "block_standoff", ratio)
 
     @property
     def title(self) -> str:
@@ -252,12 +270,15 @@ class ImpactSetup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of the opening, a line each; nothing of a set-up that is refused when
-        it is run."""
+        """What has to be known of the opening, of the fabrics, and of numbers that are not plausible,
+        a line each; of the opening nothing if the set-up is refused when it is run."""
+        fabrics = [self.fabric_of(ply) for ply in range(self.plies)]
+        of_fabrics = [note.removeprefix("note: ") for fabric in fabrics for note in fabric.notes]
+        found = (*dict.fromkeys(of_fabrics), *plausible.judge(self._numbers()))
         try:
-            return self.opening_notes
+            return (*self.opening_notes, *found)
         except InputError:
-            return ()
+            return found
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:

@@ -62,6 +62,9 @@ def fit(
     tau = np.asarray(tau, float)
     if len(gamma) < FEWEST:
         raise InputError(key="shear angles", value=len(gamma), allowed=f"at least {FEWEST}")
+    # a load cell that was not connected leaves zeros
+    if not np.abs(tau).max() > 0:
+        raise InputError("the shear stress does not rise with the shear angle")
     found = _best(gamma, tau, half, offset=False)
     if any_curve:
         shifted = _best(gamma, tau, half, offset=True)

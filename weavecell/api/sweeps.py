@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
+from fabrics import plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
@@ -196,6 +197,9 @@ def _panel(target, folder, support, changes):
     for key, factor in factors.items():
         if isinstance(factor, bool) or not isinstance(factor, (int, float)) or not factor > 0:
             raise InputError(key=key, value=factor, allowed="a factor above 0, such as 1.2")
+    compared = [plausible.Number(key, "factor", factor) for key, factor in factors.items()]
+    for note in plausible.judge(compared):
+        targets.build.LOG.info(f"note: {note}")
     keys = {key: value for key, value in changes.items() if key not in factors}
     panel = read(target, folder, support, changes=keys)
     if not factors:

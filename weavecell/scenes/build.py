@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue, data_sheet, ply_laws
+from fabrics import assumed, catalogue, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
@@ -134,7 +134,12 @@ def material(
     given : Fabric in place of that which the table names
     """
     # a law is compared with the data before weaving damage, which it was fitted to
-    fabric = plain = _fabric(table, key, file) if given is None else given
+    if given is None:
+        fabric = _fabric(table, key, file)
+    else:
+        # a fabric that Python has changed has not been compared with the plausible ranges
+        fabric = plausible.noted(given)
+    plain = fabric
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
         fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
@@ -165,6 +170,8 @@ def material(
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
     laws, law_name = _laws(table, key, plain, file, given)
+    if laws != plain.laws:
+        fabric = plausible.noted(fabric, plausible.of_laws(laws, plain, f"{key}.law"), file=file)
     # a single ply touches no other, and a fabric without data for that is fine
     if panel is not None and panel.plies > 1:
         try:

@@ -16,9 +16,10 @@ tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import degrees
 from pathlib import Path
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import read_csv, replace_whole
@@ -260,6 +261,7 @@ def with_curves(
         )
     if frame is not None and bias is not None:
         raise InputError("give one curve of shear: --picture-frame or --bias-extension")
+    fitted += [f"note: {note}" for note in plausible.judge(_of_specimen(side, strip))]
     if frame is not None:
         shear = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
         return _with_shear(draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted)
@@ -267,6 +269,16 @@ def with_curves(
         shear = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
         return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
+
+
+def _of_specimen(side, strip):
+    """The sizes of a frame and of a strip, each None if there is none, that are compared with
+    plausible ranges."""
+    if side is not None:
+        yield plausible.Number("frame_side", "frame_side", side)
+    if strip is not None:
+        yield plausible.Number("strip", "strip_width", strip[0])
+        yield plausible.Number("strip", "strip_length", strip[1])
 
 
 def _with_shear(draft, fit, source, fitted):
@@ -283,7 +295,10 @@ def _with_shear(draft, fit, source, fitted):
     texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
     texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
     shear = {key: (value, source, "fitted") for key, value in texts.items()}
-    line = "; ".join([f"fitted: trellis law, rms {1e-6 * fit.rms:.3g} MPa", *remarks])
+    constants = f"G1 {1e-6 * law.G1:.4g} MPa, G2 {1e-6 * law.G2:.4g} MPa"
+    constants += f", gamma1 {degrees(law.gamma1):.3g} deg, gamma2 {degrees(law.gamma2):.3g} deg"
+    fitted_law = f"fitted: trellis law {constants}, rms {1e-6 * fit.rms:.3g} MPa"
+    line = "; ".join([fitted_law, *remarks])
     return replace(draft, shear=shear), [*fitted, line]
 
 

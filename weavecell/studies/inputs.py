@@ -6,13 +6,14 @@ section 6.3.3).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from math import inf
 from pathlib import Path
 from typing import Any
 
-from fabrics import data_sheet, families, variants
+from fabrics import data_sheet, families, plausible, variants
 from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
@@ -43,6 +44,15 @@ class Scatter:
             if not getattr(self, key) > 0:
                 refuse(self, key, "above 0")
         fraction(self, "modulus", "crimp")
+        plausible.judge(self.numbers())
+
+    def numbers(self) -> Iterator[plausible.Number]:
+        """The numbers that are compared with plausible ranges."""
+        # yarns that are all alike have no scatter
+        if self.shape < inf:
+            yield plausible.Number("weibull_shape", "weibull_shape", self.shape)
+        yield plausible.Number("modulus_cov", "cov", self.modulus)
+        yield plausible.Number("crimp_cov", "cov", self.crimp)
 
 
 @cache
