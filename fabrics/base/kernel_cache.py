@@ -42,9 +42,14 @@ MODELS = {
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
-IMPORT = re.compile(
-    r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE
-)  # kernels import at the head of their file
+# kernels import at the head of their file
+IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE)
+# a kernel that is compiled by itself (`shellfabric.jit.compile.units`): what its callers know of it
+UNIT = re.compile(r"^(@unit\([^()]*\)\ndef (\w+)\([^()]*\):)", re.MULTILINE)
+# a plain number with a name, which stands in the code of the kernels that use it
+CONSTANT = re.compile(r"^(([A-Z]\w*) = (?:[\d.e-]+|np\.uint64\(\d+\)))$", re.MULTILINE)
+# lines of comments and docstrings, and blank ones
+PROSE = re.compile(rb'^[ \t]*(?:#[^\n]*|"""(?:[^"]|"(?!""))*"""[ \t]*|)\n', re.MULTILINE)
 # [s] after so long a pause without compiling, kernels of the same folder are announced again
 PAUSE = 3.0
 # folders announced since the last pause
@@ -99,12 +104,57 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
         root = next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
     config: Any = numba.config
     before = config.CACHE_DIR
+    locators = config.CACHE_LOCATOR_CLASSES
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
     config.CACHE_DIR = str(folder / f"kernels-{_kernel_digest(file, root)}")
+    config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,UserWideCacheLocator"
     try:
         yield
     finally:
         config.CACHE_DIR = before
+        config.CACHE_LOCATOR_CLASSES = locators
+
+
+class KernelFolder:
+    """Tell numba where the machine code of a function is kept: in the folder of `kernel_cache`.
+
+    numba's own place has the path of the source in its name and the time of its last change as its
+    stamp, so that a copied cache is never found. The digest in the folder's name says all of it:
+    what one computer has compiled can be copied to another of the same kind of processor.
+    """
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> KernelFolder | None:
+        """Return the place of a function, or None if its folder cannot be written."""
+        import numba
+
+        config: Any = numba.config
+        place = cls(str(config.CACHE_DIR))
+        try:
+            place.ensure_cache_path()
+        except OSError:
+            return None
+        return place
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder; raises OSError if nothing can be written there."""
+        os.makedirs(self.folder, exist_ok=True)
+        tempfile.TemporaryFile(dir=self.folder).close()
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return self.folder
+
+    def get_source_stamp(self) -> str:
+        """Return what numba compares with the stamp of kept code: the digest of all source."""
+        return Path(self.folder).name
+
+    def get_disambiguator(self) -> str:
+        """Return nothing: the names of kernels differ within their file."""
+        return ""
 
 
 @cache
@@ -170,13 +220,17 @@ def one_compiler_a_node() -> None:
 
 
 def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
-    """Collect what the machine code of the kernels in a file depends on, for packages in the folder
-    `root`: [(file, bytes)].
+    """List what the machine code of the kernels in a file depends on, as (name, content).
 
-    The file, and what it imports from packages in `root`, directly or not; of all other files of
-    `TUPLES` the definitions of named tuples, the only arguments of kernels whose layout is ours.
+    The file, and what it imports from packages in the folder `root`, directly or not, without
+    comments and docstrings. A unit of another kernel file is called through a pointer: the caller's
+    code depends on its signature and on the tables that it takes, not on what it does. Of a file
+    from which only units and plain numbers are imported these lines are all that counts. Of all other
+    files of `TUPLES` the definitions of named tuples, the only arguments of kernels whose layout is
+    ours.
     """
     whole: set[Path] = set()
+    signatures: dict[str, bytes] = {}
     waiting = [file]
     while waiting:
         path = waiting.pop()
@@ -188,13 +242,64 @@ def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
         ):
             continue
         whole.add(path)
-        for module, names in IMPORT.findall(path.read_text("utf-8")):
-            place = root.joinpath(*module.split("."))
-            inside = re.findall(r"\w+", names)
-            waiting += [place.with_suffix(".py"), *(place / f"{name}.py" for name in inside)]
-    sources = [(path, path.read_bytes()) for path in whole]
-    sources += [(path, tuples) for path, tuples in _tuples(root) if path not in whole]
-    return [(str(path.relative_to(root)), content) for path, content in sorted(sources)]
+        for imported, names in _imports(path, root):
+            known = _units(imported) | _constants(imported)
+            if not names or not names <= known.keys():
+                waiting.append(imported)
+                continue
+            for name in names:
+                signatures[f"{imported.relative_to(root)}:{name}"] = known[name]
+            if names & _units(imported).keys():
+                # the tables that their parameters are rows of
+                tables = [path for path, _ in _imports(imported, root)]
+                waiting += [path for path in tables if not path.stem.endswith("_kernels")]
+    sources = [(str(path.relative_to(root)), _code(path)) for path in whole]
+    sources += signatures.items()
+    sources += [
+        (str(path.relative_to(root)), tuples) for path, tuples in _tuples(root) if path not in whole
+    ]
+    return sorted(sources)
+
+
+def _imports(path: Path, root: Path) -> list[tuple[Path, set[str]]]:
+    """List the files of packages in `root` that a file imports, and what it takes of each; an empty
+    set stands for all of it."""
+    text = path.read_text("utf-8")
+    found = []
+    for module, names in IMPORT.findall(text):
+        place = root.joinpath(*module.split("."))
+        inside = re.findall(r"\w+(?: as \w+)?", names)
+        if place.with_suffix(".py").is_file():
+            found.append((place.with_suffix(".py"), {name.split()[0] for name in inside}))
+        for name in inside:
+            member = place / f"{name.split()[0]}.py"
+            if member.is_file():
+                used = re.findall(rf"(?<![\w.]){name.split()[-1]}\.(\w+)", text)
+                found.append((member, set(used)))
+    return found
+
+
+@cache
+def _units(path: Path) -> dict[str, bytes]:
+    """Find the units of a kernel file: {name: its decorator and its parameters}."""
+    text = path.read_text("utf-8")
+    return {name: signature.encode() for signature, name in UNIT.findall(text)}
+
+
+@cache
+def _constants(path: Path) -> dict[str, bytes]:
+    """Find the plain numbers that a file defines: {name: its line}."""
+    text = path.read_text("utf-8")
+    return {name: line.encode() for line, name in CONSTANT.findall(text)}
+
+
+@cache
+def _code(path: Path) -> bytes:
+    """Read a file without its comments, docstrings and blank lines, which no machine code sees.
+
+    Only whole lines are left out, so that a text inside a line of code stays.
+    """
+    return PROSE.sub(b"", path.read_bytes())
 
 
 @cache

@@ -1,5 +1,6 @@
 """A change in a kernel must reach the cached kernels that call it from another file, and no others."""
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,8 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("numba")
+from fabrics.base.kernel_cache import kernel_sources
+
 ROOT = Path(__file__).parents[2]
 
 IMPORTS = "from fabrics.base.kernel_cache import kernel\n"
@@ -41,3 +44,107 @@ def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path
 
     assert run(1) == "2 3 0"
     assert run(2) == "4 3 1"
+
+
+WORDS = '"""{}"""\nfrom fabrics.base.kernel_cache import kernel\n'
+HEAD = WORDS + "from shellfabric.jit.compile import units\n\nunit = units({{}})\n"
+UNIT = '\n@unit("number", x="number")\ndef square(x):\n    """{}"""\n    return {} * x * x\n'
+CALLER = HEAD.format("") + (
+    "from cloth.unit_kernels import FACTOR, square\n"
+    '\n@unit("number", x="number")\ndef scaled_square(x):\n    return FACTOR * square(x)\n'
+)
+RUN_UNIT = (
+    "from cloth import caller_kernels\n"
+    "from shellfabric.jit.compile import UNITS\n"
+    "print(caller_kernels.scaled_square(3.0), *(sum(unit.dispatcher.stats.cache_hits.values()) for unit in UNITS))"
+)
+
+
+@pytest.fixture
+def unit_package(tmp_path):
+    """A package whose units call each other: result and cache hits of (square, scaled_square)."""
+
+    def run(folder, *, words="", factor="2.0", own="1.0", more=""):
+        package = tmp_path / folder / "cloth"
+        package.mkdir(parents=True, exist_ok=True)
+        (package / "__init__.py").touch()
+        unit = UNIT.format(words, own)
+        (package / "unit_kernels.py").write_text(
+            HEAD.format(words) + f"{more}FACTOR = {factor}\n" + unit
+        )
+        (package / "caller_kernels.py").write_text(CALLER)
+        path = {
+            "PYTHONPATH": f"{tmp_path / folder}:{ROOT}",
+            "PATH": "/usr/bin",
+            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        command = [sys.executable, "-c", RUN_UNIT]
+        found = subprocess.run(command, env=path, check=True, capture_output=True, text=True)
+        value, *hits = map(float, found.stdout.split())
+        return value, hits
+
+    return run
+
+
+def test_what_a_unit_does_is_no_part_of_its_callers(unit_package):
+    assert unit_package("here") == (18.0, [0, 0])
+    assert unit_package("here", words="Other words.\n\nAnd more.") == (18.0, [1, 1])
+    assert unit_package("there") == (18.0, [1, 1])  # another folder, another time
+    assert unit_package("here", own="5.0") == (90.0, [0, 1])
+    assert unit_package("here", factor="3.0") == (27.0, [0, 0])
+
+
+def test_a_computed_constant_is_followed_with_what_it_is_made_of(unit_package):
+    assert unit_package("here", more="WIDTH = 2\n", factor="WIDTH + 1") == (27.0, [0, 0])
+    assert unit_package("here", more="WIDTH = 3\n", factor="WIDTH + 1") == (36.0, [0, 0])
+
+
+@pytest.mark.parametrize(
+    "file", sorted(ROOT.glob("shellfabric/**/*_kernels.py")), ids=lambda path: path.stem
+)
+def test_a_kernel_file_follows_each_line_of_code_that_its_machine_code_has(file):
+    """All helpers that a file calls, directly or through others, are followed with their whole source,
+    in both forms of import; a plain twin by the syntax tree."""
+    followed = {name for name, _ in kernel_sources(file)}
+    inside = {str(path.relative_to(ROOT)) for path in helpers_of(file)}
+    assert inside <= followed
+
+
+def helpers_of(file):
+    """Files of the helpers and computed constants that a kernel file takes from others, by Python's
+    own parser."""
+    waiting = [file]
+    found = set()
+    while waiting:
+        path = waiting.pop()
+        if path in found or not path.is_file():
+            continue
+        found.add(path)
+        tree = ast.parse(path.read_text("utf-8"))
+        modules = {}
+        for node in tree.body:
+            if not isinstance(node, ast.ImportFrom) or not node.module.startswith("shellfabric"):
+                continue
+            place = ROOT.joinpath(*node.module.split("."))
+            for alias in node.names:
+                if (place / f"{alias.name}.py").is_file():
+                    modules[alias.asname or alias.name] = place / f"{alias.name}.py"
+                elif is_inside(place.with_suffix(".py"), alias.name):
+                    waiting.append(place.with_suffix(".py"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                place = modules.get(node.value.id)
+                if place and is_inside(place, node.attr):
+                    waiting.append(place)
+    return found
+
+
+def is_inside(path, name):
+    """Whether the code of a name of a file becomes part of the machine code that uses it."""
+    for node in ast.parse(path.read_text("utf-8")).body:
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            return not any("unit" in ast.unparse(each) for each in node.decorator_list)
+        if isinstance(node, ast.Assign) and name in map(ast.unparse, node.targets):
+            return not isinstance(node.value, (ast.Constant, ast.Call))
+    return True
