@@ -7,6 +7,7 @@ from shellfabric.backing import state as backing
 from shellfabric.cell import state as cell
 from shellfabric.coupon import state as coupon
 from shellfabric.jit.table import Row
+from shellfabric.plies import state as plies
 from shellfabric.projectile import state as projectile
 from shellfabric.yarns import state as yarns
 
@@ -93,7 +94,7 @@ TERMS = {
 
 def tables():
     """List the tables, in the order of their file."""
-    files = (state, projectile, backing, yarns, cell, coupon)
+    files = (state, plies, projectile, backing, yarns, cell, coupon)
     classes = [kind for file in files for kind in vars(file).values() if inspect.isclass(kind)]
     return [kind for kind in classes if issubclass(kind, Row) and kind.fields]
 

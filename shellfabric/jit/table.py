@@ -309,9 +309,13 @@ class Row:
         return arrays | cls.totals()
 
     @classmethod
-    def empty(cls) -> Any:
-        """A row of zeros, in which whatever has a length by name has none."""
-        return cls(**{name: _nothing(field) for name, field in cls.fields.items()})
+    def empty(cls, **rows: Row) -> Any:
+        """Make a row of zeros, in which whatever has a length by name has none.
+
+        rows : the rows that it has
+        """
+        others = {name: field for name, field in cls.fields.items() if name not in rows}
+        return cls(**{name: _nothing(field) for name, field in others.items()}, **rows)
 
     @classmethod
     def totals(cls) -> dict[str, Any]:

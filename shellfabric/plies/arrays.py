@@ -1,4 +1,4 @@
-"""The arrays of the contact between the plies of a pack (`shellfabric.state.PackContact`)."""
+"""The arrays of the contact between the plies of a pack (`plies.state`)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
 from shellfabric.plies.frame_kernels import TALL, WIDE
-from shellfabric.plies.near_kernels import LEAST, NEAR, REMAKE, STEP
-from shellfabric.state import Constants, PackContact, State
+from shellfabric.plies.near_kernels import NEAR
+from shellfabric.plies.state import Guard, NeighbourLists, PackContact, Pressure
+from shellfabric.state import Constants, State
 
 _PAIRS = 60  # room for pairs of tiles, of a tile in the mean
-_ENTRIES = 20  # room for pairs of facets, of a node in the mean
+_FACET_PAIRS = 20  # room for pairs of facets, of a node in the mean
 
 
 def pack_contact(
@@ -33,14 +34,16 @@ def pack_contact(
     heights : (plies,) [m] of their middle surfaces at rest
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
-    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and
-        `closest_b` of all points, `first_element` (plies,) and `area` of all elements; `laws`,
-        `law_step` (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
+    of_points : of `Pressure` what it needs of points, laws and friction: `points_per_side`,
+        `first_point`, `closest_a`, `closest_b`, `first_element`, `area_ratio`, `laws`, `law_cell`
+        (`numerics.law_tables`), `friction`, `stick_damping` and `same_angle`
     """
     plies = len(consts)
-    shape = np.array([(c.nj + 3, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts])
-    slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
-    base = np.arange(plies) * slots + shape[:, 0] + 1
+    ni = np.array([c.ni for c in consts])
+    nj = np.array([c.nj for c in consts])
+    stride = nj + 3
+    slots = int(((ni + 3) * stride).max()) + 4 * WIDTH
+    base = np.arange(plies) * slots + stride + 1
     nodes = plies * slots
     x = np.zeros((3, nodes))
     for p, state in enumerate(states):
@@ -50,20 +53,20 @@ def pack_contact(
         own[0] = c * flat[0] - s * flat[1]
         own[1] = s * flat[0] + c * flat[1]
         own[2] = heights[p]
-    kick = np.zeros(nodes)
-    mirror = np.zeros(nodes, np.uint8)
+    dt_over_mass = np.zeros(nodes)
+    plane_bits = np.zeros(nodes, np.uint8)
     for p, (const, state) in enumerate(zip(consts, states)):
-        rows = np.arange(const.ni + 1) * shape[p, 0]
+        rows = np.arange(const.ni + 1) * stride[p]
         numbers = base[p] + np.add.outer(rows, np.arange(const.row_stride))
-        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
-        mirror[numbers[0]] |= np.uint8(const.mirror_x)
-        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
+        dt_over_mass[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
+        plane_bits[numbers[0]] |= np.uint8(const.mirror_x)
+        plane_bits[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
     down = np.array([-(-c.ni // TALL) for c in consts])
     across = np.array([-(-c.nj // WIDE) for c in consts])
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
     no_nodes = np.array([(c.ni + 1, 0, c.nj + 1, 0) for c in consts])
-    entries = _ENTRIES * max(nodes, 20_000)
+    facet_pairs = _FACET_PAIRS * max(nodes, 20_000)
     sizes = {
         "plies": plies,
         "slots": slots,
@@ -73,55 +76,71 @@ def pack_contact(
         "tiles": tiles,
         "blocks": int(((down + 1) * (across + 1)).max()),
         "pairs": _PAIRS * tiles,
-        "presses": (1 + _PAIRS) * tiles,
-        "entries": entries,
-        "rows": entries + 2 * nodes,  # of all these, and of nodes at the planes of symmetry
+        "contact pairs": (1 + _PAIRS) * tiles,
+        "facet pairs": facet_pairs,
+        # of all these, and of nodes at the planes of symmetry
+        "constraints": facet_pairs + 2 * nodes,
         "facets": 4 * (TALL + 1) * (WIDE + 1),
     }
-    found = PackContact.zeros(**sizes) | of_points
-    found |= {
-        "x": x,
-        "rest": x.copy(),
-        "kick": kick,
-        "mirror": mirror,
-        "base": base,
-        "shape": shape,
-        "slots": slots,
-        "turns": turns,
-        "dt": float(consts[0].dt),
-        "window": np.stack([no_nodes, no_nodes], axis=1),
-        "grid_window": np.stack([no_nodes, no_nodes], axis=1),
-        "guard_window": no_nodes,
-        "thickness": np.array(thicknesses),
-        "thickest": float(max(thicknesses)),
-        "longest": max(_longest(const, state) for const, state in zip(consts, states)),
-        "has_planes": bool(consts[0].mirror_x or consts[0].mirror_y),
+    lists = NeighbourLists.zeros(**sizes) | {
         "tile_ply": np.repeat(np.arange(plies), np.diff(first)),
         "first_tile": first,
         "tiles_across": across,
-        "order": np.arange(tiles),
-        "lanes": np.arange(float(WIDTH)),
+        "sorted_tiles": np.arange(tiles),
     }
-    found["count"][STEP] = 1
-    found["count"][REMAKE] = 1
-    found["guard"][LEAST] = NEAR
-    return PackContact(**found)
+    pressure = Pressure.zeros(**sizes) | of_points
+    pressure |= {
+        "window": np.stack([no_nodes, no_nodes], axis=1),
+        "grid_window": np.stack([no_nodes, no_nodes], axis=1),
+        "lane_numbers": np.arange(float(WIDTH)),
+    }
+    guard = Guard.zeros(**sizes) | {"dt_over_mass": dt_over_mass, "window": no_nodes}
+    shared = PackContact.zeros(**sizes) | {
+        "x": x,
+        "rest": x.copy(),
+        "base": base,
+        "row_stride": stride,
+        "ni": ni,
+        "nj": nj,
+        "slots_per_ply": slots,
+        "turns": turns,
+        "dt": float(consts[0].dt),
+        "mirror_x": bool(consts[0].mirror_x),
+        "mirror_y": bool(consts[0].mirror_y),
+        "plane_bits": plane_bits,
+        "thickness": np.array(thicknesses),
+        "max_thickness": float(max(thicknesses)),
+        "max_diagonal": max(_longest(const, state) for const, state in zip(consts, states)),
+    }
+    contact = PackContact(
+        lists=NeighbourLists(**lists), pressure=Pressure(**pressure), guard=Guard(**guard), **shared
+    )
+    contact.step = 1
+    contact.lists.remake = 1
+    contact.guard.least_gap_ratio = NEAR
+    return contact
+
+
+def empty_contact() -> PackContact:
+    """Return the contact of a single ply, without points."""
+    rows = {"lists": NeighbourLists, "pressure": Pressure, "guard": Guard}
+    return PackContact.empty(**{name: table.empty() for name, table in rows.items()})
 
 
 def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]:
     """The states of plies whose surfaces are parts of the grids of their contact."""
     found = []
     for p, state in enumerate(states):
-        own = slice(p * contact.slots, (p + 1) * contact.slots)
+        own = slice(p * contact.slots_per_ply, (p + 1) * contact.slots_per_ply)
         surface = state.surface._replace(
             x=tuple(contact.x[:, own]),
             v=tuple(contact.v[:, own]),
             rest=tuple(contact.rest[:, own]),
-            f=tuple(np.zeros((3, contact.slots))),
+            f=tuple(np.zeros((3, contact.slots_per_ply))),
             turn=contact.turns[p],
         )
         # room for what firm springs of the nose foresee
-        due, given = np.zeros((2, 3, contact.slots))
+        due, given = np.zeros((2, 3, contact.slots_per_ply))
         found.append(state._replace(surface=surface, dv_other=tuple(due), dv_contact=tuple(given)))
     return tuple(found)
 

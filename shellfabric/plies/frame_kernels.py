@@ -9,9 +9,8 @@ from shellfabric.cloth.nodal_force_kernels import give_impulses, half_step_work,
 from shellfabric.cloth.packing_kernels import is_fabric
 from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
 from shellfabric.jit.compile import kernel
-from shellfabric.state import unit
+from shellfabric.plies.state import unit
 
-STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
 TALL, WIDE = 4, 8  # elements of a tile of `plies.near_kernels`
 BEFORE, BEHIND = 0, 1  # sides of a ply, of its forces
 _SEARCHED = 1  # elements about a closest point among which it is looked for beside torn fabric
@@ -26,8 +25,7 @@ def mean_thickness(contact, p, q):
 @kernel(_nrt=False, forceinline=True)
 def grid_in_pack(contact, p):
     """The grid of ply p: (base, stride, ni, nj)."""
-    shape = contact.shape[p]
-    return contact.base[p], shape[STRIDE], shape[NI], shape[NJ]
+    return contact.base[p], contact.row_stride[p], contact.ni[p], contact.nj[p]
 
 
 @unit()
@@ -35,6 +33,7 @@ def look_at_torn(state, const, contact, p):
     """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more:
     those without a yarn of either family, eroded ones, and those that join pieces which have
     parted."""
+    lists = contact.lists
     contact.failures[p] = state.failures
     if contact.failures[p] == 0:
         return
@@ -44,15 +43,15 @@ def look_at_torn(state, const, contact, p):
             flag = state.element_flag[k]
             if flag == 0:
                 continue
-            g = contact.base[p] + i * contact.shape[p, STRIDE] + j
-            stride = contact.shape[p, STRIDE]
+            g = contact.base[p] + i * contact.row_stride[p] + j
+            stride = contact.row_stride[p]
             contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[
                 g + stride + 1
             ] = 1
             if contact.dropped[g] or flag & ERODED or not is_fabric(state, const, k):
                 contact.dropped[g] = 1
-                contact.holes[
-                    contact.first_tile[p] + i // TALL * contact.tiles_across[p] + j // WIDE
+                lists.has_hole[
+                    lists.first_tile[p] + i // TALL * lists.tiles_across[p] + j // WIDE
                 ] = 1
 
 
@@ -112,13 +111,14 @@ def hand_over(state, const, contact, p):
     """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own
     frame; half a step's work of those of the last step, which are over, and half a step's of the
     new."""
+    pressure = contact.pressure
     for side in range(2):
-        force = contact.force[p, side]
-        window = contact.window[p, side]
-        contact.work[p] -= half_step_work(state, const, force, window, True)
-        on_grid = contact.f[p, side], contact.grid_window[p, side]
+        force = pressure.force[p, side]
+        window = pressure.window[p, side]
+        pressure.work[p] -= half_step_work(state, const, force, window, True)
+        on_grid = pressure.grid_force[p, side], pressure.grid_window[p, side]
         to_nodes(state, const, on_grid, (force, window))
-        contact.work[p] -= half_step_work(state, const, force, window, False)
+        pressure.work[p] -= half_step_work(state, const, force, window, False)
 
 
 @unit("flag", force="3, n", window="4 int64")

@@ -26,15 +26,15 @@ the nodes of A. A node on such a plane has the bit of its axis in `mirror`, and 
 
 from shellfabric.cloth.vector_kernels import dot, nodal
 from shellfabric.jit.compile import kernel
-from shellfabric.state import unit
+from shellfabric.plies.state import unit
 
 PLANE_X = -1
 PLANE_Y = -2
 SWEEPS = 30
 KEPT = 0.2  # share of the distance that stays
 NEAREST = 0.05  # thicknesses within which all of it does
+HELD = 7  # bits of all axes: a cluster that does not move
 _SLACK = 1e-3  # share of the distance by which a row may be missed
-_MASS, _MOMENTUM, _FIXED = 0, 1, 4  # of the sums of a cluster
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -70,45 +70,48 @@ def worst(y, nodes, n):
 def mobility(contact, k, n):
     """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is
     held."""
+    guard = contact.guard
     if k < 0:
         return 0.0
     free = 1.0
     for c in range(2):
-        if contact.mirror[k] >> c & 1:
+        if contact.plane_bits[k] >> c & 1:
             free -= n[c] * n[c]
-    return contact.kick[k] * max(free, 0.0)
+    return guard.dt_over_mass[k] * max(free, 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
 def push(contact, k, n, impulse):
     """Give a node an impulse [kg m/s] along n."""
-    if k < 0 or contact.kick[k] == 0.0:
+    guard = contact.guard
+    if k < 0 or guard.dt_over_mass[k] == 0.0:
         return
     for c in range(3):
-        if not (c < 2 and contact.mirror[k] >> c & 1):
-            contact.impulse[c, k] += impulse * n[c]
-            contact.y[c, k] += contact.kick[k] * impulse * n[c]
+        if not (c < 2 and contact.plane_bits[k] >> c & 1):
+            guard.impulse[c, k] += impulse * n[c]
+            guard.predicted_x[c, k] += guard.dt_over_mass[k] * impulse * n[c]
 
 
 @unit("integer; flag")
 def project(contact, rows, nodes):
-    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them,
-    in contact.y.
+    """Impulses that make the first `rows` rows hold, into guard.impulse, and the places by them,
+    in guard.predicted_x.
 
-    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether
+    nodes : how many of guard.nodes have a part in the rows. Returns (impulses given, whether
         all rows hold)
     """
+    guard = contact.guard
     given = 0
     for _ in range(SWEEPS):
         held = 0
         for row in range(rows):
-            n = contact.row_normal[row]
-            left, a, b = worst(contact.y, contact.row_nodes[row], n)
-            missing = contact.row_need[row] - left
+            n = guard.normal[row]
+            left, a, b = worst(guard.predicted_x, guard.constraint_nodes[row], n)
+            missing = guard.required_gap[row] - left
             # an impulse leaves the distance, not the least that is needed (see the head of this file)
-            if missing > _SLACK * contact.row_need[row]:
+            if missing > _SLACK * guard.required_gap[row]:
                 give = mobility(contact, a, n) + mobility(contact, b, n)
-                missing = max(missing, contact.row_distance[row] - left)
+                missing = max(missing, guard.gap[row] - left)
                 held += 1
                 if give > 0.0:
                     push(contact, a, n, -missing / give)
@@ -118,8 +121,9 @@ def project(contact, rows, nodes):
             return given, True
     # the sweeps have not resolved all: what is violated moves as one from here on
     for m in range(nodes):
-        contact.root[contact.node_list[m]] = contact.node_list[m]
-        contact.cluster[contact.node_list[m], _FIXED] = contact.mirror[contact.node_list[m]]
+        k = guard.nodes[m]
+        guard.cluster_root[k] = k
+        guard.cluster_fixed[k] = contact.plane_bits[k]
     # each round joins two clusters at least, or one and a plane
     for _ in range(nodes + 3):
         if not join_violated(contact, rows):
@@ -131,20 +135,22 @@ def project(contact, rows, nodes):
 @kernel(_nrt=False, forceinline=True)
 def root_of(contact, k):
     """The node that stands for the cluster of a node."""
-    while contact.root[k] != k:
-        k = contact.root[k]
+    guard = contact.guard
+    while guard.cluster_root[k] != k:
+        k = guard.cluster_root[k]
     return k
 
 
 @kernel(_nrt=False)
 def join_violated(contact, rows):
     """Join the nodes of each row that does not hold in one cluster: whether there is any."""
+    guard = contact.guard
     found = False
     for row in range(rows):
-        nodes = contact.row_nodes[row]
+        nodes = guard.constraint_nodes[row]
         if (
-            worst(contact.y, nodes, contact.row_normal[row])[0]
-            >= (1.0 - 2.0 * _SLACK) * contact.row_need[row]
+            worst(guard.predicted_x, nodes, guard.normal[row])[0]
+            >= (1.0 - 2.0 * _SLACK) * guard.required_gap[row]
         ):
             continue
         found = True
@@ -154,14 +160,12 @@ def join_violated(contact, rows):
                 plane = 2
                 if nodes[i] == PLANE_X:
                     plane = 1
-                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | plane
+                guard.cluster_fixed[first] |= plane
                 continue
             other = root_of(contact, nodes[i])
             if other != first:
-                contact.root[other] = first
-                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | int(
-                    contact.cluster[other, _FIXED]
-                )
+                guard.cluster_root[other] = first
+                guard.cluster_fixed[first] |= guard.cluster_fixed[other]
     return found
 
 
@@ -169,27 +173,31 @@ def join_violated(contact, rows):
 def move_clusters(contact, nodes):
     """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot
     move along."""
+    guard = contact.guard
     for m in range(nodes):
-        for c in range(_FIXED):
-            contact.cluster[contact.node_list[m], c] = 0.0
-    for m in range(nodes):
-        k = contact.node_list[m]
-        r = root_of(contact, k)
-        if contact.kick[k] == 0.0:
-            contact.cluster[r, _FIXED] = 7
-            continue
-        contact.cluster[r, _MASS] += 1.0 / contact.kick[k]
+        k = guard.nodes[m]
+        guard.cluster_mass[k] = 0.0
         for c in range(3):
-            way = contact.y[c, k] - contact.x[c, k]
-            contact.cluster[r, _MOMENTUM + c] += way / contact.kick[k]
+            guard.cluster_momentum[c, k] = 0.0
     for m in range(nodes):
-        k = contact.node_list[m]
+        k = guard.nodes[m]
         r = root_of(contact, k)
-        if contact.kick[k] == 0.0:
+        if guard.dt_over_mass[k] == 0.0:
+            guard.cluster_fixed[r] = HELD
+            continue
+        guard.cluster_mass[r] += 1.0 / guard.dt_over_mass[k]
+        for c in range(3):
+            step = guard.predicted_x[c, k] - contact.x[c, k]
+            guard.cluster_momentum[c, r] += step / guard.dt_over_mass[k]
+    for m in range(nodes):
+        k = guard.nodes[m]
+        r = root_of(contact, k)
+        if guard.dt_over_mass[k] == 0.0:
             continue
         for c in range(3):
-            way = 0.0
-            if not int(contact.cluster[r, _FIXED]) >> c & 1:
-                way = contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
-            contact.impulse[c, k] += (way + contact.x[c, k] - contact.y[c, k]) / contact.kick[k]
-            contact.y[c, k] = contact.x[c, k] + way
+            step = 0.0
+            if not guard.cluster_fixed[r] >> c & 1:
+                step = guard.cluster_momentum[c, r] / guard.cluster_mass[r]
+            missing = step + contact.x[c, k] - guard.predicted_x[c, k]
+            guard.impulse[c, k] += missing / guard.dt_over_mass[k]
+            guard.predicted_x[c, k] = contact.x[c, k] + step

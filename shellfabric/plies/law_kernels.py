@@ -1,7 +1,7 @@
 """Force, damping and energy of a contact point between plies, from its closure
 (`fabrics.ply_law.PlyLaw`).
 
-A table of PackContact.laws has a row for each of the equal cells of the closure up to the travel,
+A table of `Pressure.laws` has a row for each of the equal cells of the closure up to the travel,
 and a last one for all beyond: force [N] at its beginning, stiffness [N/m] in it, damping [N s/m],
 and energy [J] at its beginning; those of a point of the smallest element. With the pressure p, its
 slope k and the area A and mass m of a point (`numerics.law_tables`)

@@ -38,10 +38,11 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
-from shellfabric.plies.arrays import pack_contact
+from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.state import Body, Constants, PackContact, Stack, State, Work
+from shellfabric.plies.state import PackContact
+from shellfabric.state import Body, Constants, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
 STACKINGS = ("aligned", "alternating")
@@ -294,13 +295,13 @@ class Pack:
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest; of a single ply one without points."""
         if len(self.plies) == 1:
-            return PackContact.empty()
+            return empty_contact()
         points = self.contact.points
         places = [self._first_places(p) for p in range(len(self.gaps))]
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
-        laws, law_step = law_tables(self.laws, smallest, densities, self.contact)
+        laws, law_cell = law_tables(self.laws, smallest, densities, self.contact)
         feet = [
             np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)])
             for axis in (0, 1)
@@ -312,19 +313,19 @@ class Pack:
             self.places,
             [ply.weave.thickness for ply in self.plies],
             self.turns,
-            points=points,
+            points_per_side=points,
             first_point=first([at[0].size for at in places]),
             closest_a=feet[0],
             closest_b=feet[1],
             first_element=first([area.size for area in areas]),
-            area=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
+            area_ratio=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
             laws=laws,
-            law_step=law_step,
+            law_cell=law_cell,
             friction=float(self.friction),
             stick_damping=np.array(
                 [self._stick_damping(d * a) for d, a in zip(densities, smallest)]
             ),
-            side_by_side=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
+            same_angle=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
         )
 
     def _apart(self, p):

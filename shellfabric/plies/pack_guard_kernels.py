@@ -16,41 +16,44 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
-from shellfabric.plies.frame_kernels import NJ, STRIDE, look_at_torn
+from shellfabric.plies.frame_kernels import look_at_torn
 from shellfabric.plies.guard_kernels import project
-from shellfabric.state import unit
+from shellfabric.plies.state import unit
 
 
 @unit()
 def hold_apart(states, consts, contact):
-    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of
+    """Forces that keep the plies apart in the coming step, into guard.force, and half of
     their work."""
-    if contact.count[near.REMAKE]:
+    lists = contact.lists
+    guard = contact.guard
+    if lists.remake:
         for p in range(len(states)):
             state = row_of(states, p)
             const = row_of(consts, p)
             place(state, const, state.first_row, state.end_row)
             look_at_torn(state, const, contact, p)
             follow(state, const, contact, p)
-        for t in range(contact.travel.size):
-            contact.travel[t] = 0.0
-            contact.plane_due[t] = 0.0
-            contact.order[t] = t
-    if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
-        contact.count[near.REMAKE] = 0
-        for t in range(contact.travel.size):
+        for t in range(lists.displacement.size):
+            lists.displacement[t] = 0.0
+            lists.plane_recheck_at[t] = 0.0
+            lists.sorted_tiles[t] = t
+    if lists.remake or near.tiles_have_moved(contact):
+        lists.remake = 0
+        for t in range(lists.displacement.size):
             near.refresh_box(contact, t)
         near.list_tiles(contact)
-    contact.count[near.ROWS] = contact.count[near.NODES] = 0
+    guard.n_constraints = 0
+    guard.n_nodes = 0
     look_at_tiles(states, contact)
     look_at_facets(contact)
-    if contact.count[near.ROWS] == 0:
+    if guard.n_constraints == 0:
         return
     predict(states, consts, contact)
-    given, resolved = project(contact, contact.count[near.ROWS], contact.count[near.NODES])
-    contact.guard[near.IMPULSES] += given
+    given, resolved = project(contact, guard.n_constraints, guard.n_nodes)
+    guard.n_impulses += given
     if not resolved:
-        contact.guard[near.FAILED] = near.NOT_RESOLVED
+        guard.fault = near.NOT_RESOLVED
     if given > 0:
         give_forces(contact)
         count_work(states, consts, contact, False)
@@ -60,23 +63,25 @@ def hold_apart(states, consts, contact):
 def count_work(states, consts, contact, let_go):
     """Count half of the work of the guard's forces: before their step, or after it, when they are
     taken away."""
+    guard = contact.guard
     for p in range(len(states)):
-        if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
+        if guard.window[p, 0] < guard.window[p, 1]:
             state = row_of(states, p)
             const = row_of(consts, p)
-            force = contact.guard_force[p]
-            window = contact.guard_window[p]
-            contact.guard[near.WORK] -= half_step_work(state, const, force, window, let_go)
+            force = guard.force[p]
+            window = guard.window[p]
+            guard.work -= half_step_work(state, const, force, window, let_go)
 
 
 @unit()
 def follow(state, const, contact, p):
-    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way
-    and contact.travel."""
+    """The way of each tile of a ply in the last step, the largest of its nodes', for lists.step_displacement
+    and lists.displacement."""
+    lists = contact.lists
     s = const.row_stride
-    across = contact.tiles_across[p]
+    across = lists.tiles_across[p]
     down = (const.ni + near.TALL - 1) // near.TALL
-    speed = contact.block_speed[p]
+    speed = lists.squared_speed[p]
     for i in range(down + 1):
         begin = max(i * near.TALL, state.first_row)
         end = min((i + 1) * near.TALL, state.end_row + 1)
@@ -98,78 +103,87 @@ def follow(state, const, contact, p):
             square = max(
                 max(speed[b], speed[b + 1]), max(speed[b + across + 1], speed[b + across + 2])
             )
-            t = contact.first_tile[p] + i * across + j
-            contact.way[t] = const.dt * math.sqrt(square)
-            contact.travel[t] += contact.way[t]
+            t = lists.first_tile[p] + i * across + j
+            lists.step_displacement[t] = const.dt * math.sqrt(square)
+            lists.displacement[t] += lists.step_displacement[t]
 
 
 @kernel(_nrt=False)
 def look_at_tiles(states, contact):
     """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane
     of symmetry."""
-    for m in range(contact.count[near.PAIRS]):
-        a, b = contact.pair_tiles[m]
-        if contact.pair_due[m] > farthest(contact, a, b):
+    lists = contact.lists
+    for m in range(lists.n_tile_pairs):
+        a, b = lists.tile_pairs[m]
+        if lists.pair_recheck_at[m] > farthest(contact, a, b):
             continue
         near.refresh_box(contact, a)
         near.refresh_box(contact, b)
         apart = near.tiles_apart(contact, a, b)
-        p = contact.tile_ply[a]
-        q = contact.tile_ply[b]
+        p = lists.tile_ply[a]
+        q = lists.tile_ply[b]
         limit = near.guarded_distance(contact, a, b)
         if apart > limit:
-            contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
+            lists.pair_recheck_at[m] = near.pair_displacement(lists, a, b) + apart - limit
         else:
             first = near.list_facets(contact, row_of(states, p), a, 0)
             near.list_near_facets(
                 contact, m, first, near.list_facets(contact, row_of(states, q), b, 1)
             )
-    if not contact.has_planes:
+    if not (contact.mirror_x or contact.mirror_y):
         return
-    for t in range(contact.travel.size):
-        if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
+    for t in range(lists.displacement.size):
+        if lists.plane_recheck_at[t] <= lists.displacement[t] + lists.step_displacement[t]:
             near.look_at_planes(contact, t)
 
 
 @kernel(_nrt=False, forceinline=True)
 def farthest(contact, a, b):
     """[m] sum of the travels of two tiles after another step like the last."""
-    return contact.travel[a] + contact.way[a] + contact.travel[b] + contact.way[b]
+    lists = contact.lists
+    return (
+        lists.displacement[a]
+        + lists.step_displacement[a]
+        + lists.displacement[b]
+        + lists.step_displacement[b]
+    )
 
 
 @kernel(_nrt=False)
 def look_at_facets(contact):
     """Rows of the guard of all listed pairs of facets that are near; the others stay in the list
     for as long as it is known when they can be."""
+    lists = contact.lists
     kept = 0
-    for e in range(contact.count[near.ENTRIES]):
-        m = contact.entry_pair[e]
-        a, b = contact.pair_tiles[m]
-        if contact.entry_end[e] != contact.pair_due[m]:
+    for e in range(lists.n_facet_pairs):
+        m = lists.facet_pair_tiles[e]
+        a, b = lists.tile_pairs[m]
+        if lists.facet_pair_listing[e] != lists.pair_recheck_at[m]:
             continue
         if kept != e:
-            contact.entry_pair[kept] = m
-            contact.entry_due[kept] = contact.entry_due[e]
-            contact.entry_end[kept] = contact.pair_due[m]
+            lists.facet_pair_tiles[kept] = m
+            lists.facet_recheck_at[kept] = lists.facet_recheck_at[e]
+            lists.facet_pair_listing[kept] = lists.pair_recheck_at[m]
             for r in range(6):
-                contact.entry_nodes[kept, r] = contact.entry_nodes[e, r]
-        if contact.entry_due[kept] <= farthest(contact, a, b):
+                lists.facet_pairs[kept, r] = lists.facet_pairs[e, r]
+        if lists.facet_recheck_at[kept] <= farthest(contact, a, b):
             near.look_at_entry(contact, kept)
         kept += 1
-    contact.count[near.ENTRIES] = kept
+    lists.n_facet_pairs = kept
 
 
 @unit()
 def predict(states, consts, contact):
     """Places after the step of all nodes of the rows, by all known forces; lists these nodes."""
-    for row in range(contact.count[near.ROWS]):
+    guard = contact.guard
+    for row in range(guard.n_constraints):
         for r in range(6):
-            g = np.int64(contact.row_nodes[row, r])
-            if g >= 0 and contact.node_step[g] != contact.count[near.STEP]:
-                contact.node_step[g] = contact.count[near.STEP]
-                contact.node_list[contact.count[near.NODES]] = g
-                contact.count[near.NODES] += 1
-                p = g // contact.slots
+            g = np.int64(guard.constraint_nodes[row, r])
+            if g >= 0 and guard.predicted_step[g] != contact.step:
+                guard.predicted_step[g] = contact.step
+                guard.nodes[guard.n_nodes] = g
+                guard.n_nodes += 1
+                p = g // contact.slots_per_ply
                 v = next_velocity(
                     row_of(states, p),
                     row_of(consts, p),
@@ -179,19 +193,19 @@ def predict(states, consts, contact):
                 )
                 v_x, v_y = turned_back(contact.turns[p], v[0], v[1])
                 for c, speed in enumerate((v_x, v_y, v[2])):
-                    kept = c < 2 and contact.mirror[g] >> c & 1
-                    contact.y[c, g] = contact.x[c, g]
+                    kept = c < 2 and contact.plane_bits[g] >> c & 1
+                    guard.predicted_x[c, g] = contact.x[c, g]
                     if not kept:
-                        contact.y[c, g] += contact.dt * speed
-                    contact.impulse[c, g] = 0.0
+                        guard.predicted_x[c, g] += contact.dt * speed
+                    guard.impulse[c, g] = 0.0
 
 
 @kernel(_nrt=False, forceinline=True)
 def own_number(contact, g):
     """Number of a node of the grids in the arrays of its own ply."""
-    p = g // contact.slots
-    i, j = divmod(g - contact.base[p], contact.shape[p, STRIDE])
-    return i * (contact.shape[p, NJ] + 1) + j
+    p = g // contact.slots_per_ply
+    i, j = divmod(g - contact.base[p], contact.row_stride[p])
+    return i * (contact.nj[p] + 1) + j
 
 
 @kernel(_nrt=False)
@@ -204,27 +218,29 @@ def next_velocity(state, const, contact, p, k):
 @kernel(_nrt=False)
 def force_without_nose(state, const, contact, p, k):
     """The force on node k of ply p of its fabric, of other plies and of a block."""
+    pressure = contact.pressure
     force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
     if const.has_backing:
         force = add(force, nodal(state.f_block_cloth, k))
     for side in range(2):
-        force = add(force, nodal(contact.force[p, side], k))
+        force = add(force, nodal(pressure.force[p, side], k))
     return force
 
 
 @unit()
 def give_forces(contact):
     """The impulses as forces of a step, in the frames of the plies."""
-    for m in range(contact.count[near.NODES]):
-        g = contact.node_list[m]
-        p = g // contact.slots
+    guard = contact.guard
+    for m in range(guard.n_nodes):
+        g = guard.nodes[m]
+        p = g // contact.slots_per_ply
         k = own_number(contact, g)
-        x, y, z = scaled(1.0 / contact.dt, column(contact.impulse, 0, g))
+        x, y, z = scaled(1.0 / contact.dt, column(guard.impulse, 0, g))
         if x != 0.0 or y != 0.0 or z != 0.0:
             f_x, f_y = turned(contact.turns[p], x, y)
-            force = contact.guard_force[p]
+            force = guard.force[p]
             force[0, k] = f_x
             force[1, k] = f_y
             force[2, k] = z
-            i, j = divmod(k, contact.shape[p, NJ] + 1)
-            extend_window(contact.guard_window[p], i, i + 1, j, j + 1)
+            i, j = divmod(k, contact.nj[p] + 1)
+            extend_window(guard.window[p], i, i + 1, j, j + 1)

@@ -82,11 +82,6 @@ from shellfabric.jit.simd import (
 from shellfabric.plies.frame_kernels import (
     BEFORE,
     BEHIND,
-    MIRROR_X,
-    MIRROR_Y,
-    NI,
-    NJ,
-    STRIDE,
     grid_in_pack,
     has_dropped,
     is_torn,
@@ -94,12 +89,10 @@ from shellfabric.plies.frame_kernels import (
     nearest_place,
 )
 from shellfabric.plies.law_kernels import law_at, law_at8
-from shellfabric.plies.near_kernels import PRESSED, SLOTS, STEP, tile_bounds
-from shellfabric.state import unit
+from shellfabric.plies.near_kernels import tile_bounds
+from shellfabric.plies.state import unit
 
-# of contact.energy: of the points of a ply on plies behind it; LOST: what springs held whose
-# element was dropped
-SPRING, DEEPEST, FRICTION, LOST = range(4)
+SLOTS = 4  # rows of `Pressure.last_closure`: of the next ply, and of three behind it
 _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
 _LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
@@ -111,23 +104,27 @@ _FAR = 1e30
 @unit()
 def press(contact, me, count):
     """Forces between neighbours, of the points of one thread's plies."""
+    lists = contact.lists
+    pressure = contact.pressure
     for p in range(me, contact.failures.size, count):
-        contact.energy[p, SPRING] = 0.0
-    for n in range(contact.count[PRESSED]):
-        tile = contact.pressed[n, 0]
-        p = contact.tile_ply[contact.pressed[n, 0]]
-        if contact.tile_ply[contact.pressed[n, 1]] == p + 1 and p % count == me:
+        pressure.spring_energy[p] = 0.0
+    for n in range(lists.n_contact_pairs):
+        tile = lists.contact_pairs[n, 0]
+        other = lists.contact_pairs[n, 1]
+        p = lists.tile_ply[tile]
+        if lists.tile_ply[other] == p + 1 and p % count == me:
             press_tile(contact, tile, p)
 
 
 @unit()
 def press_others(contact):
     """Forces between plies that are no neighbours."""
-    for n in range(contact.count[PRESSED]):
-        tile = contact.pressed[n, 0]
-        other = contact.pressed[n, 1]
-        p = contact.tile_ply[tile]
-        q = contact.tile_ply[other]
+    lists = contact.lists
+    for n in range(lists.n_contact_pairs):
+        tile = lists.contact_pairs[n, 0]
+        other = lists.contact_pairs[n, 1]
+        p = lists.tile_ply[tile]
+        q = lists.tile_ply[other]
         if q != p + 1:
             press_through_hole(contact, tile, other, p, q)
 
@@ -135,42 +132,45 @@ def press_others(contact):
 @unit()
 def press_tile(contact, tile, p):
     """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do
-    not touch is from that, into contact.clearance."""
+    not touch is from that, into lists.tile_gap."""
+    lists = contact.lists
+    pressure = contact.pressure
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
-    points = contact.points**2
-    nj = contact.shape[p, NJ]
+    points = pressure.points_per_side**2
+    nj = contact.nj[p]
     clearance = _FAR
     for row in range(i0 * points, i1 * points):
-        q = contact.first_point[p] + row * nj + j0
+        q = pressure.first_point[p] + row * nj + j0
         count = j1 - j0
         left = (1 << count) - 1
-        if contact.side_by_side[p]:
+        if pressure.same_angle[p]:
             left, clear = press_points8(contact, p, row, j0, q, count)
             clearance = min(clearance, clear)
         if left == 0:
             continue
         for lane in range(count):
             if (left >> lane) & 1:
-                a = contact.closest_a[q + lane]
-                b = contact.closest_b[q + lane]
+                a = pressure.closest_a[q + lane]
+                b = pressure.closest_b[q + lane]
                 a, b, clear = press_point(contact, p, p + 1, row, j0 + lane, a, b, -1)
-                contact.closest_a[q + lane] = a
-                contact.closest_b[q + lane] = b
+                pressure.closest_a[q + lane] = a
+                pressure.closest_b[q + lane] = b
                 clearance = min(clearance, clear)
-    contact.clearance[tile] = max(clearance, 0.0)
+    lists.tile_gap[tile] = max(clearance, 0.0)
 
 
 @unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
     """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not
     touch."""
+    pressure = contact.pressure
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
-    points = contact.points**2
-    s = contact.shape[p, STRIDE]
-    S = contact.shape[q, STRIDE]
+    points = pressure.points_per_side**2
+    s = contact.row_stride[p]
+    S = contact.row_stride[q]
     thickness = mean_thickness(contact, p, q)
-    reach = (thickness + contact.longest) ** 2
+    reach = (thickness + contact.max_diagonal) ** 2
     for i in range(i0, i1):
         for j in range(j0, j1):
             g = contact.base[p] + i * s + j
@@ -226,7 +226,8 @@ def height_over(contact, g, s, k, S):
 def place_of_point(contact, row, j):
     """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one
     point an element."""
-    points = contact.points
+    pressure = contact.pressure
+    points = pressure.points_per_side
     i = row // points**2
     m = row % points**2
     return i + (m // points + 0.5) / points, j + (m % points + 0.5) / points
@@ -331,12 +332,13 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
-    element = row // contact.points**2
-    number = slot_of(p, q), contact.first_point[p] + row * contact.shape[p, NJ] + j
-    if contact.dropped[contact.base[p] + element * contact.shape[p, STRIDE] + j]:
+    pressure = contact.pressure
+    element = row // pressure.points_per_side**2
+    number = slot_of(p, q), pressure.first_point[p] + row * contact.nj[p] + j
+    if contact.dropped[contact.base[p] + element * contact.row_stride[p] + j]:
         # what its springs held goes with the element: it is booked as lost
         for slot in range(SLOTS):
-            contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
+            pressure.lost_energy[p] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
     held = 0.0
     if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
@@ -352,11 +354,11 @@ def press_point(contact, p, q, row, j, a, b, tile):
     distance = math.sqrt(dot(w, w))
     if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
         n = scaled(-1.0 / distance, w)
-        area = contact.area[contact.first_element[p] + element * contact.shape[p, NJ] + j]
+        area = pressure.area_ratio[pressure.first_element[p] + element * contact.nj[p] + j]
         push(contact, (p, foot), (q, closest), area, n, thickness - distance, number)
         if held > 0.0:
             held -= point_energy(contact, p, element, j, number)
-    contact.energy[p, LOST] += max(held, 0.0)
+    pressure.lost_energy[p] += max(held, 0.0)
     clear = 0.0
     if ended:
         clear = distance - _BERTH * thickness
@@ -365,7 +367,7 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
 @kernel(_nrt=False, forceinline=True)
 def slot_of(p, q):
-    """Row of contact.closed, given and touched that a point of ply p has for ply q: the first for
+    """Row of what a point of ply p remembers (`Pressure.last_closure`) for ply q: the first for
     the next ply."""
     if q == p + 1:
         return 0
@@ -376,15 +378,17 @@ def slot_of(p, q):
 def point_energy(contact, p, i, j, number):
     """[J] that a point of the element (i, j) of ply p stores by the closure of when it last
     touched."""
-    area = contact.area[contact.first_element[p] + i * contact.shape[p, NJ] + j]
-    closure = contact.closed[number] - contact.given[number]
-    return area * law_at(contact.laws[p], contact.law_step[p], closure)[2]
+    pressure = contact.pressure
+    area = pressure.area_ratio[pressure.first_element[p] + i * contact.nj[p] + j]
+    closure = pressure.last_closure[number] - pressure.unearned_closure[number]
+    return area * law_at(pressure.laws[p], pressure.law_cell[p], closure)[2]
 
 
 @kernel(_nrt=False)
 def held_energy(contact, p, i, j, number):
     """`point_energy` of a point that touched a step ago, else 0."""
-    if contact.touched[number] != contact.count[STEP] - 1.0:
+    pressure = contact.pressure
+    if pressure.last_contact_step[number] != contact.step - 1.0:
         return 0.0
     return point_energy(contact, p, i, j, number)
 
@@ -444,9 +448,10 @@ def closest_point(contact, q, x, a, b, thickness):
 @kernel(_nrt=False, forceinline=True)
 def touches_next(contact, p, row, j, x):
     """Whether a point of ply p, which is at x, is within the thickness of the next ply."""
-    n = contact.first_point[p] + row * contact.shape[p, NJ] + j
-    a = contact.closest_a[n]
-    b = contact.closest_b[n]
+    pressure = contact.pressure
+    n = pressure.first_point[p] + row * contact.nj[p] + j
+    a = pressure.closest_a[n]
+    b = pressure.closest_b[n]
     torn = is_torn(contact, p + 1, a, b)
     if torn and has_dropped(contact, p + 1, a, b):
         return False
@@ -470,12 +475,12 @@ def bounds(contact, p, torn, facet):
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
     low_a = 0.0
-    if contact.shape[p, MIRROR_X]:
+    if contact.mirror_x:
         low_a = -0.5
     low_b = 0.0
-    if contact.shape[p, MIRROR_Y]:
+    if contact.mirror_y:
         low_b = -0.5
-    return (low_a, low_b), (float(contact.shape[p, NI]), float(contact.shape[p, NJ]))
+    return (low_a, low_b), (float(contact.ni[p]), float(contact.nj[p]))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -490,23 +495,23 @@ def push(contact, front, rear, area, n, closure, number):
     closure : [m]
     number : of the point, of `given`
     """
+    pressure = contact.pressure
     p, foot = front
     q, closest = rear
     v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
     closing = dot(n, v)
     closure = moved_closure(contact, p, q, number, closure, closing)
-    spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
+    spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
     f = area * max(0.0, spring + damping * closing)  # eq. (1)
     sliding = add_scaled(v, -closing, n)
     speed = math.sqrt(dot(sliding, sliding))
     rub = 0.0
-    if contact.friction > 0.0 and speed > 0.0:  # eq. (2)
-        rub = min(contact.friction * f / speed, area * contact.stick_damping[p])
+    if pressure.friction > 0.0 and speed > 0.0:  # eq. (2)
+        rub = min(pressure.friction * f / speed, area * pressure.stick_damping[p])
     force = add_scaled(scaled(f, n), rub, sliding)
-    row = contact.energy[p]
-    row[SPRING] += area * energy
-    row[DEEPEST] = max(row[DEEPEST], closure)
-    row[FRICTION] += contact.dt * rub * speed * speed
+    pressure.spring_energy[p] += area * energy
+    pressure.max_closure[p] = max(pressure.max_closure[p], closure)
+    pressure.friction_work[p] += contact.dt * rub * speed * speed
     push_nodes(contact, p, BEHIND, foot, scaled(-1.0, force))
     push_nodes(contact, q, BEFORE, closest, force)
 
@@ -514,27 +519,29 @@ def push(contact, front, rear, area, n, closure, number):
 @kernel(_nrt=False, forceinline=True)
 def push_nodes(contact, p, side, foot, force):
     """Share a force of the plies on one side of ply p out to its nodes."""
+    pressure = contact.pressure
     i, j, (k, stride), wa, wb = foot
-    own = i, j, (k - p * contact.slots, stride), wa, wb
-    share_out(contact.f[p, side], contact.grid_window[p, side], own, force)
+    own = i, j, (k - p * contact.slots_per_ply, stride), wa, wb
+    share_out(pressure.grid_force[p, side], pressure.grid_window[p, side], own, force)
 
 
 @kernel(_nrt=False, forceinline=True)
 def moved_closure(contact, p, q, number, closure, closing):
     """The closure [m] of a point less what no motion has made of it: what it had when first seen,
     and what jumps."""
-    now = float(contact.count[STEP])
+    pressure = contact.pressure
+    now = float(contact.step)
     jump = closure - contact.dt * closing
     given = 0.0
-    if contact.touched[number] == now - 1.0:
-        jump = jump - contact.closed[number]
-        given = contact.given[number]
+    if pressure.last_contact_step[number] == now - 1.0:
+        jump = jump - pressure.last_closure[number]
+        given = pressure.unearned_closure[number]
     if abs(jump) > _JUMP * mean_thickness(contact, p, q):
         given = max(0.0, given + jump)
     given = min(given, closure)
-    contact.touched[number] = now
-    contact.closed[number] = closure
-    contact.given[number] = given
+    pressure.last_contact_step[number] = now
+    pressure.last_closure[number] = closure
+    pressure.unearned_closure[number] = given
     return closure - given
 
 
@@ -549,17 +556,18 @@ def store_where(values, points, which, new):
 @kernel(_nrt=False, forceinline=True)
 def moved_closure8(contact, p, points, closure, closing, which):
     """`moved_closure` on the next ply of those of eight points that are `which`."""
+    pressure = contact.pressure
     q, _ = points
-    now = float(contact.count[STEP])
-    long_ago = greater(fabs(load(contact.touched[0], q) - (now - 1.0)), 0.5)
-    given = where(long_ago, 0.0, load(contact.given[0], q))
-    jump = closure - contact.dt * closing - where(long_ago, 0.0, load(contact.closed[0], q))
+    now = float(contact.step)
+    long_ago = greater(fabs(load(pressure.last_contact_step[0], q) - (now - 1.0)), 0.5)
+    given = where(long_ago, 0.0, load(pressure.unearned_closure[0], q))
+    jump = closure - contact.dt * closing - where(long_ago, 0.0, load(pressure.last_closure[0], q))
     most = _JUMP * mean_thickness(contact, p, p + 1)
     given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
     given = minimum(given, closure)
-    store_where(contact.touched[0], points, which, broadcast(now))
-    store_where(contact.closed[0], points, which, closure)
-    store_where(contact.given[0], points, which, given)
+    store_where(pressure.last_contact_step[0], points, which, broadcast(now))
+    store_where(pressure.last_closure[0], points, which, closure)
+    store_where(pressure.unearned_closure[0], points, which, given)
     return closure - given
 
 
@@ -568,19 +576,20 @@ def press_points8(contact, p, row, j, q, count):
     """`press_point` of those of `count` points from number q on, which begin in the j-th element of
     a row of points, that need no more than the formulas: (those left, as bits, how far the nearest
     of the others is from touching)."""
+    pressure = contact.pressure
     x = contact.x
-    S = contact.shape[p + 1, STRIDE]
+    S = contact.row_stride[p + 1]
     thickness = mean_thickness(contact, p, p + 1)
     a, b = place_of_point(contact, row, j)
     foot = foot_at(grid_in_pack(contact, p), False, a, b)
     _, _, nodes, wa, wb = foot
-    lanes = load(contact.lanes, 0)
+    lanes = load(pressure.lane_numbers, 0)
     all_of = (1 << count) - 1
-    A = load(contact.closest_a, q)
-    B = load(contact.closest_b, q)
+    A = load(pressure.closest_a, q)
+    B = load(pressure.closest_b, q)
     fit = whole8(contact, p, nodes[0] + nodes[1] + 1, (q, count))
-    n_a = contact.shape[p + 1, NI]
-    n_b = contact.shape[p + 1, NJ]
+    n_a = contact.ni[p + 1]
+    n_b = contact.nj[p + 1]
     I = floor(minimum(maximum(A + 0.5, 0.0), float(n_a)))
     J = floor(minimum(maximum(B + 0.5, 0.0), float(n_b)))
     chosen = mask_from_bits(fit)
@@ -610,8 +619,8 @@ def press_points8(contact, p, row, j, q, count):
     B = B + turn
     fit &= within8(contact, p + 1, A, B)
     points = q, count
-    store_where(contact.closest_a, points, mask_from_bits(fit), A)
-    store_where(contact.closest_b, points, mask_from_bits(fit), B)
+    store_where(pressure.closest_a, points, mask_from_bits(fit), A)
+    store_where(pressure.closest_b, points, mask_from_bits(fit), B)
     w = offset_after(w, slopes, second, go, turn)
     distance = sqrt(dot(w, w))
     touching = (
@@ -627,8 +636,8 @@ def press_points8(contact, p, row, j, q, count):
     if touching:
         n = scaled(-1.0 / distance, w)
         closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall
-        element = contact.first_element[p] + row // contact.points**2 * contact.shape[p, NJ] + j
-        area = load(contact.area, element)
+        element = pressure.first_element[p] + row // pressure.points_per_side**2 * contact.nj[p] + j
+        area = load(pressure.area_ratio, element)
         closure = thickness - distance
         push8(contact, (p, foot), closest, area, n, closure, touching, (q, count))
         clear = 0.0
@@ -674,13 +683,14 @@ def where_all(mask, one, other):
 def whole8(contact, p, node, points):
     """Those of eight points, as bits, that are not beside torn fabric of either ply; node : the
     nearest to the first point; points : number of the first, how many there are."""
+    pressure = contact.pressure
     q, count = points
     fit = (1 << count) - 1
     if contact.failures[p] > 0:
         fit &= movemask(equal_bytes(contact.torn, node, 0))
     if contact.failures[p + 1] > 0:
         for lane in range(count):
-            if is_torn(contact, p + 1, contact.closest_a[q + lane], contact.closest_b[q + lane]):
+            if is_torn(contact, p + 1, pressure.closest_a[q + lane], pressure.closest_b[q + lane]):
                 fit &= ~(1 << lane)
     return fit
 
@@ -704,41 +714,44 @@ def push8(contact, front, closest, area, n, closure, touching, points):
         (`surface_kernels.interpolate_rows8`)
     points : number of the first, how many there are
     """
+    pressure = contact.pressure
     p, (i, j, nodes, wa, wb) = front
     I, J, K, za, zb, tall = closest
-    S = contact.shape[p + 1, STRIDE]
+    S = contact.row_stride[p + 1]
     which = mask_from_bits(touching)
     v_p = point_vector8(contact.v, nodes, wa, wb)
     v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
     closure = moved_closure8(contact, p, points, closure, closing, which)
-    spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
+    spring, damping, energy = law_at8(pressure.laws[p], pressure.law_cell[p], closure)
     # eq. (1)
     f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
     force = scaled(f, n)
-    row = contact.energy[p]
-    if contact.friction > 0.0:  # eq. (2)
+    if pressure.friction > 0.0:  # eq. (2)
         sliding = subtract(v, scaled(closing, n))
         speed = sqrt(dot(sliding, sliding))
-        rub = minimum(contact.friction * f / maximum(speed, 1e-60), contact.stick_damping[p] * area)
+        rub = minimum(
+            pressure.friction * f / maximum(speed, 1e-60), pressure.stick_damping[p] * area
+        )
         rub = where(which, rub, 0.0)
         force = add_scaled(force, rub, sliding)
-        row[FRICTION] += contact.dt * reduce_add(rub * speed * speed)
-    row[SPRING] += reduce_add(where(which, area * energy, 0.0))
-    row[DEEPEST] = max(row[DEEPEST], reduce_max(where(which, closure, 0.0)))
+        pressure.friction_work[p] += contact.dt * reduce_add(rub * speed * speed)
+    pressure.spring_energy[p] += reduce_add(where(which, area * energy, 0.0))
+    deepest = reduce_max(where(which, closure, 0.0))
+    pressure.max_closure[p] = max(pressure.max_closure[p], deepest)
     if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):
         return
-    ahead = contact.grid_window[p, BEHIND]
-    extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.shape[p, NJ] + 2))
-    behind = contact.grid_window[p + 1, BEFORE]
+    ahead = pressure.grid_window[p, BEHIND]
+    extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.nj[p] + 2))
+    behind = pressure.grid_window[p + 1, BEFORE]
     rows = 3
     if tall:
         rows = 4
-    last = min(J + WIDTH + 3, contact.shape[p + 1, NJ] + 2)
+    last = min(J + WIDTH + 3, contact.nj[p + 1] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
-    at = nodes[0] - p * contact.slots, nodes[1]
-    behind_at = K - (p + 1) * contact.slots, S, tall
+    at = nodes[0] - p * contact.slots_per_ply, nodes[1]
+    behind_at = K - (p + 1) * contact.slots_per_ply, S, tall
     for c in range(3):
-        scatter_to_points8(contact.f[p, BEHIND, c], at, 0.0 - force[c], own)
-        scatter8(contact.f[p + 1, BEFORE, c], behind_at, force[c], (za, zb))
+        scatter_to_points8(pressure.grid_force[p, BEHIND, c], at, 0.0 - force[c], own)
+        scatter8(pressure.grid_force[p + 1, BEFORE, c], behind_at, force[c], (za, zb))

@@ -24,7 +24,7 @@ from shellfabric.jit.table import UNIFORM, Rows
 from shellfabric.panel import edges, forces, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.perforation import held, passed
-from shellfabric.plies import memory, near_kernels, pressure_kernels
+from shellfabric.plies import memory, near_kernels
 from shellfabric.plies.arrays import on_grids
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
@@ -181,7 +181,7 @@ class PackSolver(ExplicitSolver):
         """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean
         thickness of two."""
         thickness = self.contact.thickness
-        closed = self.contact.energy[:-1, pressure_kernels.DEEPEST]
+        closed = self.contact.pressure.max_closure[:-1]
         return closed / (0.5 * (thickness[1:] + thickness[:-1]))
 
     @property
@@ -208,7 +208,7 @@ class PackSolver(ExplicitSolver):
     @property
     def held_apart(self) -> int:
         """[-] impulses that kept plies from passing through each other."""
-        return int(self.contact.guard[near_kernels.IMPULSES])
+        return int(self.contact.guard.n_impulses)
 
     @property
     def steps(self) -> int:
@@ -233,7 +233,7 @@ class PackSolver(ExplicitSolver):
         a single ply."""
         if len(self.parts) == 1:
             return []
-        return list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
+        return list(self.contact.pressure.force[ply][:, :, : self.states[ply].mass.size])
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it:
@@ -266,13 +266,13 @@ class PackSolver(ExplicitSolver):
         """{name: [J]} taken in by the contact between plies, of which it holds or damps the first
         and has lost the second with dropped elements; by the friction there and by collisions of
         plies, in the guard."""
-        rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
-        lost = float(self.contact.energy[:, pressure_kernels.LOST].sum())
+        rubbed = float(self.contact.pressure.friction_work.sum())
+        lost = float(self.contact.pressure.lost_energy.sum())
         return {
-            "ply_contact": float(self.contact.work.sum()) - rubbed - lost,
+            "ply_contact": float(self.contact.pressure.work.sum()) - rubbed - lost,
             "ply_contact_lost": lost,
             "ply_friction": rubbed,
-            "ply_collisions": float(self.contact.guard[near_kernels.WORK]),
+            "ply_collisions": float(self.contact.guard.work),
         }
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
@@ -392,7 +392,7 @@ class PackSolver(ExplicitSolver):
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
         self.monitor.sampled(self)
-        self.contact.count[near_kernels.REMAKE] = 1
+        self.contact.lists.remake = 1
         turned = int(self.stack.stop_step)
         if turned and (
             self.time - turned * self.const.dt >= self.stack.after_stop
@@ -424,7 +424,7 @@ class PackSolver(ExplicitSolver):
                 "the projectile leaves the zone of resolved yarns",
                 f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
             )
-        fault = int(self.contact.guard[near_kernels.FAILED])
+        fault = int(self.contact.guard.fault)
         if fault:
             self.stop(f"the guard between plies {FAULTS[fault]}", "the pack")
 
@@ -448,7 +448,8 @@ class PackSolver(ExplicitSolver):
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
+        """See ExplicitSolver. Of the contact between plies, the rest follows from what its tables
+        keep."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
         for p, modules in enumerate(self.modules):
             rows = {module.energy: module.own for module in modules if module.own}
@@ -459,6 +460,9 @@ class PackSolver(ExplicitSolver):
             found |= {"block": self.backing.block.row, "block_points": self.backing.block.points}
         return found | {
             "contact": self.contact,
+            "contact/lists": self.contact.lists,
+            "contact/pressure": self.contact.pressure,
+            "contact/guard": self.contact.guard,
             "stack": self.stack,
             "monitor": self.monitor.found,
         }

@@ -16,15 +16,14 @@ from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
-from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over
 from shellfabric.plies.near_kernels import list_pressed
 from shellfabric.plies.pack_guard_kernels import force_without_nose
 from shellfabric.plies.pressure_kernels import press, press_others
+from shellfabric.plies.state import unit
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.projectile.bar_kernels import CENTRE
 from shellfabric.solver import ply_kernels
-from shellfabric.state import unit
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
     5
@@ -77,9 +76,11 @@ def fly(states, consts, stack):
 def wakes(state, const, contact, stack, p):
     """Give ply p the impulses of the others and of the guard; whether anything has acted on it
     yet."""
-    pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
+    pressure = contact.pressure
+    guard = contact.guard
+    pushed = apply_impulses(state, const, guard.force[p], guard.window[p])
     for side in range(2):
-        pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
+        pushed |= apply_impulses(state, const, pressure.force[p, side], pressure.window[p, side])
     stack.awake[p] |= pushed
     return stack.awake[p]
 
@@ -255,11 +256,13 @@ def step_behind(states, consts, stack):
 @kernel(_nrt=False)
 def internal_work(states, contact):
     """[J] work done so far on yarns, their viscosity and the contacts."""
+    pressure = contact.pressure
+    guard = contact.guard
     total = 0.0
     for p in range(len(states)):
         total += ply_kernels.internal_work(row_of(states, p))
     if len(states) > 1:
         for p in range(len(states)):
-            total += contact.work[p]
-        total += contact.guard[near_kernels.WORK]
+            total += pressure.work[p]
+        total += guard.work
     return total

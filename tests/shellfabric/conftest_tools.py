@@ -119,13 +119,13 @@ class Interrupted(Exception):
 
 @entry(_nrt=False)
 def press_once(states, consts, contact):
-    """Forces between plies where they are, of all their points, into contact.force."""
-    contact.count[near_kernels.STEP] += 1
+    """Forces between plies where they are, of all their points, into contact.pressure.force."""
+    contact.step += 1
     for p in range(len(states)):
         state = row_of(states, p)
         place(state, row_of(consts, p), state.first_row, state.end_row)
         frame_kernels.look_at_torn(state, row_of(consts, p), contact, p)
-    for t in range(contact.travel.size):
+    for t in range(contact.lists.displacement.size):
         near_kernels.refresh_box(contact, t)
     near_kernels.list_tiles(contact)
     near_kernels.list_pressed(contact)
@@ -161,7 +161,7 @@ class Pressed:
 
     def alone(self):
         """The same, whose points are all computed one at a time."""
-        self.contact.side_by_side[:] = False
+        self.contact.pressure.same_angle[:] = False
         return self
 
     def press(self, times=1):
@@ -169,20 +169,21 @@ class Pressed:
         points have closed by in all but the last of several times counts as come by motion."""
         for n in range(times):
             if n > 0:
-                self.contact.given[:] = 0.0
-            self.contact.touched[:] += 1  # of the two steps that a press counts
+                self.contact.pressure.unearned_closure[:] = 0.0
+            self.contact.pressure.last_contact_step[:] += 1  # of the two steps that a press counts
             press_once(Rows(self.states), Rows(self.consts), self.contact)
         return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
 
     def force(self, ply, side):
         """(ni+1, nj+1, 3) [N] of the plies on one side of a ply."""
         return np.stack(
-            [grid(self.consts[ply], part) for part in self.contact.force[ply, side]], axis=-1
+            [grid(self.consts[ply], part) for part in self.contact.pressure.force[ply, side]],
+            axis=-1,
         )
 
     def spring(self):
         """[J] in the springs of all points."""
-        return self.contact.energy[:, pressure_kernels.SPRING].sum()
+        return self.contact.pressure.spring_energy.sum()
 
     def bulge(self, rng, together, width=4e-3):
         """Have the plies bulge into each other, the first by `together` [m] more than the second."""

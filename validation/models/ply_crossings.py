@@ -58,7 +58,7 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
         contact = march.contact
         rows = np.arange(c.ni)[:, None]
         is_facet &= (
-            contact.dropped[contact.base[p] + rows * contact.shape[p, 0] + np.arange(c.nj)] == 0
+            contact.dropped[contact.base[p] + rows * contact.row_stride[p] + np.arange(c.nj)] == 0
         )
         number = first + np.arange(size).reshape(shape)
         a, b, c, d = (

@@ -21,8 +21,8 @@ from validation.models.ply_crossings import plies_cross, surfaces
 
 
 @entry()
-def project(guard, rows, nodes):
-    return guard_kernels.project(guard, rows, nodes)
+def project(contact, rows, nodes):
+    return guard_kernels.project(contact, rows, nodes)
 
 
 @entry()
@@ -109,49 +109,50 @@ class Cloud:
     def __init__(self, ply, seed, nodes=60, facets=40):
         pack = Pack.stacked(ply, 2)
         consts = pack.constants()
-        self.guard, rng = (
-            pack.plies_contact(consts, pack.states(1.0)[0]),
-            np.random.default_rng(seed),
-        )
-        self.guard.x[:, :nodes], self.nodes = rng.normal(size=(3, nodes)), nodes
-        self.guard.kick[:nodes] = 10 ** rng.uniform(-1, 1, nodes)
-        self.guard.mirror[:] = 0
-        self.guard.node_list[:nodes] = np.arange(nodes)
+        rng = np.random.default_rng(seed)
+        self.contact = pack.plies_contact(consts, pack.states(1.0)[0])
+        self.guard = self.contact.guard
+        self.nodes = nodes
+        self.contact.x[:, :nodes] = rng.normal(size=(3, nodes))
+        self.guard.dt_over_mass[:nodes] = 10 ** rng.uniform(-1, 1, nodes)
+        self.contact.plane_bits[:] = 0
+        self.guard.nodes[:nodes] = np.arange(nodes)
         rows = 0
         for _ in range(facets):
             own = rng.choice(nodes, 6, replace=False).astype(np.int32)
-            width, n = separation(self.guard.x, own)
+            width, n = separation(self.contact.x, own)
             if width > 0:
-                self.guard.row_nodes[rows] = own
-                self.guard.row_normal[rows] = n
-                self.guard.row_need[rows] = guard_kernels.needed.py_func(width, 1.0)
-                self.guard.row_distance[rows] = width
+                self.guard.constraint_nodes[rows] = own
+                self.guard.normal[rows] = n
+                self.guard.required_gap[rows] = guard_kernels.needed.py_func(width, 1.0)
+                self.guard.gap[rows] = width
                 rows += 1
-        self.rows, self.guard.y[:, :nodes] = (
-            rows,
-            self.guard.x[:, :nodes] + rng.normal(size=(3, nodes)),
-        )
+        self.rows = rows
+        moved = self.contact.x[:, :nodes] + rng.normal(size=(3, nodes))
+        self.guard.predicted_x[:, :nodes] = moved
 
     def project(self):
         """What `project` returns; the places before."""
-        before = self.guard.y[:, : self.nodes].copy()
+        before = self.guard.predicted_x[:, : self.nodes].copy()
         self.guard.impulse[:, : self.nodes] = 0.0
-        return project(self.guard, self.rows, self.nodes), before
+        return project(self.contact, self.rows, self.nodes), before
 
     def left(self):
         """(rows,) [-] of what is needed, what is left."""
         guard = self.guard
         found = []
-        for nodes, n, need in zip(guard.row_nodes[: self.rows], guard.row_normal, guard.row_need):
-            along = [guard.y[:, k] @ n if k >= 0 else 0.0 for k in nodes]
+        for nodes, n, need in zip(
+            guard.constraint_nodes[: self.rows], guard.normal, guard.required_gap
+        ):
+            along = [guard.predicted_x[:, k] @ n if k >= 0 else 0.0 for k in nodes]
             found.append((min(along[3:]) - max(along[:3])) / need)
         return np.array(found)
 
     def kinetic(self, y):
         """Energy of the ways from x to y."""
-        loose = self.guard.kick[: self.nodes] > 0
-        ways = ((y - self.guard.x[:, : self.nodes]) ** 2).sum(axis=0)
-        return (ways[loose] / self.guard.kick[: self.nodes][loose]).sum()
+        loose = self.guard.dt_over_mass[: self.nodes] > 0
+        ways = ((y - self.contact.x[:, : self.nodes]) ** 2).sum(axis=0)
+        return (ways[loose] / self.guard.dt_over_mass[: self.nodes][loose]).sum()
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -159,35 +160,36 @@ class Cloud:
 def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
     # the latter too many for impulses alone
     cloud = Cloud(ply, seed, *((60, 40) if seed % 3 else (30, 200)))
+    contact = cloud.contact
     guard = cloud.guard
     nodes = cloud.nodes
     if kind == "held":
-        guard.kick[:nodes:9] = 0.0
-        guard.y[:, :nodes:9] = guard.x[:, :nodes:9]
+        guard.dt_over_mass[:nodes:9] = 0.0
+        guard.predicted_x[:, :nodes:9] = contact.x[:, :nodes:9]
     if kind == "planes":
-        guard.mirror[:nodes:7] = 1 + np.arange(len(range(0, nodes, 7))) % 3
+        contact.plane_bits[:nodes:7] = 1 + np.arange(len(range(0, nodes, 7))) % 3
         for axis in (0, 1):
-            on = guard.mirror[:nodes] >> axis & 1 > 0
-            guard.x[axis, :nodes][on] = guard.y[axis, :nodes][on] = 0.0
-        wall = [k for k in range(nodes) if guard.x[0, k] > 0 and not guard.mirror[k]]
+            on = contact.plane_bits[:nodes] >> axis & 1 > 0
+            contact.x[axis, :nodes][on] = guard.predicted_x[axis, :nodes][on] = 0.0
+        wall = [k for k in range(nodes) if contact.x[0, k] > 0 and not contact.plane_bits[k]]
         cloud.rows = (
             0  # the facets have moved: rows of the plane alone, and of facets as they are now
         )
         for row, k in enumerate(wall):
-            guard.row_nodes[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3
-            guard.row_normal[row] = (1.0, 0.0, 0.0)
-            guard.row_need[row], cloud.rows = (
-                guard_kernels.needed.py_func(guard.x[0, k], 1.0),
+            guard.constraint_nodes[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3
+            guard.normal[row] = (1.0, 0.0, 0.0)
+            guard.required_gap[row], cloud.rows = (
+                guard_kernels.needed.py_func(contact.x[0, k], 1.0),
                 row + 1,
             )
-            guard.row_distance[row] = guard.x[0, k]
+            guard.gap[row] = contact.x[0, k]
     (given, resolved), before = cloud.project()
     assert given > 0
     assert resolved
     assert cloud.left().min() > 1 - 3e-3
-    assert cloud.kinetic(guard.y[:, :nodes]) <= cloud.kinetic(before) * (1 + 1e-12)
-    ways = guard.kick[:nodes] * guard.impulse[:, :nodes]
-    assert_allclose(guard.y[:, :nodes] - before, ways, atol=1e-12 * abs(before).max())
+    assert cloud.kinetic(guard.predicted_x[:, :nodes]) <= cloud.kinetic(before) * (1 + 1e-12)
+    ways = guard.dt_over_mass[:nodes] * guard.impulse[:, :nodes]
+    assert_allclose(guard.predicted_x[:, :nodes] - before, ways, atol=1e-12 * abs(before).max())
     if kind == "free":
         assert (
             abs(guard.impulse[:, :nodes].sum(axis=1)).max()
@@ -200,28 +202,31 @@ def test_a_stack_that_is_struck_does_not_move_as_one(ply):
     cloud = Cloud(ply, 0)
     count = 16
     apart = 0.1
+    contact = cloud.contact
     guard = cloud.guard
     cloud.nodes = count
     cloud.rows = count - 1
-    guard.kick[:count], guard.x[:, :count], guard.x[2, :count] = 1.0, 0.0, apart * np.arange(count)
+    guard.dt_over_mass[:count] = 1.0
+    contact.x[:, :count] = 0.0
+    contact.x[2, :count] = apart * np.arange(count)
     for row in range(cloud.rows):
-        guard.row_nodes[row] = [row] * 3 + [row + 1] * 3
-        guard.row_normal[row] = (0.0, 0.0, 1.0)
-        guard.row_need[row] = guard_kernels.needed.py_func(apart, 1.0)
-        guard.row_distance[row] = apart
-    guard.y[:, :count] = guard.x[:, :count]
-    guard.y[2, 0] += 30 * apart
+        guard.constraint_nodes[row] = [row] * 3 + [row + 1] * 3
+        guard.normal[row] = (0.0, 0.0, 1.0)
+        guard.required_gap[row] = guard_kernels.needed.py_func(apart, 1.0)
+        guard.gap[row] = apart
+    guard.predicted_x[:, :count] = contact.x[:, :count]
+    guard.predicted_x[2, 0] += 30 * apart
     (_, resolved), before = cloud.project()
-    ways = guard.y[2, :count] - guard.x[2, :count]
+    ways = guard.predicted_x[2, :count] - contact.x[2, :count]
     assert resolved
     assert cloud.left().min() > 1 - 3e-3
-    assert cloud.kinetic(guard.y[:, :count]) < cloud.kinetic(before)
+    assert cloud.kinetic(guard.predicted_x[:, :count]) < cloud.kinetic(before)
     assert np.unique(np.round(ways, 9)).size > 4
 
 
 def test_no_motion_satisfies_every_row(ply):
     cloud = Cloud(ply, 5)
-    cloud.guard.y[:, : cloud.nodes] = cloud.guard.x[:, : cloud.nodes]
+    cloud.guard.predicted_x[:, : cloud.nodes] = cloud.contact.x[:, : cloud.nodes]
     assert cloud.project()[0] == (0, True)
 
 
@@ -255,7 +260,8 @@ def pairs(rows):
 def test_every_pair_that_is_near_has_a_row(ply):
     """Lists that are remade after a motion have, in each step, the pairs of a search of all by all."""
     march = crumpled(ply, 3)
-    guard = march.contact
+    contact = march.contact
+    guard = contact.guard
     seen = 0
     found = np.empty((100_000, 6), np.int32)
     for _ in range(40):
@@ -264,21 +270,21 @@ def test_every_pair_that_is_near_has_a_row(ply):
         size = len(places) // 3
         width = march.const.row_stride
         own = np.arange(len(places)) % size
-        numbers = guard.base[owner] + own // width * guard.shape[0, 0] + own % width
-        x = np.zeros_like(guard.x)
+        numbers = contact.base[owner] + own // width * contact.row_stride[0] + own % width
+        x = np.zeros_like(contact.x)
         x[:, numbers] = places.T
         whole = numbers[whole].astype(np.int32)
-        near = near_kernels.NEAR * guard.thickness[0]
+        near = near_kernels.NEAR * contact.thickness[0]
         expected = set()
         for p, q in ((0, 1), (0, 2), (1, 2)):
-            one, other = (whole[whole[:, 0] // guard.slots == r] for r in (p, q))
+            one, other = (whole[whole[:, 0] // contact.slots_per_ply == r] for r in (p, q))
             count = near_pairs(x, one, other, near, found)
             expected |= pairs(found[:count])
         advance(march, 1)
-        assert expected <= pairs(guard.row_nodes[: guard.count[near_kernels.ROWS]])
+        assert expected <= pairs(guard.constraint_nodes[: guard.n_constraints])
         seen += len(expected)
     assert seen > 1000
-    assert guard.guard[near_kernels.FAILED] == 0
+    assert guard.fault == 0
 
 
 def bore(march, p):
@@ -328,7 +334,7 @@ def test_all_places_are_in_the_frame_of_the_first_ply(ply):
         nodes = panel.in_pack(np.stack(panel.coordinates(), axis=-1)) @ axes.T
         rows, columns = np.indices(nodes.shape[:2])
         rest = np.moveaxis(
-            contact.rest[:, contact.base[p] + rows * contact.shape[p, 0] + columns], 0, -1
+            contact.rest[:, contact.base[p] + rows * contact.row_stride[p] + columns], 0, -1
         )
         assert_allclose(rest[..., :2], nodes, atol=1e-15)
         assert_allclose(rest[..., 2], pack.places[p])
@@ -391,13 +397,13 @@ def test_torn_plies_do_not_pass_through_each_other():
     assert march.held_apart > 0
     assert not any(seen)
     assert 0.0 < march.sample("ply_collisions")[-1] < 0.005 * march.strike_energy
-    assert march.contact.guard[near_kernels.LEAST] > 0.04
+    assert march.contact.guard.least_gap_ratio > 0.04
 
 
 @pytest.mark.parametrize("fault", ["converged", "room", "cross"])
 def test_a_run_whose_guard_fails_ends(ply, fault):
     march = PackSolver(Pack.stacked(ply, 2), 158.0, 20e-6)
-    march.contact.guard[near_kernels.FAILED] = ("converged", "room", "cross").index(fault) + 1
+    march.contact.guard.fault = ("converged", "room", "cross").index(fault) + 1
     with pytest.raises(UnstableError, match=f"the guard between plies.*{fault}"):
         march.run()
 

@@ -105,7 +105,7 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
         closed = closure
         advance(march, 100)
         for p in range(plies - 1):
-            assert -march.contact.force[p, BEHIND, 2].sum() / area == pytest.approx(
+            assert -march.contact.pressure.force[p, BEHIND, 2].sum() / area == pytest.approx(
                 pressure, rel=0.01
             )
 

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
 from shellfabric.cloth import surface_kernels as surface
-from shellfabric.plies import frame_kernels, pressure_kernels
+from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
@@ -79,7 +79,9 @@ def plain(pressed):
         speeds.append(with_ghosts(v, const))
     (x, y), forces, energy = grids, [np.zeros_like(part) for part in grids], 0.0
     fc = pressed.consts[0]
-    areas = contact.area[: fc.ni * fc.nj].reshape(fc.ni, fc.nj) * fc.dx * fc.dy / n**2
+    areas = (
+        contact.pressure.area_ratio[: fc.ni * fc.nj].reshape(fc.ni, fc.nj) * fc.dx * fc.dy / n**2
+    )
     for i in range(fc.ni * n):
         for j in range(fc.nj * n):
             a = (i + 0.5) / n
@@ -127,7 +129,7 @@ def assert_as_plain(pressed):
     found, (on_front, on_rear, energy) = pressed.press(3), plain(pressed)
     size = abs(on_front).max()
     assert size > 0
-    assert pressed.contact.energy[0, pressure_kernels.DEEPEST] > 0.1 * pressed.thickness
+    assert pressed.contact.pressure.max_closure[0] > 0.1 * pressed.thickness
     for mine, expected in zip(found, (on_front, on_rear)):
         assert_allclose(mine, expected, atol=1e-4 * size)
     assert pressed.spring() == pytest.approx(energy, rel=1e-5)
@@ -189,12 +191,14 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width,
             "closest_a",
             "closest_b",
         ):
-            getattr(alone.contact, name)[:] = getattr(pressed.contact, name)
+            getattr(alone.contact.pressure, name)[:] = getattr(pressed.contact.pressure, name)
         both = pressed.press(), alone.press()
         size = abs(both[0][0]).max()
         for eight, one in zip(*both):
             assert_allclose(eight, one, atol=1e-9 * max(size, 1e-9))
-        assert_allclose(pressed.contact.energy, alone.contact.energy, rtol=1e-8)
+        for energy in ("spring_energy", "max_closure", "friction_work", "lost_energy"):
+            mine, other = (getattr(run.contact.pressure, energy) for run in (pressed, alone))
+            assert_allclose(mine, other, rtol=1e-8)
         seen.append((both[0][0] != 0).sum())
     assert min(seen) < 0.7 * max(seen)
 
@@ -217,7 +221,7 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
     pressed.press(3)
     grid(const, front.v[0])[:] = speed
     pressed.press()
-    pressed.contact.work[:], held = 0.0, pressed.spring()
+    pressed.contact.pressure.work[:], held = 0.0, pressed.spring()
     off = 0.0
     largest = 0.0
     most = 0.0
@@ -225,10 +229,10 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
         grid(const, front.u[0])[:] += const.dt * speed
         pressed.press()
         now = pressed.spring()
-        off = max(off, abs(now - held - pressed.contact.work.sum()))
+        off = max(off, abs(now - held - pressed.contact.pressure.work.sum()))
         largest = max(largest, now)
         most = max(most, abs(now - held))
-    assert pressed.contact.energy[0, pressure_kernels.DEEPEST] < 0.8 * pressed.thickness
+    assert pressed.contact.pressure.max_closure[0] < 0.8 * pressed.thickness
     assert most > 0.2 * largest
     assert off < 5e-4 * largest
 
@@ -242,8 +246,8 @@ def test_the_contact_remembers_nothing(ply, angle):
     pressed = Pressed(pack).bulge(np.random.default_rng(5), 0.2e-3)
     forces = pressed.press(4)
     for aside in (0.3, -0.8):
-        pressed.contact.closest_a[:] += aside
-        pressed.contact.closest_b[:] -= aside
+        pressed.contact.pressure.closest_a[:] += aside
+        pressed.contact.pressure.closest_b[:] -= aside
         for mine, expected in zip(pressed.press(2), forces):
             assert_allclose(mine, expected, atol=1e-3 * abs(expected).max())
 
@@ -258,7 +262,7 @@ def test_forces_and_their_moments_vanish(ply):
     moments = 0.0
     for p, f in enumerate(forces):
         g = pressed.contact.base[p] + np.add.outer(
-            np.arange(f.shape[0]) * pressed.contact.shape[p, 0], np.arange(f.shape[1])
+            np.arange(f.shape[0]) * pressed.contact.row_stride[p], np.arange(f.shape[1])
         )
         x = np.moveaxis(pressed.contact.x[:, g], 0, -1)
         sums = sums + f.sum(axis=(0, 1))

@@ -8,7 +8,7 @@ from conftest_tools import collide, grid, momenta
 from numpy.testing import assert_allclose
 from test_ply_contact import Flat, tear
 
-from shellfabric.plies import friction, pressure_kernels
+from shellfabric.plies import friction
 from shellfabric.plies.frame_kernels import BEHIND
 from shellfabric.plies.model import Pack, PlyContact
 
@@ -37,7 +37,7 @@ class Sliding(Flat):
 
     @property
     def work(self):
-        return self.contact.energy[:, pressure_kernels.FRICTION].sum()
+        return self.contact.pressure.friction_work.sum()
 
 
 @pytest.mark.parametrize("points", [1, 2])
@@ -63,7 +63,7 @@ def test_points_yield_slowly_below_the_limit(ply):
     pair = Sliding(ply, MU)
     normal = abs(pair.move(0.0, 0.0)[0, 2])
     const = pair.consts[0]
-    damping = pair.contact.stick_damping[0] * 4 * const.ni * const.nj
+    damping = pair.contact.pressure.stick_damping[0] * 4 * const.ni * const.nj
     limit = MU * normal / damping
     # [m/s], at the pressure of a hundredth of the thickness of solid fibre
     assert 1.0 < limit < 20.0

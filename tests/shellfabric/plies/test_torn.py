@@ -16,7 +16,7 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.panel import quality
 from shellfabric.panel.numerics import Numerics
-from shellfabric.plies import law_kernels, near_kernels, pressure_kernels
+from shellfabric.plies import law_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
 S726 = catalogue.load("S-726").with_effective_density()
@@ -34,18 +34,19 @@ SHOT = ImpactSetup(
 def stored_by_points(contact):
     """[J] sum over all points of their area at rest times the law's energy of what motion has closed them by."""
     total = 0.0
-    now = contact.count[near_kernels.STEP]
-    for p, laws in enumerate(contact.laws):
-        nj = contact.shape[p, 2]
-        each = contact.points**2
-        for slot, closures in enumerate(contact.closed):
-            first = contact.first_point[p]
-            end = contact.first_point[p + 1]
-            for number in first + np.flatnonzero(contact.touched[slot, first:end] == now):
+    pressure = contact.pressure
+    for p, laws in enumerate(pressure.laws):
+        nj = contact.nj[p]
+        each = pressure.points_per_side**2
+        for slot, closures in enumerate(pressure.last_closure):
+            first = pressure.first_point[p]
+            end = pressure.first_point[p + 1]
+            touching = pressure.last_contact_step[slot, first:end] == contact.step
+            for number in first + np.flatnonzero(touching):
                 row, j = divmod(number - first, nj)
-                area = contact.area[contact.first_element[p] + row // each * nj + j]
-                closure = closures[number] - contact.given[slot, number]
-                total += area * law_kernels.law_at.py_func(laws, contact.law_step[p], closure)[2]
+                area = pressure.area_ratio[pressure.first_element[p] + row // each * nj + j]
+                closure = closures[number] - pressure.unearned_closure[slot, number]
+                total += area * law_kernels.law_at.py_func(laws, pressure.law_cell[p], closure)[2]
     return total
 
 
@@ -79,7 +80,7 @@ def shot(stiffness=1.0):
 
     def book(run):
         work = run.sample("ply_contact")[-1] + run.sample("ply_contact_lost")[-1]
-        stored = run.contact.energy[:, pressure_kernels.SPRING].sum() / run.share
+        stored = run.contact.pressure.spring_energy.sum() / run.share
         rows.append((work, stored, stored_by_points(run.contact) / run.share, least_area(run)))
 
     return march.run((book,)), np.array(rows).T

@@ -121,7 +121,7 @@ def test_forces_between_turned_plies_balance():
     for p, side in ((0, BEHIND), (1, BEFORE)):
         ply = solver.pack.plies[p]
         state = solver.states[p]
-        forces = solver.contact.force[p, side]
+        forces = solver.contact.pressure.force[p, side]
         f = np.stack([part[: ply.areas.size] for part in forces], axis=1)
         x = np.stack(
             [X.ravel() + u[: ply.areas.size] for X, u in zip(ply.coordinates(), state.u)], axis=1
