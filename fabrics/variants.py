@@ -26,7 +26,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeAlias
 
-from fabrics.assumed import given
+from fabrics.assumed import given, of_thickness
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import inputs_digest
 from fabrics.fabric import Fabric, pair
@@ -136,13 +136,22 @@ def with_failure_length(fabric: Fabric, length: float) -> Fabric:
     return replace(given(fabric, "failure_length"), failure_length=length)
 
 
+def as_written(fabric: Fabric) -> Fabric:
+    """Return the fabric with the crimp that its data sheet gives; the 3D crossover may have taken a
+    thicker one, for room (`meshing.mesh_plan.with_room`)."""
+    if "crimp" in fabric.assumed:
+        return of_thickness(fabric)
+    return fabric
+
+
 def data_digest(fabric: Fabric) -> str:
     """Digest what a compression law of the fabric is computed from: its weave, sections and solid
-    laws.
+    laws, as its data sheet gives them.
 
     The linear densities are the effective ones, so that it is the same for either choice; laws of
     the solid that are assumed are left out.
     """
+    fabric = as_written(fabric)
     solid = None
     if "solid" not in fabric.assumed:
         solid = fabric.solid_laws

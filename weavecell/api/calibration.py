@@ -27,7 +27,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from fabrics.variants import data_digest, with_linear_density
+from fabrics.variants import as_written, data_digest, with_linear_density
 from weavecell.api import meshes, targets
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explained
@@ -141,8 +141,9 @@ def calibrate(
         interval = None
         if solid is not None:
             interval = _interval(solid, runs, choices)
-        # the law is fitted at the data sheet's linear density, and shot at with the effective one
-        shot_at = fabric
+        # the crossover may have more crimp, and has the data sheet's linear density; a shot has
+        # what an input file that names the fabric would give it
+        shot_at = as_written(fabric)
         if named:
             shot_at = with_linear_density(fabric, "effective")
         result = CalibrationResult(

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import catalogue, ply_laws
+from fabrics import assumed, catalogue, ply_laws
 from fabrics.compression import CompressionLaw
-from fabrics.variants import data_digest, with_linear_density
+from fabrics.variants import as_written, data_digest, with_linear_density
+from meshing.mesh_plan import with_room
 from tests.scene_text import merged, toml
 from weavecell.scenes import build
 
@@ -66,3 +67,15 @@ def test_what_no_law_is_computed_from_does_not_count():
     assert data_digest(fabric_of({"shear": trellis})) == digest
     fabric = catalogue.load("S-720")
     assert data_digest(fabric) == data_digest(with_linear_density(fabric, "effective"))
+
+
+def test_a_fabric_that_needs_more_room_in_3d_keeps_its_law_and_its_crimp(tmp_path, caplog):
+    yarn = SHEET["warp"] | {"linear_density": "600 denier", "count": "34 / inch"}
+    sheet = SHEET | {"thickness": "9 mil", "areal_density": "180 g/m^2", "warp": yarn, "weft": yarn}
+    tight = catalogue.read("mine.toml", toml(sheet))
+    thicker = with_room(assumed.with_solid_laws(tight))
+    assert thicker.weave.warp.crimp > tight.weave.warp.crimp
+    assert as_written(thicker).weave == tight.weave
+    with caplog.at_level(logging.WARNING, "weavecell"):
+        build.laws_of(tight, law_of(tmp_path, thicker))
+    assert not caplog.records
