@@ -11,13 +11,16 @@ import numpy as np
 
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.weave import Weave
 from meshing.conforming import YarnSection
+from meshing.mesh_file import MeshFile
 
 YARNS = ("warp", "weft")
 TIP_THICKNESS_RATIO = 0.075
-Size: TypeAlias = str | float | Sequence[int]
+Size: TypeAlias = str | float | Sequence[int] | MeshFile
 AUTO_LAYERS = 2
 AUTO_ASPECT = 1.5
+FACE_SAMPLES = 400
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
 
 
@@ -49,7 +52,7 @@ def one_of(key: str, value: Any, allowed: Sequence[str]) -> None:
         raise InputError(key=key, value=value, allowed=" or ".join(allowed))
 
 
-def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tuple[int, int, int]:
+def size(value: Any, weave: Weave, sections: Sequence[YarnSection]) -> tuple[int, int, int]:
     """Choose (nx, ny, nz), hexahedra along, across and through a quarter yarn.
 
     Parameters
@@ -57,7 +60,7 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
     value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two
         layers, and edges along and across of 1.5 times the height of an element in the middle of
         the thinner section
-    w : (warp, weft) [m] half cell lengths
+    weave : Weave
     sections : (Section, Section)
 
     Raises
@@ -70,14 +73,14 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
         if value != "auto":
             return SIZES[value]
         height = min(section.thickness for section in sections) / AUTO_LAYERS
-        return (*_parts(AUTO_ASPECT * height, w, sections), AUTO_LAYERS)
-    if _number(value) and 0 < value <= min(w):
+        return (*_parts(AUTO_ASPECT * height, weave, sections), AUTO_LAYERS)
+    if _number(value) and 0 < value <= min(weave.w):
         layers = max(section.thickness for section in sections) / value
-        return (*_parts(value, w, sections), max(1, _ceil(layers)))
+        return (*_parts(value, weave, sections), max(1, _ceil(layers)))
     numbers = _whole_numbers(value, (2, 2, 1))
     if numbers is None:
         wanted = (
-            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or "
+            f"coarse, medium, fine, auto, an edge length up to {min(weave.w):.4g} m, or "
             "three whole numbers, at least 2 along, 2 across and 1 through"
         )
         raise InputError(key="size", value=value, allowed=wanted)
@@ -96,10 +99,20 @@ def _whole_numbers(value, least):
     return numbers if np.all(np.asarray(numbers) >= least) else None
 
 
-def _parts(length, w, sections):
-    """Elements along and across whose edges are at most `length` in both yarns, at least 2."""
-    half_width = max(section.half_width for section in sections)
-    return [max(2, _ceil(edge / length)) for edge in (max(w), half_width)]
+def _parts(length, weave, sections):
+    """Elements along and across whose edges are at most `length` in both yarns, at least 2.
+
+    Edges are equal steps along the fibre and along the faces of the section.
+    """
+    fibre = max(weave.S0) / 2
+    face = max(_face_length(section) for section in sections)
+    return [max(2, _ceil(edge / length)) for edge in (fibre, face)]
+
+
+def _face_length(section):
+    """[m] of one face of a section from its middle to its cut."""
+    y = section.stations(FACE_SAMPLES)
+    return np.hypot(np.diff(y), np.diff(section.half_thickness(y))).sum()
 
 
 def _ceil(ratio):

@@ -6,11 +6,11 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     weft   (s, p, q) -> (p, s, z(s) + q)
 
 so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis,
-and with the vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. The
-nodes of a box (`meshing.grid`) are placed by this map. Mesh lines along the box are fibre lines.
-Each carries a bar whose area is the share of its node in the section, scaled so that all bars of a
-section together are the fibre area: the bars lie along the fibre, so a straightened yarn has the
-stiffness E A_s exactly.
+and with the vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh
+makes this geometry and meshes it (`meshing.geometry`, `meshing.generate`), in steps of equal length
+along the fibres. Mesh lines along a yarn are fibre lines. Each carries a bar whose area is the
+share of its node in the section, scaled so that all bars of a section together are the fibre area:
+the bars lie along the fibre, so a straightened yarn has the stiffness E A_s exactly.
 """
 
 from __future__ import annotations
@@ -22,38 +22,18 @@ from functools import cached_property
 import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
-from meshing import grid
-from meshing.conforming import YarnSection
+from fabrics.weave import Weave
+from meshing.generate import Groups, boxed
 from meshing.inputs import YARNS
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.section_fit import SectionFit
+from meshing.section_fit import AnySection, SectionFit
 
 SURFACES = (
     "contact",
     "plate",
     "tip",
 )  # the other named faces are ends and symmetry planes: groups of nodes
-
-
-@dataclass(frozen=True)
-class Strand:
-    """One yarn before it is meshed.
-
-    Parameters
-    ----------
-    name : str
-    family : 0 of a warp, 1 of a weft yarn
-    points : (nx+1, ny+1, nz+1, 3) [m] along, across and through
-    bar_area : (ny+1, nz+1) [m2] of the fibre bars of a section
-    over : (nx,) bool, where the yarn lies over the one that it crosses
-    """
-
-    name: str
-    family: int
-    points: np.ndarray
-    bar_area: np.ndarray
-    over: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +57,8 @@ class YarnMesh:
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
     section_fit : SectionFit, the sections, the overlap they had, and how it was removed
     end_shells : [m] thickness of shells on the yarn ends, or None
+    script : the geometry as a gmsh script, from which the mesh was made; empty of a mesh that was
+        read
     """
 
     fabric: str
@@ -95,6 +77,7 @@ class YarnMesh:
     fibre_area: tuple[float, float]
     section_fit: SectionFit
     end_shells: float | None
+    script: str = field(repr=False)
 
     @property
     def shift(self) -> float:
@@ -102,7 +85,12 @@ class YarnMesh:
         return self.section_fit.shift
 
     @property
-    def sections(self) -> tuple[YarnSection, YarnSection]:
+    def quarter(self) -> bool:
+        """Whether half the length and half the width of each yarn is meshed."""
+        return any(name.endswith("_symx") for name in self.faces)
+
+    @property
+    def sections(self) -> tuple[AnySection, AnySection]:
         """(Section, Section) of warp and weft."""
         return self.section_fit.sections
 
@@ -179,89 +167,99 @@ class YarnMesh:
         return least_gap(self)
 
 
-def place(
-    family: int,
-    s: FloatArray,
-    centre: FloatArray,
-    y: FloatArray,
-    heights: FloatArray,
-    across: float = 0.0,
-) -> FloatArray:
-    """Compute the node positions of a yarn.
+def assemble(
+    groups: Groups, names: Sequence[str], families: Sequence[int], quarter: bool, weave: Weave
+) -> dict:
+    """Join the yarns of a mesh by gmsh, nodes numbered by place and yarn after yarn: fields of a
+    `YarnMesh`.
 
     Parameters
     ----------
-    family : 0 along x, 1 along y
-    s, centre : (nx+1,) [m] positions along the yarn and heights of its centreline
-    y, heights : (ny+1,), (ny+1, nz+1) [m] positions across and heights of the section
-    across : [m] of the centreline
+    groups : Groups
+    names, families : of the yarns, in their order
+    quarter : half the width of each yarn is meshed, and half of its fibres
+    weave : Weave, for the fibre areas
 
-    Returns
-    -------
-    points : (nx+1, ny+1, nz+1, 3) [m]
+    Raises
+    ------
+    InputError : a group is missing, or not one transfinite box of hexahedra
     """
-    z = centre[:, None, None] + heights[None]
-    points = np.empty((*z.shape, 3))
-    points[..., family] = s[:, None, None]
-    points[..., 1 - family] = across + y[None, :, None]
-    points[..., 2] = z
-    return points
-
-
-def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntArray]]]:
-    """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields
-    of a `YarnMesh`.
-
-    Faces are named with the yarn and i0, i1, j0, j1 or contact and plate.
-    """
+    share = 0.5 if quarter else 1.0
+    points = []
     grids = []
     hexes = []
     pairs = []
     areas = []
     faces = {}
     first = 0
-    for strand in strands:
-        shape = strand.points.shape[:3]
-        right = strand.family == 0
-        nodes = np.arange(np.prod(shape)).reshape(shape) + first
-        first += nodes.size
-        bars = grid.bars(nodes)
+    for name, family in zip(names, families):
+        box = boxed(groups, name, family, _faces_of(family, quarter))
+        places = groups.points[box.nodes]
+        nodes = np.arange(box.nodes.size).reshape(box.nodes.shape) + first
+        section = places[-1]
+        weight = tributary_areas(section[..., 0, 1 - family], section[..., 2])
+        bar_area = weight / weight.sum() * share * weave.yarns[family].A_s
+        points.append(places.reshape(-1, 3))
         grids.append(nodes)
-        hexes.append(grid.bricks(nodes, right))
-        pairs.append(bars.reshape(-1, 2))
-        areas.append(np.broadcast_to(strand.bar_area, bars.shape[:-1]).reshape(-1).copy())
-        faces[strand.name] = _sides(grid.faces(nodes, right), strand.over, shape[1] - 1)
+        hexes.append(box.hexes + first)
+        pairs.append(np.stack([nodes[:-1], nodes[1:]], axis=-1).reshape(-1, 2))
+        areas.append(np.tile(bar_area.ravel(), len(nodes) - 1))
+        for face, quads in box.quads.items():
+            faces[f"{name}_{face}"] = quads + first
+        first += nodes.size
     return {
-        "points": np.concatenate([strand.points.reshape(-1, 3) for strand in strands]),
+        "points": np.concatenate(points),
         "hexes": np.concatenate(hexes),
-        "yarn": np.repeat(np.arange(len(strands)), [len(h) for h in hexes]),
-        "names": tuple(strand.name for strand in strands),
-        "families": tuple(strand.family for strand in strands),
+        "yarn": np.repeat(np.arange(len(names)), [len(h) for h in hexes]),
+        "names": tuple(names),
+        "families": tuple(families),
         "grids": tuple(grids),
         "bars": tuple(pairs),
         "bar_area": tuple(areas),
-    }, faces
-
-
-def outer_faces(sides: dict[str, dict[str, IntArray]]) -> dict[str, IntArray]:
-    """Name the outer faces of whole yarns, as `YarnMesh.groups` lists them."""
-    named = {}
-    for yarn, of in sides.items():
-        named[f"{yarn}_contact"] = of["contact"]
-        named[f"{yarn}_plate"] = of["plate"]
-        named[f"{yarn}_end"] = of["i1"]
-        named[f"{yarn}_start"] = of["i0"]
-        named[f"{yarn}_tip"] = np.concatenate([of["j0"], of["j1"]])
-    return named
-
-
-def _sides(sides, over, ny):
-    """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over)
-    and plate."""
-    below = np.repeat(over, ny)[:, None]
-    lower = sides.pop("k0")
-    upper = sides.pop("k1")
-    return sides | {
-        "contact": np.where(below, lower, upper),
-        "plate": np.where(below, upper, lower),
+        "faces": faces,
     }
+
+
+def numbering(
+    groups: Groups, names: Sequence[str], families: Sequence[int], quarter: bool
+) -> IntArray:
+    """(n,) numbers that gmsh gave to the nodes of a mesh, in the order in which `assemble` numbers
+    them."""
+    yarns = zip(names, families)
+    found = [boxed(groups, name, family, _faces_of(family, quarter)) for name, family in yarns]
+    return np.concatenate([box.nodes.ravel() for box in found])
+
+
+def _faces_of(family, quarter):
+    """The named faces of a yarn, and of which opposite pair of `generate.OPPOSITE` each is one."""
+    faces = {"contact": "contact", "plate": "plate", "end": "end"}
+    if not quarter:
+        return faces | {"start": "start", "tip": "low/high"}
+    planes = ("symx", "symy")
+    return faces | {"tip": "high", planes[family]: "start", planes[1 - family]: "low"}
+
+
+def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
+    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a
+    corner to that node.
+
+    Parameters
+    ----------
+    y : (ny+1,) [m] stations across the section
+    z : (ny+1, nz+1) [m] heights of the nodes at each station, in equal steps
+
+    Returns
+    -------
+    area : (ny+1, nz+1) [m2], summing to the area of the polygon
+    """
+    middle = (y[1:] + y[:-1]) / 2
+    bounds = np.concatenate([y[:1], middle, y[-1:]])
+    thick = z[:, -1] - z[:, 0]
+    at_bounds = np.interp(bounds, y, thick)
+    # A strip between two bounds is two trapezoids that meet at the station.
+    strip = (bounds[1:] - y) * (at_bounds[1:] + thick) / 2 + (y - bounds[:-1]) * (
+        at_bounds[:-1] + thick
+    ) / 2
+    through = np.ones(z.shape[1])
+    through[[0, -1]] = 0.5
+    return strip[:, None] * through / through.sum()

@@ -6,15 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fabrics import assumed
-from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
-from meshing import grid, inputs
+from meshing import inputs
 from meshing.inputs import TIP_THICKNESS_RATIO, Size
 from meshing.section_fit import SectionFit, fit_sections, least_that_fits
 
@@ -79,28 +76,8 @@ class Plan:
             overlap=overlap,
             shift=shift,
         )
-        elements = inputs.size(size, weave.w, section_fit.sections)
+        elements = inputs.size(size, weave, section_fit.sections)
         return cls(fabric.name, weave, section_fit, elements, end_shells)
-
-    def along(self, family: int) -> FloatArray:
-        """Compute the positions (nx+1,) [m] of the mesh planes from the crossing to the end of the
-        cell."""
-        return np.linspace(0, self.weave.w[family], self.size[0] + 1)
-
-    def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Compute positions across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1)
-        [m2] of a section."""
-        section = self.section_fit.sections[family]
-        _, ny, nz = self.size
-        y = section.stations(ny)
-        if whole:
-            y = mirrored(y)
-        heights = section.half_thickness(y)[:, None] * np.linspace(-1, 1, nz + 1)
-        weight = grid.tributary_areas(y, heights)
-        share = 0.5
-        if whole:
-            share = 1.0
-        return y, heights, weight / weight.sum() * share * self.weave.yarns[family].A_s
 
     def fields(self) -> dict:
         """Return those fields of a `YarnMesh` that do not depend on its extent."""
@@ -142,8 +119,3 @@ def with_room(fabric: Fabric) -> Fabric:
         f"least thickness that fits, {1e3 * found.weave.thickness:.4g} mm, and a crimp of {crimp} %"
     )
     return replace(found, notes=(*fabric.notes, note))
-
-
-def mirrored(half: FloatArray) -> FloatArray:
-    """Mirror positions (n + 1,) on one side of zero to both sides, (2 n + 1,)."""
-    return np.concatenate([-half[:0:-1], half])

@@ -23,10 +23,12 @@ from typing import Unpack
 import numpy as np
 
 from fabrics.fabric import Fabric
-from meshing import inputs
+from meshing import geometry, inputs
+from meshing.generate import of_script
+from meshing.geometry import Yarn
 from meshing.inputs import YARNS, MeshOptions, Size
-from meshing.mesh import Strand, YarnMesh, assemble, outer_faces, place
-from meshing.mesh_plan import Plan, mirrored
+from meshing.mesh import YarnMesh, assemble
+from meshing.mesh_plan import Plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,33 +74,26 @@ def build(
     """
     count = inputs.counts(count)
     plan = Plan.of(fabric, size=size, shift=False, **options)
-    mesh, sides = assemble([*_family(plan, 0, count), *_family(plan, 1, count)])
-    return Patch(count=count, faces=outer_faces(sides), **mesh, **plan.fields())
+    yarns = [*_family(plan, 0, count), *_family(plan, 1, count)]
+    script = geometry.script(plan, yarns, quarter=False, stem="patch")
+    names = [yarn.name for yarn in yarns]
+    families = [yarn.family for yarn in yarns]
+    found = assemble(of_script(script, plan.fabric), names, families, False, plan.weave)
+    return Patch(count=count, script=script, **found, **plan.fields())
 
 
 def _family(plan, family, count):
-    """The strands of all yarns of one family."""
+    """The yarns of one family, each divided at its crossings and halfway between them."""
     w = plan.weave.w[family]
     spacing = 2 * plan.weave.w[1 - family]
-    crossings = _centred(count[1 - family], 2 * w)
-    cell = mirrored(plan.along(family))
-    phase = np.where(np.arange(len(crossings)) % 2 == 0, 1.0, -1.0)
-    arch = phase[:, None] * plan.weave.h0[family] * np.cos(np.pi * cell / (2 * w))
-    s, z = (_joined(part) for part in (crossings[:, None] + cell, arch))
-    y, heights, areas = plan.across(family, whole=True)
-    for number, across in enumerate(_centred(count[family], spacing)):
-        sign = (-1) ** (family + number)
-        over = np.repeat(sign * phase > 0, len(cell) - 1)
-        points = place(family, s, sign * z, y, heights, across)
-        yield Strand(f"{YARNS[family]}_{number + 1}", family, points, areas, over)
+    crossings = count[1 - family]
+    stations = _centred(2 * crossings + 1, w)
+    for number, axis in enumerate(_centred(count[family], spacing)):
+        up = (-1) ** (family + number)
+        name = f"{YARNS[family]}_{number + 1}"
+        yield Yarn(name, family, up=up, axis=axis, first=stations[1], stations=stations)
 
 
 def _centred(n, spacing):
     """(n,) [m] places at equal spacing, the middle at zero."""
     return (np.arange(n) - (n - 1) / 2) * spacing
-
-
-def _joined(cells):
-    """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken
-    once."""
-    return np.concatenate([cells[0], cells[1:, 1:].ravel()])

@@ -91,13 +91,30 @@ class Section:
         shape = np.cos(np.pi / 2 * eta) if self.kind == "sine" else np.sqrt(1 - eta**2)
         return self.thickness / 2 * shape
 
-    def stations(self, n: int) -> FloatArray:
-        """Compute the positions y [m] of the n + 1 mesh lines from the middle to the cut: equal steps
-        of y, or of the angle of the ellipse.
+    @property
+    def formula(self) -> str:
+        """q at the distance v from the middle, in the language of gmsh."""
+        half = float(self.thickness / 2)
+        width = float(self.width)
+        if self.kind == "sine":
+            return f"{half} * Cos(Pi * v / {width})"
+        return f"{half} * Sqrt(1 - (2 * v / {width})^2)"
 
-        Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is
-        then of order 2.
+    def grading(self, n: int) -> float:
+        """Factor from one step of the mesh along the face to the next, from the middle to the cut.
+
+        1 for a sine. n steps of an ellipse shrink towards its steep end as steps of equal angle do:
+        the area between its mesh lines is then of order 2.
         """
+        if self.kind == "sine" or n < 2:
+            return 1.0
+        y = self.stations(n)
+        steps = np.hypot(np.diff(y), np.diff(self.half_thickness(y)))
+        return float((steps[-1] / steps[0]) ** (1 / (n - 1)))
+
+    def stations(self, n: int) -> FloatArray:
+        """n + 1 places y [m] from the middle to the cut: equal steps of y, or of the angle of the
+        ellipse."""
         if self.kind == "sine":
             return np.linspace(0, self.half_width, n + 1)
         y = self.width / 2 * np.sin(np.linspace(0, np.arcsin(self.cut), n + 1))

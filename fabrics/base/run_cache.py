@@ -42,7 +42,7 @@ COMPUTING = (
     "scenes",
     "studies",
 )  # folders of weavecell whose code counts beside that of a module's own folder
-SUFFIXES = (".py", ".toml", ".json", ".csv")
+SUFFIXES = (".py", ".toml", ".json", ".csv", ".geo")
 # enough to tell two versions of the code apart by eye
 # a message shows so many digits of the code's digest
 _SHORT = 12

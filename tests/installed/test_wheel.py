@@ -68,7 +68,7 @@ GROUPS = {
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "export ply.toml --to lsdyna --out export",
     ),
-    "meshes": ("mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",),
+    "meshes": ("mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",),
     "views": (
         "impact ply.toml --out ply",
         "view ply --screenshot ply.png",

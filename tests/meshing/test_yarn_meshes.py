@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from meshing import crossover as mesher
 from meshing import patch
-from meshing.grid import tributary_areas
+from meshing.mesh import tributary_areas
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 # numbers of the yarns, and of the axes along them
@@ -18,6 +18,10 @@ WARP = 0
 WEFT = 1
 SMALL = (3, 2, 1)
 SIZES = ((6, 4, 2), (12, 8, 4), (24, 16, 8))
+# [m] to which gmsh measures its curves (its Mesh.LcIntegrationPrecision is 1e-9 of a curve)
+NODE = 5e-12
+# to which its splines follow the cosine between their points
+SPLINE = 1e-6
 
 
 def mesh(name="S-720", size="coarse", **choices):
@@ -92,7 +96,7 @@ def test_all_fibres_have_the_length_of_the_yarn():
         for size in SIZES:
             crossover = mesh("S-731", size)
             length = lengths(crossover, yarn)
-            assert np.ptp(length) < 1e-12 * length.mean()
+            assert np.ptp(length) < NODE
             errors.append(1 - length.mean() / (crossover.S0[yarn] / 2))
         assert 0 < errors[-1] < 1e-4
         assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.05)
@@ -109,7 +113,7 @@ def test_bars_are_edges_along_the_fibre():
     for yarn in (WARP, WEFT):
         along = np.diff(crossover.points[crossover.bars[yarn]], axis=1)[:, 0]
         assert np.all(along[:, yarn] > 0)
-        assert_allclose(along[:, 1 - yarn], 0, atol=1e-18)
+        assert_allclose(along[:, 1 - yarn], 0, atol=NODE)
         assert np.all(crossover.fibre[crossover.yarn == yarn][:, yarn] > 0.8)
     assert np.allclose(np.linalg.norm(crossover.fibre, axis=1), 1)
 
@@ -133,17 +137,17 @@ def test_the_whole_is_the_quarter_mirrored_twice(kind):
         full = whole.points[whole.grids[yarn]]
         assert full.shape[:2] == (2 * nx + 1, 2 * ny + 1)
         along, across = (1 - 2 * yarn) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
-        assert_array_equal(full[nx:, ny:], part)
-        assert_allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
-        assert_allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
+        assert_allclose(full[nx:, ny:], part, rtol=0, atol=NODE)
+        assert_allclose(full[nx::-1, ny:], part * along, rtol=0, atol=NODE)
+        assert_allclose(full[nx:, ny::-1], part * across, rtol=0, atol=NODE)
         areas, all_areas = (
             made.bar_area[yarn][: np.prod(made.grids[yarn].shape[1:])].reshape(
                 made.grids[yarn].shape[1:]
             )
             for made in (quarter, whole)
         )
-        assert_allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-12)
-        assert_allclose(all_areas[ny], 2 * areas[0], rtol=1e-12)
+        assert_allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-6)
+        assert_allclose(all_areas[ny], 2 * areas[0], rtol=1e-6)
 
 
 @pytest.mark.parametrize("domain", ["quarter", "whole"])
@@ -230,7 +234,7 @@ def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
             * weave.h0[family]
             * np.cos(np.pi * (along - places[family][0]) / (2 * weave.w[family]))
         )
-        assert line[:, 2] == pytest.approx(z, abs=1e-12 * weave.h0[family])
+        assert line[:, 2] == pytest.approx(z, abs=SPLINE * weave.h0[family])
 
 
 def test_a_yarn_is_one_body_from_end_to_end():
@@ -277,7 +281,7 @@ def test_the_cell_of_four_crossovers_fits_itself():
         grid = weave.points[weave.grids[number]]
         step = np.zeros(3)
         step[family] = weave.extent[family]
-        assert_allclose(grid[-1], grid[0] + step, rtol=0, atol=1e-18)
+        assert_allclose(grid[-1], grid[0] + step, rtol=0, atol=NODE)
 
 
 def test_groups_are_named_by_yarn_and_by_family():

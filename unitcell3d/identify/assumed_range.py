@@ -13,7 +13,7 @@ from typing import Any
 
 from fabrics import assumed
 from fabrics.fabric import Fabric
-from meshing.mesh_plan import Plan
+from meshing import crossover
 from unitcell3d.identify.calibrate import calibrate_all
 from unitcell3d.identify.calibration import Calibration
 
@@ -21,9 +21,9 @@ from unitcell3d.identify.calibration import Calibration
 _LEAST_ROOM = 0.01
 
 
-def _packed_later(fabric, name):
+def _packed_later(fabric, name, size):
     """The fabric with a new name, and with V_c above the density that the mesh gives its yarns."""
-    dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
+    dense = crossover.build(fabric, size=size).Vf0
     laws = [
         replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM))
         for law, Vf0 in zip(fabric.solid_laws, dense)
@@ -50,7 +50,7 @@ def with_assumed_range(
         have one
     """
     ends = {
-        end: _packed_later(each, f"{each.name}, {end}")
+        end: _packed_later(each, f"{each.name}, {end}", choices.get("size", "coarse"))
         for end, each in assumed.solid_ends(fabric).items()
     }
     if not ends:

@@ -23,6 +23,7 @@ from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from meshing import crossover as mesher
 from meshing.inputs import Size
+from meshing.mesh_file import MeshFile
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
 from unitcell3d.model.crossover import Numerics
@@ -141,7 +142,8 @@ def calibrate_all(
     Parameters
     ----------
     fabrics : of Fabric, with solid laws
-    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
+    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`);
+        a MeshFile is the mesh of both
     friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
     paths : {name: (d1, d2) ratio}, each to fibre failure; by default warp only, weft only, equibiaxial, and both yarns
         beyond failure
@@ -167,6 +169,8 @@ def calibrate_all(
         )
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
+    if isinstance(size, MeshFile):
+        plates_size = size  # the platens press the same sections
     run = _Run(folder, laws, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps

@@ -75,7 +75,8 @@ def calibrate(
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a
-        quarter yarn, such as 8,6,2, or an edge length
+        quarter yarn, such as 8,6,2, an edge length, or a .msh file that gmsh made of the script of
+        weavecell mesh --format geo
     platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what
         the fabric lacks of its solid law is assumed by fibre family
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
@@ -118,7 +119,7 @@ def calibrate(
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
-        built = meshes.MeshResult(fabric, meshes.build(fabric, "whole", size=size))
+        built = meshes.of_calibration(fabric, size)
         with progress.bar(f"Calibration of {fabric.name}") as advance:
             watch = progress.by_path(advance, solver.CASES)
             done = solver.calibrate(

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MeshResult", "mesh"]
 
-FORMATS = ("msh", "vtu", "k", "inp", "rad")
+FORMATS = ("msh", "geo", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
 # yarns of the smallest cell that repeats in a plain weave
 PERIODIC = (2, 2)
@@ -83,8 +83,8 @@ def mesh(
 ) -> MeshResult:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
-    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad). The fabric has
-    the linear density of its data sheet.
+    A gmsh mesh (msh), the geometry itself as a gmsh script (geo), ParaView (vtu), LS-DYNA (k),
+    Abaqus (inp), OpenRadioss (rad). The fabric has the linear density of its data sheet.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def mesh(
         quarter yarn, such as 8,6,2, or an edge length
     domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
     patch : a woven patch of N warp and M weft yarns instead, NxM
-    format : files to write, separated by commas: msh, vtu, k, inp, rad
+    format : files to write, separated by commas: msh, geo, vtu, k, inp, rad
     out : folder of the results; in Python None writes nothing
     **geometry : geometry of what is meshed, if not that of the fabric
 
@@ -190,13 +190,17 @@ def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
 
 
 def size(value: Any) -> Any:
-    """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it, also of a
-    text.
+    """A name, three numbers, an edge length [m], or a MeshFile of the path of a .msh file, as
+    `meshing.inputs.size` takes it, also of a text.
 
     Raises
     ------
-    InputError : a text that is none of these
+    InputError : a text that is none of these, or a file that cannot be read
     """
+    if isinstance(value, Path) or (isinstance(value, str) and value.endswith(".msh")):
+        from meshing.mesh_file import MeshFile
+
+        return MeshFile.load(value)
     if not isinstance(value, str) or value in SIZES:
         return value
     if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", value):
@@ -235,6 +239,15 @@ def build(
     if count is None:
         return crossover.build(fabric, domain=domain, **options)
     return patch.build(fabric, count, **options)
+
+
+def of_calibration(fabric: Fabric, size: Any) -> MeshResult:
+    """Mesh a whole crossover to be shown beside a calibration; a mesh that is read as it is."""
+    from meshing.mesh_file import MeshFile
+
+    if isinstance(size, MeshFile):
+        return MeshResult(fabric, build(fabric, "quarter", size=size), ("vtu",))
+    return MeshResult(fabric, build(fabric, "whole", size=size))
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,4 +1,4 @@
-"""Files of a mesh, by their suffix: .msh, .vtu (`meshing.files`), and the input files of other
+"""Files of a mesh, by their suffix: .msh, .geo, .vtu (`meshing.files`), and the input files of other
 solvers.
 
 .k    LS-DYNA keyword file (`mesh_ls_dyna`)
@@ -18,7 +18,7 @@ from meshing import files
 from meshing.mesh import YarnMesh
 from weavecell.decks import mesh_abaqus, mesh_ls_dyna, mesh_radioss
 
-WRITERS = {".msh": files.write_msh, ".vtu": files.write_vtu}
+WRITERS = {".msh": files.write_msh, ".geo": files.write_geo, ".vtu": files.write_vtu}
 DECKS = {".k": mesh_ls_dyna.texts, ".inp": mesh_abaqus.texts, ".rad": mesh_radioss.texts}
 
 
@@ -30,7 +30,7 @@ def write(mesh: YarnMesh, fabric: Fabric, path: FilePath) -> None:
     ----------
     mesh : YarnMesh
     fabric : Fabric that was meshed, whose linear materials the input files hold
-    path : of the file, which ends in .msh, .vtu, .k, .inp or .rad
+    path : of the file, which ends in .msh, .geo, .vtu, .k, .inp or .rad
 
     Raises
     ------

@@ -10,6 +10,7 @@ pytest.importorskip("dolfinx")
 
 import weavecell as wc
 from fabrics import catalogue
+from meshing.session import gmsh_session
 from tests.weavecell.session_runs import SHORT, small_calibration
 from tests.weavecell.written import table_of
 from unitcell3d.identify import calibrate as solver
@@ -125,3 +126,27 @@ def test_a_law_outside_the_ends_of_its_range_says_so(small):
     note = "stiff end softer than the law from "
     assert note in str(found)
     assert note in found.sections()[0].lead
+
+
+def test_a_section_changed_in_gmsh_is_calibrated(succeed, command, monkeypatch, tmp_path):
+    """The geometry handed out, meshed by gmsh with a thinner warp, is the mesh of paths and platens."""
+    run = solver.calibrate
+    monkeypatch.setattr(solver, "calibrate", lambda *given, **more: run(*given, **more, paths=SHORT))
+    succeed("mesh S-720 --mesh 2,2,2 --format geo --out made")
+    script = (tmp_path / "made" / "crossover.geo").read_text()
+    (tmp_path / "mine.geo").write_text(script.replace("  q = ", "  q = 0.95 * ", 1))
+    with gmsh_session("mine") as gmsh:
+        gmsh.open(str(tmp_path / "mine.geo"))
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(tmp_path / "my.msh"))
+    succeed("calibrate S-720 --mesh my.msh --out mine")
+    found = table_of(tmp_path / "mine", "calibration.json")
+    assert found["mesh"] == {"biaxial": "my.msh", "plates": "my.msh"}
+    # S-720 has 0.700 and 0.620; a spline through three places gives 0.1 % less
+    sections = "sections of the mesh file (Vf0 0.736 / 0.619)"
+    assert table_of(tmp_path / "mine", "mesh.json")["sections"].endswith(sections)
+    (tmp_path / "my.msh").write_text("notes")
+    code, _, err = command("calibrate S-720 --mesh my.msh --out again")
+    assert code == 2
+    assert "my.msh: " in err
+    assert not (tmp_path / "again").exists()
