@@ -24,9 +24,14 @@ from meshing.generate import of_script
 from meshing.geometry import Yarn
 from meshing.inputs import YARNS, MeshOptions, Size
 from meshing.mesh import YarnMesh, assemble
-from meshing.mesh_file import HEIGHT_TOLERANCE, LENGTH_TOLERANCE, MeshFile, ReadSection
+from meshing.mesh_file import (
+    HEIGHT_TOLERANCE,
+    LENGTH_TOLERANCE,
+    MeshFile,
+    ReadSection,
+    ReadSections,
+)
 from meshing.mesh_plan import Plan
-from meshing.section_fit import SectionFit
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +123,7 @@ def _read(fabric, file, domain, options):
             )
     warp, weft = sections
     shift = middles[0] - middles[1] - sum(weave.h0)
-    fit = SectionFit((warp, weft), 0.0, float(shift), (Vf0[0], Vf0[1]), (warp, weft))
+    fit = ReadSections((warp, weft), float(shift), (Vf0[0], Vf0[1]))
     return Crossover(
         fabric=fabric.name,
         w=weave.w,

@@ -63,7 +63,7 @@ def _number_again(gmsh, mesh):
     number = np.full(len(groups.points), -1)
     number[taken] = np.arange(len(taken))
     elements = []
-    volumes: dict[str, int] = {}
+    volumes = {}
     for name, (dimension, tag) in named_entities(gmsh):
         if dimension == 2:
             ordered = mesh.faces[name]

@@ -9,7 +9,7 @@ two tips, contact and plate; a symmetry plane in a quarter) the lower one is whe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -182,9 +182,9 @@ def boxed(groups: Groups, name: str, family: int, faces: Mapping[str, str]) -> B
     nodes = np.empty(shape, np.int64)
     nodes.ravel()[spots] = used
     right = family == 0
-    bricks = _bricks(places[local[hexes]], shape, right, name)
+    _check_bricks(places[local[hexes]], shape, name)
     sides = {face: _facets(places[local[of]], shape, right) for face, of in quads.items()}
-    return Box(nodes, bricks, sides)
+    return Box(nodes, bricks(shape, right), sides)
 
 
 def _lower_face(quads, coordinate, name):
@@ -201,19 +201,37 @@ def _lower_face(quads, coordinate, name):
     return used[piece == int(np.argmin(levels))]
 
 
-def _bricks(places, shape, right, name):
-    """Hexahedra (m, 8) of the places (m, 8, 3) of their nodes, in the order of their places."""
-    lowest = places.min(axis=1)
-    offsets = places - lowest[:, None]
-    codes = offsets @ [1, 2, 4]
-    if not np.array_equal(np.sort(codes, axis=1), np.tile(np.arange(8), (len(codes), 1))):
-        raise InputError(f"the physical volume {name} is not one transfinite mesh of hexahedra")
-    lowest = lowest[np.argsort(np.ravel_multi_index(tuple(lowest.T), shape))]
-    corners = lowest[:, None] + CORNERS
-    bricks = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), shape)
+def bricks(shape: Sequence[int], right: bool) -> IntArray:
+    """Number the hexahedra of a box of nodes.
+
+    Parameters
+    ----------
+    shape : (nx+1, ny+1, nz+1) of the nodes
+    right : (i, j, k) is a right-handed system, as in a warp
+
+    Returns
+    -------
+    hexes : (m, 8) int, nodes in C order of the places; VTK order of corners, edges 0-1, 3-2, 4-5
+        and 7-6 along i
+    """
+    nx, ny, nz = shape
+    lowest = np.indices((nx - 1, ny - 1, nz - 1)).reshape(3, -1).T
+    corners = np.moveaxis(lowest[:, None] + CORNERS, -1, 0)
+    hexes = np.ravel_multi_index(tuple(corners), (nx, ny, nz))
     if right:
-        return bricks
-    return bricks[:, LEFT]
+        return hexes
+    return hexes[:, LEFT]
+
+
+def _check_bricks(places, shape, name):
+    """Refuse hexahedra, by the places (m, 8, 3) of their nodes, that are not all those of a
+    box."""
+    lowest = places.min(axis=1)
+    codes = np.sort((places - lowest[:, None]) @ [1, 2, 4], axis=1)
+    cells = np.unique(lowest, axis=0)
+    whole = len(cells) == len(places) == np.prod(np.subtract(shape, 1))
+    if not (whole and np.array_equal(codes, np.tile(np.arange(8), (len(codes), 1)))):
+        raise InputError(f"the physical volume {name} is not one transfinite mesh of hexahedra")
 
 
 def _facets(places, shape, right):

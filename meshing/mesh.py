@@ -23,11 +23,13 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.weave import Weave
+from meshing.conforming import YarnSection
 from meshing.generate import Groups, boxed
 from meshing.inputs import YARNS
+from meshing.mesh_file import ReadSection, ReadSections
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.section_fit import AnySection, SectionFit
+from meshing.section_fit import SectionFit
 
 SURFACES = (
     "contact",
@@ -55,7 +57,8 @@ class YarnMesh:
     faces : name -> (q, 4) int, outward quadrilaterals (see `groups`)
     w, h0, S0 : (warp, weft) [m] half cell lengths, heights and lengths of the centrelines
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
-    section_fit : SectionFit, the sections, the overlap they had, and how it was removed
+    section_fit : SectionFit, the sections, the overlap they had, and how it was removed;
+        ReadSections of a mesh that was read
     end_shells : [m] thickness of shells on the yarn ends, or None
     script : the geometry as a gmsh script, from which the mesh was made; empty of a mesh that was
         read
@@ -75,7 +78,7 @@ class YarnMesh:
     h0: tuple[float, float]
     S0: tuple[float, float]
     fibre_area: tuple[float, float]
-    section_fit: SectionFit
+    section_fit: SectionFit | ReadSections
     end_shells: float | None
     script: str = field(repr=False)
 
@@ -90,7 +93,7 @@ class YarnMesh:
         return any(name.endswith("_symx") for name in self.faces)
 
     @property
-    def sections(self) -> tuple[AnySection, AnySection]:
+    def sections(self) -> tuple[YarnSection | ReadSection, YarnSection | ReadSection]:
         """(Section, Section) of warp and weft."""
         return self.section_fit.sections
 

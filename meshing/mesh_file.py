@@ -114,3 +114,25 @@ class ReadSection:
     def _spline(self):
         """Thickness over |y|, level in the middle by symmetry."""
         return CubicSpline(self.y, self.thick, bc_type=((1, 0.0), "not-a-knot"))
+
+
+@dataclass(frozen=True)
+class ReadSections:
+    """The sections of a mesh that was read: what `section_fit.SectionFit` is of one that was made.
+
+    Parameters
+    ----------
+    sections : (ReadSection, ReadSection) of warp and weft
+    shift : [m] of warp against weft in z, positive apart
+    Vf0 : (warp, weft) [-] fibre volume fractions
+    """
+
+    sections: tuple[ReadSection, ReadSection]
+    shift: float
+    Vf0: tuple[float, float]
+
+    @property
+    def report(self) -> str:
+        """One line for the user."""
+        warp, weft = self.Vf0
+        return f"sections of the mesh file (Vf0 {warp:.3f} / {weft:.3f})"

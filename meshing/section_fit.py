@@ -30,7 +30,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, pi
-from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import bisect, brentq, minimize_scalar
@@ -42,8 +41,6 @@ from fabrics.weave import Weave, arc_length
 from fabrics.yarn import CLOSEST_PACKING
 from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import YarnSection, conform
-from meshing.mesh_file import KIND as READ
-from meshing.mesh_file import ReadSection
 from meshing.section import Section
 
 # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
@@ -55,10 +52,6 @@ HIGHEST = 8.0
 FACTOR = 1e-3  # to which a factor on crimp or thickness is found
 SAMPLES = 4000
 YARNS = ("warp", "weft")
-
-
-# sections that are asked for, and those of a mesh that was read
-AnySection: TypeAlias = YarnSection | ReadSection
 
 
 def clearance(section: YarnSection, w: float, h: float) -> float:
@@ -90,11 +83,11 @@ class SectionFit:
     requested : (Section, Section) before anything was narrowed or densified
     """
 
-    sections: tuple[AnySection, AnySection]
+    sections: tuple[YarnSection, YarnSection]
     overlap: float
     shift: float
     Vf0: tuple[float, float]
-    requested: tuple[AnySection, AnySection]
+    requested: tuple[YarnSection, YarnSection]
 
     @property
     def changed(self) -> bool:
@@ -107,8 +100,6 @@ class SectionFit:
         Vf0 = _listed(self.Vf0)
         if self.sections[0].kind == CONFORMING:
             return f"conforming sections that touch everywhere (Vf0 {Vf0})"
-        if self.sections[0].kind == READ:
-            return f"sections of the mesh file (Vf0 {Vf0})"
         what = "overlap"
         if self.overlap < 0:
             what = "gap"

@@ -73,7 +73,9 @@ def test_a_section_changed_in_gmsh_is_the_one_that_is_meshed(tmp_path):
     plain = crossover.build(fabric, size=SIZE)
     half = 9.2e-5
     width = plain.sections[0].width
-    script = rewritten(plain.script, r"q = [^;]*;", f"q = {half} * (1 - 0.93 * (2 * v / {width})^4);")
+    script = rewritten(
+        plain.script, r"q = [^;]*;", f"q = {half} * (1 - 0.93 * (2 * v / {width})^4);"
+    )
     script = rewritten(script, r"across = 4;", "across = 7;")
     mine = crossover.build(fabric, size=meshed(script, tmp_path))
     assert mine.grids[0].shape == mine.grids[1].shape == (6, 8, 3)
@@ -103,7 +105,9 @@ def test_places_do_not_depend_on_the_numbers_that_gmsh_gives():
     # turns of a hexahedron about its k axis, and of a facet
     turn = [1, 2, 3, 0, 5, 6, 7, 4]
     hexes = {name: rng.permutation(number[of])[:, turn] for name, of in groups.hexes.items()}
-    quads = {name: rng.permutation(number[of])[:, [3, 2, 1, 0]] for name, of in groups.quads.items()}
+    quads = {
+        name: rng.permutation(number[of])[:, [3, 2, 1, 0]] for name, of in groups.quads.items()
+    }
     found = assemble(Groups(points, quads, hexes), YARNS, (0, 1), True, fabric.weave)
     assert_array_equal(found["points"], plain.points)
     assert_array_equal(found["hexes"], plain.hexes)
@@ -129,7 +133,11 @@ REFUSED = [
         "height() = {0.00013",
         "the centreline of the warp rises by 130 um, but the crimp of S-720 gives 120.3 um",
     ),
-    (r"q = [\d.e-]+", "q = 6e-5", "gives the fibres a volume fraction of 1.157, which must be up to"),
+    (
+        r"q = [\d.e-]+",
+        "q = 6e-5",
+        "gives the fibres a volume fraction of 1.157, which must be up to",
+    ),
 ]
 
 
@@ -144,13 +152,15 @@ def test_one_line_says_what_a_mesh_lacks(place, text, line, tmp_path):
 def test_what_is_no_mesh_of_hexahedra_is_refused(tmp_path):
     """No file, a text, a mesh of the surfaces alone, and an option beside a file."""
     fabric = catalogue.load("S-720")
-    with pytest.raises(InputError, match="mesh = .*none.msh': must be a mesh file that can be read"):
+    with pytest.raises(
+        InputError, match=r"mesh = .*none\.msh': must be a mesh file that can be read"
+    ):
         MeshFile.load(tmp_path / "none.msh")
     text = MeshFile("notes.msh", b"to be done")
-    with pytest.raises(InputError, match="notes.msh: "):
+    with pytest.raises(InputError, match=r"notes\.msh: "):
         crossover.build(fabric, size=text)
     script = crossover.build(fabric, size=SIZE).script
-    with pytest.raises(InputError, match="my.msh: no hexahedra in a physical volume warp"):
+    with pytest.raises(InputError, match=r"my\.msh: no hexahedra in a physical volume warp"):
         crossover.build(fabric, size=meshed(script, tmp_path, dimension=2))
     file = meshed(script, tmp_path)
     with pytest.raises(InputError, match="section = 'sine': must be left out if the mesh is read"):

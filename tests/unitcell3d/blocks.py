@@ -10,7 +10,7 @@ from equations import matrix, shares
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from meshing import grid
+from meshing.generate import bricks
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.assembly.constraints import Constraints
 from unitcell3d.assembly.sparsity import Pattern
@@ -47,7 +47,8 @@ class Blocks:
         first = np.arange(upper[..., 0].size).reshape(upper.shape[:3])
         second = np.arange(lower[..., 0].size).reshape(lower.shape[:3]) + first.size
         self.grids = first, second
-        hexes = np.concatenate([grid.bricks(first, True), grid.bricks(second, False)])
+        below = second.ravel()[bricks(second.shape, False)]
+        hexes = np.concatenate([first.ravel()[bricks(first.shape, True)], below])
         self.space = HexSpace.build(self.points, hexes)
         lame = E * nu / (1 + nu) / (1 - 2 * nu)
         mu = E / 2 / (1 + nu)

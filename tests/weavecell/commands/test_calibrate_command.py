@@ -131,7 +131,9 @@ def test_a_law_outside_the_ends_of_its_range_says_so(small):
 def test_a_section_changed_in_gmsh_is_calibrated(succeed, command, monkeypatch, tmp_path):
     """The geometry handed out, meshed by gmsh with a thinner warp, is the mesh of paths and platens."""
     run = solver.calibrate
-    monkeypatch.setattr(solver, "calibrate", lambda *given, **more: run(*given, **more, paths=SHORT))
+    monkeypatch.setattr(
+        solver, "calibrate", lambda *given, **more: run(*given, **more, paths=SHORT)
+    )
     succeed("mesh S-720 --mesh 2,2,2 --format geo --out made")
     script = (tmp_path / "made" / "crossover.geo").read_text()
     (tmp_path / "mine.geo").write_text(script.replace("  q = ", "  q = 0.95 * ", 1))

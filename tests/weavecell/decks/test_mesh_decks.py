@@ -154,8 +154,9 @@ def test_dyna_is_read_back(mesh, tmp_path):
 def test_the_first_edge_of_an_element_is_its_fibre(mesh):
     """Which LS-DYNA (AOPT 0) and OpenRadioss (Ip 20) take for its axis."""
     edge = mesh.points[mesh.hexes[:, 1]] - mesh.points[mesh.hexes[:, 0]]
+    # the nodes are where gmsh measures them to be, within 1e-11 of an edge
     assert_allclose(
-        edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-12
+        edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-10
     )
 
 
