@@ -246,5 +246,5 @@ def test_the_ends_of_an_assumed_solid_are_packed_later_than_the_mesh():
     dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
     assert max(dense) > 0.9
     for name, end in assumed.solid_ends(fabric).items():
-        laws = _packed_later(end, name).solid_laws
+        laws = _packed_later(end, name, "coarse").solid_laws
         assert all(law.V_c > Vf0 for law, Vf0 in zip(laws, dense))

@@ -99,4 +99,5 @@ def test_the_yarns_of_a_crossover_break_one_after_the_other(tiny, s720):
     warp = int(np.argmax(T1))
     assert warp > weft
     assert T1[-1] < 0.01 * T1[warp]
-    assert np.all(record["broken"][-1] > 0.9)
+    # of four bars each fibre has to break in one: which others break too, depends on where they stand
+    assert np.all(record["broken"][-1] > 0.25)
