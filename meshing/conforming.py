@@ -83,15 +83,15 @@ class ConformingSection:
 
     @property
     def formula(self) -> str:
-        """q at the distance v from the middle, in the language of gmsh."""
+        """Return q at the distance v from the middle, in the language of gmsh."""
         return f"{float(self.arch)} * Cos(Pi * v / {float(self.span)}) + {float(self.offset)}"
 
     def grading(self, n: int) -> float:
-        """Factor from one step of the mesh along the face to the next: they are equal."""
+        """Return the factor from one step of the mesh along the face to the next: they are equal."""
         return 1.0
 
     def stations(self, n: int) -> FloatArray:
-        """n + 1 places y [m] from the middle to the cut, in equal steps."""
+        """Compute n + 1 positions y [m] from the middle to the cut, in equal steps."""
         return np.linspace(0, self.half_width, n + 1)
 
 

@@ -226,8 +226,8 @@ def assemble(
 def numbering(
     groups: Groups, names: Sequence[str], families: Sequence[int], quarter: bool
 ) -> IntArray:
-    """(n,) numbers that gmsh gave to the nodes of a mesh, in the order in which `assemble` numbers
-    them."""
+    """Return the numbers (n,) that gmsh gave to the nodes of a mesh, in the order in which
+    `assemble` numbers them."""
     yarns = zip(names, families)
     found = [boxed(groups, name, family, _faces_of(family, quarter)) for name, family in yarns]
     return np.concatenate([box.nodes.ravel() for box in found])
@@ -243,7 +243,7 @@ def _faces_of(family, quarter):
 
 
 def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
-    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a
+    """Compute the share of each node of a section in its area: each quadrilateral gives the part nearest to a
     corner to that node.
 
     Parameters

@@ -108,7 +108,7 @@ class ReadSection:
         return 2 * float(self._spline().integrate(0, self.half_width))
 
     def half_thickness(self, y: ArrayLike) -> FloatArray:
-        """q(y) [m] at the distances `y` [m] from the middle."""
+        """Compute the half thickness q(y) [m] at the distances `y` [m] from the middle."""
         return self._spline()(abs(np.asarray(y, float))) / 2
 
     def _spline(self):
@@ -133,6 +133,6 @@ class ReadSections:
 
     @property
     def report(self) -> str:
-        """One line for the user."""
+        """Say in one line what the sections are."""
         warp, weft = self.Vf0
         return f"sections of the mesh file (Vf0 {warp:.3f} / {weft:.3f})"

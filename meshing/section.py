@@ -93,7 +93,7 @@ class Section:
 
     @property
     def formula(self) -> str:
-        """q at the distance v from the middle, in the language of gmsh."""
+        """Return q at the distance v from the middle, in the language of gmsh."""
         half = float(self.thickness / 2)
         width = float(self.width)
         if self.kind == "sine":
@@ -101,7 +101,8 @@ class Section:
         return f"{half} * Sqrt(1 - (2 * v / {width})^2)"
 
     def grading(self, n: int) -> float:
-        """Factor from one step of the mesh along the face to the next, from the middle to the cut.
+        """Compute the factor from one step of the mesh along the face to the next, from the middle to
+        the cut.
 
         1 for a sine. n steps of an ellipse shrink towards its steep end as steps of equal angle do:
         the area between its mesh lines is then of order 2.
@@ -113,8 +114,8 @@ class Section:
         return float((steps[-1] / steps[0]) ** (1 / (n - 1)))
 
     def stations(self, n: int) -> FloatArray:
-        """n + 1 places y [m] from the middle to the cut: equal steps of y, or of the angle of the
-        ellipse."""
+        """Compute n + 1 positions y [m] from the middle to the cut: equal steps of y, or of the angle
+        of the ellipse."""
         if self.kind == "sine":
             return np.linspace(0, self.half_width, n + 1)
         y = self.width / 2 * np.sin(np.linspace(0, np.arcsin(self.cut), n + 1))
