@@ -187,7 +187,7 @@ class Constants(Row):
         "2, 3, loads",
         "-, 1/s, -",
         "of warp and weft: loads of the strength by strain rate, rate of damage at "
-        "them and its growth from there (`cloth.strength_kernels`); no points without "
+        "them and its growth from there (`cloth.criterion_kernels`); no points without "
         "such a law",
     )
     erosion_gap_ratio = number(

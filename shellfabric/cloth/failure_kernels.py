@@ -17,7 +17,7 @@ tension (`panel.failure.mean_weights`).
 
 F follows M only where one of them is above half of the strength, and is half of it elsewhere:
 fabric that is far from failure costs nothing. The reported peak is the smaller of M and F. The
-strength is that of the yarn, or follows the strain rate (`strength_kernels`).
+strength is that of the yarn, or follows the strain rate (`criterion_kernels`).
 
 What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it:
 see `membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in
@@ -26,7 +26,7 @@ which its old force has acted.
 
 import numpy as np
 
-from shellfabric.cloth import strength_kernels
+from shellfabric.cloth import criterion_kernels
 from shellfabric.cloth.energy_kernels import edges_in_row
 from shellfabric.cloth.membrane_kernels import REDO, WARP_FAILED, WEFT, WEFT_FAILED
 from shellfabric.cloth.table_kernels import max_value
@@ -109,8 +109,7 @@ def find_failures(const, state, family, first, last):
             ):
                 continue
             mean = mean_tension(const, state, family, i, j)
-            if max(mean, slow[k]) > half:
-                slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
+            slow[k] = criterion_kernels.follow_mean(slow[k], mean, half, lines.filter_factor[place])
             if min(mean, slow[k]) > state.peak_tension[family]:
                 state.peak_tension[family] = min(mean, slow[k])
                 state.peak_slot[family] = k
@@ -119,11 +118,9 @@ def find_failures(const, state, family, first, last):
                 continue
             state.warm_rows[family, i] = True
             load = slow[k] / lines.strength[line]
-            damage = strength_kernels.damage(
+            if criterion_kernels.breaks(
                 const.rate_law, family, const.dt, state.rate_damage[family], k, load
-            )
-            strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
-            if load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0:
+            ):
                 state.failed_segments += 1.0
                 state.loads_at_failure += load
                 state.failed[family][k] = 1

@@ -16,7 +16,7 @@ segment that snaps taut or goes slack within the step: SNAP has the rest, as "ya
 
 import math
 
-from shellfabric.cloth import strength_kernels
+from shellfabric.cloth import criterion_kernels
 from shellfabric.cloth.membrane_kernels import SUM
 from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
@@ -175,18 +175,18 @@ def follow_segment(zone, family, n):
     """F of one segment, and whether it breaks."""
     half = zone.half_strength[n]
     mean = mean_tension(zone, family, n)
-    if max(mean, zone.filtered[n]) > half:
-        followed = zone.filtered[n] + zone.filter_factor[family] * (mean - zone.filtered[n])
-        zone.filtered[n] = max(half, followed)
+    zone.filtered[n] = criterion_kernels.follow_mean(
+        zone.filtered[n], mean, half, zone.filter_factor[family]
+    )
     if min(mean, zone.filtered[n]) > zone.peak_tension[family]:
         zone.peak_tension[family] = min(mean, zone.filtered[n])
         zone.peak_segment[family] = n
     if zone.filtered[n] <= half:
         return
     load = zone.filtered[n] / zone.strength[n]
-    damage = strength_kernels.damage(zone.rate_law, family, zone.dt, zone.rate_damage, n, load)
-    strength_kernels.keep_damage(zone.rate_law, zone.rate_damage, n, damage)
-    zone.breaking[n] = load > strength_kernels.highest_load(zone.rate_law) or damage >= 1.0
+    zone.breaking[n] = criterion_kernels.breaks(
+        zone.rate_law, family, zone.dt, zone.rate_damage, n, load
+    )
     if zone.breaking[n]:
         zone.segments_to_break += 1
 

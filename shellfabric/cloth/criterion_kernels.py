@@ -1,0 +1,72 @@
+"""The failure criterion of a yarn segment, for the membrane's edges and for resolved yarns.
+
+The tension F that is held against the strength follows the mean tension M of the segments beside
+it with a low-pass (`failure_kernels` says why),
+
+    F' = F + factor (M - F),   not below half of the strength.
+
+The load is x = F / (EA e_s), over the strength at rest. A constant strength fails at x = 1. Where
+the strength is f(r) times as high at the strain rate r (`families.strain_rate`), damage adds up:
+
+    dD/dt = r'(x) / e_s,   failure at D = 1 or x = max f
+
+with r(x) the inverse of f, in a table (`RateLaw.table`). At a steady rate r that is D = r(x) / r
+and failure at x = f(r), without a rate being formed from tensions that ring. Under a load that is
+held damage goes on (Coleman's linear accumulation). Sources and limits: docs/reports/yarns.md.
+Where the option is off its table has no points.
+"""
+
+import math
+
+from shellfabric.jit.compile import kernel
+
+
+@kernel(_nrt=False)
+def follow_mean(filtered, mean, half, factor):
+    """Return the low-passed tension F [N] after a step.
+
+    filtered, mean : [N] F before it, and the present M
+    half : [N] half of the strength, below which nothing is followed
+    factor : [-] share of the way to M that F goes in a step
+    """
+    if max(mean, filtered) > half:
+        return max(half, filtered + factor * (mean - filtered))
+    return filtered
+
+
+@kernel(_nrt=False)
+def breaks(rate_law, family, dt, rate_damage, k, load):
+    """Decide whether the segment at slot k fails under a load [-]; keep its damage where there is a
+    law of the strain rate."""
+    after = damage(rate_law, family, dt, rate_damage, k, load)
+    keep_damage(rate_law, rate_damage, k, after)
+    return load > highest_load(rate_law) or after >= 1.0
+
+
+@kernel(_nrt=False)
+def highest_load(law):
+    """Load beyond which a segment fails at any strain rate."""
+    if law.size == 0:
+        return 1.0
+    return law[0, 0, law.shape[2] - 1]
+
+
+@kernel(_nrt=False)
+def damage(law, family, dt, kept, k, load):
+    """Damage of the segment at slot k at the end of a step under a load; 0 where there is no
+    law."""
+    if law.size == 0:
+        return 0.0
+    for m in range(law.shape[2] - 1):
+        if law[family, 0, m] < load <= law[family, 0, m + 1]:
+            return kept[k] + dt * law[family, 1, m] * math.exp(
+                law[family, 2, m] * (load - law[family, 0, m])
+            )
+    return kept[k]
+
+
+@kernel(_nrt=False)
+def keep_damage(law, kept, k, value):
+    """Keep the damage of the segment at slot k, where there is a law."""
+    if law.size > 0:
+        kept[k] = value
