@@ -51,7 +51,7 @@ def advance(
     last_resort: bool,
 ) -> Equilibrium:
     """Find the equilibrium at `share` of the leg from `start` to `end`, from the guess that leaves
-    the least residual there. `end`, from the guess that leaves the least residual there.
+    the least residual there.
 
     Parameters
     ----------

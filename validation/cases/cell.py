@@ -29,7 +29,7 @@ def _stretches(fabric, d1, d2):
 
 def newton(*, d1: float, d2: float) -> Values:
     """Repeat the thesis's Newton iteration on two heights (App. B.3) with its printed law at end
-    displacements [m]. B.3) with its printed law at end displacements [m].
+    displacements [m].
 
     Returns
     -------
