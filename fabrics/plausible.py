@@ -71,11 +71,11 @@ class Row:
         return cls(of=entry["of"], shown=shown, factor=factor, source=entry["source"], **ends)
 
     def holds(self, value: float) -> bool:
-        """Whether a value is inside the range, and not at an end of it."""
+        """Tell whether a value is inside the range, and not at an end of it."""
         return self.low * (1 + _ROUNDING) < value < self.high * (1 - _ROUNDING)
 
     def allows(self, value: float) -> bool:
-        """Whether a value is not refused."""
+        """Tell whether a value is not refused."""
         return self.least <= value <= self.most
 
     def words(self, value: float) -> str:
@@ -105,7 +105,7 @@ class Number:
 
 @cache
 def rows() -> dict[str, Row]:
-    """{name: Row} of `plausible.toml`."""
+    """Read `plausible.toml`: {name: Row}."""
     content = read_data(Path(__file__).with_suffix(".toml"))
     return {name: Row.read(entry) for name, entry in content.items()}
 

@@ -19,7 +19,6 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics.base import kernel_cache  # noqa: E402
 from weavecell.report.pictures_figure import plots  # noqa: E402
 from weavecell.report.pictures_style import FAINT, INK  # noqa: E402
 
@@ -54,10 +53,28 @@ def folders(package):
         yield str(folder.relative_to(ROOT)), purpose(folder)
 
 
-def kernels():
-    """List the kernel files behind the step of one ply, in the order of their names."""
-    sources = kernel_cache.kernel_sources(ROOT / "shellfabric" / "solver" / "loop.py")
-    return [name for name, _ in sources if name.endswith("_kernels.py")]
+def kernels(start="shellfabric/solver/loop.py"):
+    """List the kernel files behind the step of one ply, in the order of their names.
+
+    start : file that imports them, directly or not
+    """
+    found = set()
+    waiting = [ROOT / start]
+    while waiting:
+        path = waiting.pop()
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.ImportFrom):
+                module = ROOT.joinpath(*node.module.split("."))
+                named = [module / f"{alias.name}.py" for alias in node.names]
+                new = {file for file in (module.with_suffix(".py"), *named) if is_kernel_file(file)}
+                waiting += new - found
+                found |= new
+    return sorted(str(path.relative_to(ROOT)) for path in found)
+
+
+def is_kernel_file(path):
+    """Tell whether there is such a file of kernels."""
+    return path.stem.endswith("_kernels") and path.is_file()
 
 
 def diagram():
