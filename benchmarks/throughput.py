@@ -47,7 +47,7 @@ def parts(fabric, scatter, shots, grading):
         setup = ImpactSetup(fabric, 1.0)
         setup.table()
         marks.append(time.process_time())
-        panel = strengths.drawn(
+        panel = strengths.draw_panel(
             replace(setup, opening=OPENING, grading=grading), scatter, 1, number
         ).pack
         marks.append(time.process_time())
@@ -84,7 +84,7 @@ def main():
     arguments.add_argument("--jobs", type=int, default=2)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    fabric, scatter = variants.with_linear_density(catalogue.load(FABRIC)), inputs.published()
+    fabric, scatter = variants.with_linear_density(catalogue.load(FABRIC)), inputs.read_scatter()
     report = {"load_average": os.getloadavg()[0]}
     with open_executor("local", chosen.jobs) as pool:
         for name, grading in MESHES.items():

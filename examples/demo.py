@@ -71,7 +71,7 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     fit, cell = solved.sections()
     first = records[0]
     sections = (
-        moving.section(first, moving.of_shapes(first, first.instants)),
+        moving.section(first, moving.collect_instants(first, first.instants)),
         chapters_shot.chapter(first, view.still(first)),
         chapters.comparison(rows),
         chapters.mesh(solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()),

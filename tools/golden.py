@@ -25,7 +25,7 @@ from shellfabric.impact.run import run_impact
 from unitcell3d.identify.calibrate import calibrate
 from weavecell.scenes import build, honoured, impact
 from weavecell.scenes.coupon import CouponScene
-from weavecell.scenes.fabric_table import checked
+from weavecell.scenes.fabric_table import check_scene
 from weavecell.studies import ballistic_limit, inputs, pull_out, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
@@ -68,7 +68,7 @@ def setup(path):
 def coupon_test(path):
     """Run the coupon test of an input file."""
     _, table = read_toml(path, what="input")
-    scene = checked(CouponScene, table, path, honoured.COUPON)
+    scene = check_scene(CouponScene, table, path, honoured.COUPON)
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":
@@ -87,7 +87,9 @@ def critical_velocity(path):
 def v50_of_eight_shots(path):
     """Compute V50 of an input file from eight shots."""
     with tempfile.TemporaryDirectory() as folder:
-        return v50.study(setup(path), inputs.published(), shots=8, batch=4, seed=1, folder=folder)
+        return v50.study(
+            setup(path), inputs.read_scatter(), shots=8, batch=4, seed=1, folder=folder
+        )
 
 
 RUNS = {

@@ -38,7 +38,7 @@ def image_of(result):
     shape = min((shapes[0] for shapes in result.snapshots), key=lambda one: abs(one.t - INSTANT))
     strength = np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns])
     body = shape.projectile_position + result.setup.projectile.surface()
-    grid = vtk.panel([Shape.of(shape)], [snapshots.quads(result.panel)])
+    grid = vtk.panel([Shape.from_snapshot(shape)], [snapshots.quads(result.panel)])
     foremost = body[..., 2] > body[..., 2].max() - 1e-4  # [m]
     centre = (*body[foremost].mean(axis=0)[:2], grid.bounds.z_max)
     return shape.t, pictures3d.panel(grid, strength, body, result.mirrored, HALF_HEIGHT, centre)

@@ -7,7 +7,7 @@ import re
 from operator import attrgetter
 
 import weavecell
-from weavecell.cli.from_signature import _SECTION, unpacked
+from weavecell.cli.from_signature import _SECTION, unpack_keywords
 
 _ENTRY = re.compile(r"^(\*{0,2}\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
@@ -90,7 +90,7 @@ def _function(name):
         for names, meaning in _ENTRY.findall(sections[0] if sections else "")
     ]
     shared: dict[str, str] = {}
-    unpacked(function, shared)
+    unpack_keywords(function, shared)
     for key, meaning in shared.items():
         entries.append(f"- `{key}`: {meaning}".replace("\\", ""))
     call = f"`{name}({', '.join(signature)})`"

@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> None:
         sys.exit(__doc__)
     module = PROGRAMS[arguments[0]]
     try:
-        with termination.as_interrupt():
+        with termination.interrupt_on_sigterm():
             program(module.main, arguments, **getattr(module, "NOTES", {}))
     finally:
         out_folder.release()

@@ -73,13 +73,13 @@ def targets(*, number: int, seed: int) -> Values:
         failure = None
         if problem:
             failure = UnstableError(problem)
-        shots.append(mesh_uncertainty.Shot(result, failure, window.about(result)))
+        shots.append(mesh_uncertainty.Shot(result, failure, window.fire_window(result)))
         seconds.append(time.process_time() - began)
         return shots[-1]
 
     answer, found = mesh_uncertainty.refine(scene, quantity, target, shoot)
     cost = sum(seconds) / seconds[0]
-    reference = shoot(mesh_uncertainty.halved(found.setup), found.setup.table())
+    reference = shoot(mesh_uncertainty.halve_elements(found.setup), found.setup.table())
     outcomes = [shot.result.outcome for shot in shots]
     reference_values = {}
     for interval in mesh_uncertainty.compare(shots[0], reference).intervals:

@@ -55,7 +55,7 @@ def drawn(number: int, seed: int) -> ImpactSetup:
     draw = np.random.default_rng((seed, number))
     name = str(draw.choice(KEVLAR))
     factors = {key: float(1 + draw.uniform(-wide, wide)) for key, wide in FACTORS.items()}
-    fabric = replace(inputs.changed(base(name), **factors), name=f"{name}, changed")
+    fabric = replace(inputs.scale_fabric(base(name), **factors), name=f"{name}, changed")
     shape = str(draw.choice(["flat", "hemisphere", "sphere"]))
     radius = float(draw.uniform(*RADIUS))
     shot = Projectile(

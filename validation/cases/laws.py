@@ -115,7 +115,7 @@ def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
     indices = {}
     for velocity in (92.5, 170.0):
         setup = replace(wc.setup(fabric, velocity, **options), table_size=TABLE_OF_INDICES)
-        shots = [inputs.changed_setup(setup, **dict(zip(ranges, row))) for row in factors]
+        shots = [inputs.scale_setup(setup, **dict(zip(ranges, row))) for row in factors]
         found = np.array([_velocity_and_tension(shot) for shot in shots])
         for quantity, values in zip(("velocity", "peak tension"), found.T):
             of = analyze(problem, values, calc_second_order=False, num_resamples=1000, seed=1)
@@ -179,7 +179,7 @@ def card(
     """
     setup, table = _cell(fabric, velocity, cell)
     if law:
-        table = _card_table(setup, LAWS[law].of(Cloth(setup.cell()), match))  # type: ignore[arg-type]
+        table = _card_table(setup, LAWS[law].fit(Cloth(setup.cell()), match))  # type: ignore[arg-type]
     if finer:
         setup = mesh_uncertainty.finer(setup, table)
     result = run_impact(setup, table=table)
@@ -196,4 +196,4 @@ def card_error(*, fabric: str, law: str, match: str) -> Values:
     `decks.mismatch.Mismatch`."""
     cell: Any = wc.setup(fabric, "100 m/s").cell()
     cloth = Cloth(cell)
-    return {"errors": Mismatch.of(cloth, LAWS[law].of(cloth, match)).numbers()}
+    return {"errors": Mismatch.measure(cloth, LAWS[law].fit(cloth, match)).numbers()}

@@ -27,7 +27,8 @@ from unitcell3d.identify.platen_misfit import closures
 from validation.cases.solid import PACKING, pressed
 from validation.models.bare_impact import Strike, strike
 from validation.values import Values, largest
-from weavecell.scenes import honoured, target
+from weavecell.api import target
+from weavecell.scenes import honoured
 from weavecell.studies import ballistic_limit
 
 HERE = Path(__file__).parent
@@ -64,13 +65,13 @@ class Case:
     @property
     def scene(self) -> Values:
         """The tables of the input file with these changes."""
-        return target.changed(tomllib.loads(self.text.partition("\f")[0]), self.keys)
+        return target.change_keys(tomllib.loads(self.text.partition("\f")[0]), self.keys)
 
     def setup(self, **more: Any) -> Any:
         """Build the ImpactSetup of an impact, with `more` values of dotted keys."""
         file = HERE / "inputs" / f"{self.input}.toml"
         changes = {"numerics.threads": 1} | self.keys | more
-        return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
+        return target.read_target(str(file), HERE, honoured.IMPACT, changes=changes).setup
 
 
 @dataclass(frozen=True)

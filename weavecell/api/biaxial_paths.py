@@ -24,8 +24,9 @@ from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
-from weavecell.api import meshes, targets
-from weavecell.api.result import Result, saved
+from weavecell.api import meshes
+from weavecell.api.result import Result, save_to
+from weavecell.api.target import resolve_fabric
 from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
 
@@ -95,9 +96,9 @@ def biaxial(
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
     if compare_3d is None:
-        fabric = targets.as_fabric(fabric)
+        fabric = resolve_fabric(fabric)
     else:
-        fabric = meshes.of_3d(fabric)
+        fabric = meshes.resolve_fabric_for_3d(fabric)
     # the 3D crossover is compared at the linear density that shots have
     if named and compare_3d is not None:
         fabric = with_linear_density(fabric, "effective")
@@ -113,13 +114,13 @@ def biaxial(
         raise InputError(key="law", allowed=allowed)
     model = CellModel(fabric)
     began = time.perf_counter()
-    with out_folder.held(out) as folder:
+    with out_folder.hold(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
         solved = {}
         if compare_3d is not None:
             solved = _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
-        return saved(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
+        return save_to(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
 
 
 def _ratio(text):
@@ -276,7 +277,7 @@ class BiaxialResult(Result):
             label = "published law"
         laws = {label: self.fabric.laws}
         drawn = chapters.cell(self.fabric, laws, paths=paths)
-        table = Table.of(self._ends(), "Where each path ends, warp / weft")
+        table = Table.from_frame(self._ends(), "Where each path ends, warp / weft")
         return replace(drawn, tables=(table,))
 
     def _ends(self):
@@ -308,7 +309,7 @@ class BiaxialResult(Result):
                 f"{text:<8}{end['failed']} at its strength at strains {strains} %, tensions {tensions} N, "
                 f"contact {end['contact_force']:.1f} N"
             )
-        return "\n".join(lines + self._assumed_laws())
+        return "\n".join(lines + self._list_assumed_laws())
 
 
 def _pair(values, form):

@@ -28,10 +28,10 @@ from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
-from weavecell.api import meshes, targets
+from weavecell.api import meshes, study_run
 from weavecell.api.execution import Execution, ResumableKeywords
-from weavecell.api.keywords import explained
-from weavecell.api.result import Result, figure, saved
+from weavecell.api.keywords import explain_keywords
+from weavecell.api.result import Result, figure, save_to
 from weavecell.results import json_file, out_folder, progress
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ TRIALS = 20
 SOLID_RUNS = "solid-runs"
 
 
-@explained(ResumableKeywords)
+@explain_keywords(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
     *,
@@ -102,26 +102,26 @@ def calibrate(
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    how = Execution.of("calibrate", options)
+    how = Execution.from_options("calibrate", options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     solid = None
-    fabric = meshes.of_3d(fabric)
+    fabric = meshes.resolve_fabric_for_3d(fabric)
     # a later run warns if the data that the law was fitted to have changed
     digest = data_digest(fabric)
     curve = None
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
     choices = {"friction": friction, **how.solver_pool}
-    place = out_folder.held(how.out, how.resume, [(fabric, size, friction, curve)])
-    with place as folder, targets.kept_runs(folder, how.resume, SOLID_RUNS) as runs:
+    place = out_folder.hold(how.out, how.resume, [(fabric, size, friction, curve)])
+    with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
         # first the solid from the platens, then the law from the crossover of that solid
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
         built = meshes.of_calibration(fabric, size)
         with progress.bar(f"Calibration of {fabric.name}") as advance:
-            watch = progress.by_path(advance, solver.CASES)
+            watch = progress.count_paths(advance, solver.CASES)
             done = solver.calibrate(
                 fabric,
                 size=size,
@@ -134,7 +134,7 @@ def calibrate(
         failed: dict[str, str] = {}
         if assumed_range and assumed.solid_ends(fabric):
             with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
-                watch = progress.by_path(advance, 2 * solver.CASES)
+                watch = progress.count_paths(advance, 2 * solver.CASES)
                 done, failed = ends.with_assumed_range(
                     fabric, done, size=size, on_progress=watch, **choices
                 )
@@ -156,7 +156,7 @@ def calibrate(
             interval,
             resumable=bool(folder),
         )
-        return saved(result, folder)
+        return save_to(result, folder)
 
 
 def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
@@ -313,7 +313,7 @@ class CalibrationResult(Result):
             laws["published"] = self.calibration.published
         return laws
 
-    def _drawn(self):
+    def _collect_picture_data(self):
         """Arguments of `report.pictures.fit`."""
         from unitcell3d.identify.calibration import samples
 
@@ -326,13 +326,13 @@ class CalibrationResult(Result):
         laws."""
         from weavecell.report import pictures
 
-        return figure(pictures.fit, *self._drawn())
+        return figure(pictures.fit, *self._collect_picture_data())
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the mesh of the crossover at rest, crossover.vtu; returns its path."""
         return self.mesh.to_vtk(folder)
 
-    def _around(self):
+    def _propagate_intervals(self):
         """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} if
         they are not known."""
         if self.interval is None or isinstance(self.interval, Exception):
@@ -358,14 +358,14 @@ class CalibrationResult(Result):
                 rows.append(_row(name, own.a, own.b, own.residual_rms))
         for end, constants in zip(("soft", "stiff"), law.assumed_range or ()):
             rows.append(_row(f"{end} end", *constants))
-        around = self._around()
+        around = self._propagate_intervals()
         if around:
             rows.append(_row("of the solid", around["a"], around["b"]))
         if done.ratio_law is not None:
             rows.append(("alternative", "-", "-", f"{1e6 * done.ratio_law.residual_rms:.2f}"))
         return rows
 
-    def _shown(self):
+    def _notebook_table(self):
         from pandas import DataFrame
 
         return DataFrame(self._laws(), columns=["law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"])
@@ -384,7 +384,7 @@ class CalibrationResult(Result):
             lines.append(("friction", f"{done.friction:g}"))
         if self.solid is not None:
             for name in self.solid.values:
-                lines.append((name, _known(self.solid, name)))
+                lines.append((name, _format_constant(self.solid, name)))
             lines += [("misfit", text) for text in _misfits(self.solid)]
             if isinstance(self.interval, Exception):
                 lines.append(("intervals", f"none: {self.interval}"))
@@ -423,7 +423,7 @@ class CalibrationResult(Result):
         folder = Path(out)
         if self.solid is not None:
             self.solid.write(folder / "solid.json")
-        around = self._around()
+        around = self._propagate_intervals()
         if around:
             json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
         if not self.resumable:
@@ -459,7 +459,7 @@ class CalibrationResult(Result):
         laws = {label: (law, law) for label, law in self._fitted.items()}
         chapters_of_fit = [self._fit()]
         if self.solid is not None:
-            chapters_of_fit.append(self._of_the_solid())
+            chapters_of_fit.append(self._list_solid_constants())
         return (*chapters_of_fit, chapters.cell(fabric, laws, paths=paths))
 
     def _fit(self):
@@ -480,12 +480,14 @@ class CalibrationResult(Result):
             "fit",
             "Compression of one yarn against the contact force.",
             pictures.fit,
-            *self._drawn(),
+            *self._collect_picture_data(),
         )
         tables = (
-            Table.of(self._shown(), caption),
-            Table.of(self._each_path(), "Each path"),
-            Table.of(self._failures(), "Where the fibre strain first reaches the failure strain"),
+            Table.from_frame(self._notebook_table(), caption),
+            Table.from_frame(self._each_path(), "Each path"),
+            Table.from_frame(
+                self._failures(), "Where the fibre strain first reaches the failure strain"
+            ),
         )
         return Section("fit", "Transverse compression: the fit", lead, (drawn,), tables)
 
@@ -500,7 +502,7 @@ class CalibrationResult(Result):
             constants = (name, "-", "-", "")
             if law is not None:
                 constants = _row(name, law.a, law.b, done.residuals.get(name))
-            rows.append((*constants, _ended(name, path), done.seconds[name]))
+            rows.append((*constants, _explain_end(name, path), done.seconds[name]))
         columns = ["path", "a [mm]", "b [mm N^(1/3)]", "rms [µm] from the fitted law", "ended"]
         return DataFrame(rows, columns=[*columns, "time [s]"])
 
@@ -517,7 +519,7 @@ class CalibrationResult(Result):
         columns = ["path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]"]
         return DataFrame(rows, columns=columns)
 
-    def _of_the_solid(self):
+    def _list_solid_constants(self):
         """The constants of the solid, and which of them the platen curve determines."""
         from pandas import DataFrame
 
@@ -533,7 +535,7 @@ class CalibrationResult(Result):
             if not solid.determined[name]:
                 determined = "no"
                 loose.append(name)
-            before = _before(solid.started, name)
+            before = _format_value_of_file(solid.started, name)
             rows.append((name, value, before, f"{low:.3g} to {high:.3g}", determined))
         columns = [
             "parameter",
@@ -548,11 +550,13 @@ class CalibrationResult(Result):
             lead += f"The curve does not determine {' and '.join(loose)}."
         else:
             lead += "The curve determines all three."
-        for (key, (low, high)), unit in zip(self._around().items(), ("mm", "mm N^(1/3)")):
+        for (key, (low, high)), unit in zip(
+            self._propagate_intervals().items(), ("mm", "mm N^(1/3)")
+        ):
             lead += f" {key} of the law is then between {1e3 * low:.4f} and {1e3 * high:.4f} {unit} (95 %)."
         caption = "Closure of the platens against their pressure."
         drawn = pictures.draw_figure("solid", caption, pictures_crossover.plates, solid)
-        table = Table.of(DataFrame(rows, columns=columns))
+        table = Table.from_frame(DataFrame(rows, columns=columns))
         return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))
 
 
@@ -567,7 +571,7 @@ def _row(name, a, b, rms=None):
     return (name, *texts, misfit)
 
 
-def _ended(name, path):
+def _explain_end(name, path):
     """Why a path ended."""
     from unitcell3d.identify.calibrate import BOTH
 
@@ -582,13 +586,13 @@ def _ended(name, path):
     return "with the plates at half their distance"
 
 
-def _known(solid, name):
+def _format_constant(solid, name):
     """A fitted constant with its interval, and what it was before."""
     low, high = solid.intervals[name]
     interval = f"{low:.3g} .. {high:.3g}, 95 %"
     if not solid.determined[name]:
         interval += ", not determined by the curve"
-    return f"{solid.values[name]:.4g} ({interval}); from {_before(solid.started, name):.4g}"
+    return f"{solid.values[name]:.4g} ({interval}); from {_format_value_of_file(solid.started, name):.4g}"
 
 
 def _misfits(solid):
@@ -602,7 +606,7 @@ def _misfit(of):
     return f"{1e6 * of.closure:.1f} um and {100 * of.pressure:.0f} % of the pressure (rms)"
 
 
-def _before(fabric, name):
+def _format_value_of_file(fabric, name):
     """The value of the fabric's file, of the warp."""
     law = fabric.solid_laws[0]
     if name == "K_r E_c":

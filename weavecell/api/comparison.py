@@ -24,11 +24,12 @@ from typing import TYPE_CHECKING, Any, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import limits, quantities, targets
+from weavecell.api import limits, quantities
 from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
-from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import saved
+from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.result import save_to
 from weavecell.api.study_result import DrawnResult, StudyResult
+from weavecell.api.target import resolve_target
 from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
@@ -37,13 +38,13 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.panel.quality import Indicator
-    from weavecell.scenes.target import Target
+    from weavecell.api.target import Target
     from weavecell.studies.compare import Comparison, ReducedTests
 
 __all__ = ["ComparisonResult", "TestsResult", "compare"]
 
 
-@explained(SearchKeywords, Keywords)
+@explain_keywords(SearchKeywords, Keywords)
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
@@ -98,23 +99,23 @@ def compare(
     from weavecell.studies import ballistic_limit
     from weavecell.studies import compare as studies
 
-    width = quantities.above_zero(tolerance, "m/s", "tolerance")
+    width = quantities.read_positive(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
     how, keys = Execution.split(options, ExecutionKeywords)
     if target is None:
         for key in keys:
             raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.held(how.out) as folder:
-            return saved(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = targets.of(target, keys, honoured.LIMITS, function="compare")
+        with out_folder.hold(how.out) as folder:
+            return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
+    panel = resolve_target(target, keys, honoured.LIMITS, function="compare")
     with (
-        out_folder.held(how.out) as folder,
-        limits.kept_shots(panel, folder) as ended,
-        panel.named(),
+        out_folder.hold(how.out) as folder,
+        limits.keep_shots(panel, folder) as ended,
+        panel.name_problems(),
     ):
         struck = panel.setup.target()
 
-        def reported(advance):
+        def report_to(advance):
             def report(share, shot):
                 ended.append(shot)
                 advance(share)
@@ -122,14 +123,14 @@ def compare(
             return how.pool | {"report": report}
 
         with progress.bar(f"{panel.title}, critical velocity") as advance:
-            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **reported(advance))
+            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **report_to(advance))
         with progress.bar("Shots of the tests") as advance:
             strikes = sorted(set(fired["velocity"].tolist()))
-            shots = ballistic_limit.shoot(struck, strikes, **reported(advance))
+            shots = ballistic_limit.shoot(struck, strikes, **report_to(advance))
         computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
         checks = quality.worst(shot.checks for shot in computed)
         compared = studies.compare(fired, computed, limit)
-        result = saved(ComparisonResult(panel, compared, str(tests), checks), folder)
+        result = save_to(ComparisonResult(panel, compared, str(tests), checks), folder)
     result.warn()
     return result
 
@@ -168,7 +169,7 @@ class TestsResult(DrawnResult):
         """Residual against strike velocity [m/s]."""
         from weavecell.report import pictures
 
-        return pictures.tested_and_computed(pyplot, self.tests, self.reduced, None)
+        return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
@@ -194,7 +195,7 @@ class ComparisonResult(StudyResult):
 
     Parameters
     ----------
-    target : `weavecell.scenes.target.Target` that was shot at
+    target : `weavecell.api.target.Target` that was shot at
     comparison : `weavecell.studies.compare.Comparison`
     tests : name of their file
     checks : each quality check of the computed shot in which it is worst
@@ -222,10 +223,10 @@ class ComparisonResult(StudyResult):
     def headline(self) -> tuple[str, str]:
         return (
             "Computed critical velocity",
-            f"{self.comparison.limit.velocity:.1f} m/s{self._off()}",
+            f"{self.comparison.limit.velocity:.1f} m/s{self._format_difference()}",
         )
 
-    def _off(self):
+    def _format_difference(self):
         """By how much the computed velocity differs from the V50 of the tests; "" without one."""
         limit = self.comparison.limit
         curve = self.comparison.tests.curve
@@ -240,7 +241,7 @@ class ComparisonResult(StudyResult):
         """Residual against strike velocity [m/s], tested and computed."""
         from weavecell.report import pictures
 
-        return pictures.tested_and_computed(
+        return pictures.draw_tests_and_shots(
             pyplot, self.title, self.comparison.tests, self.comparison
         )
 
@@ -258,7 +259,7 @@ class ComparisonResult(StudyResult):
         limit = self.comparison.limit
         bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
         lines = [
-            f"{self.title}: computed critical velocity {bracket}{self._off()}",
+            f"{self.title}: computed critical velocity {bracket}{self._format_difference()}",
             *comparison.tests.lines(self.tests),
             f"computed, Lambert-Jonas: {comparison.computed.words()}",
         ]

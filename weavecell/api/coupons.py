@@ -36,15 +36,16 @@ from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, targets
+from weavecell.api import keywords
 from weavecell.api.result import Result, figure
+from weavecell.api.target import resolve_fabric
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
-from weavecell.scenes.fabric_table import checked
+from weavecell.scenes.fabric_table import check_scene
 from weavecell.studies import pull_out
 
 if TYPE_CHECKING:
@@ -105,24 +106,24 @@ def coupon(
     if from_file:
         file = Path(target)  # type: ignore[arg-type]
         text, table = read_toml(file, what="input")
-        scene = checked(scenes.CouponScene, table, file, honoured.COUPON)
+        scene = check_scene(scenes.CouponScene, table, file, honoured.COUPON)
         case = build.build(scene, file, file.stem)
     else:
         case = _case(target, test, options)
         text = ""
         file = None
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
-    if out is not None and resume and (before := run_folder.finished(Path(out), key)):
+    if out is not None and resume and (before := run_folder.find_finished(Path(out), key)):
         return before  # type: ignore[return-value]
     inputs = (
         case.fabric,
         case.laws,
         case.scene.model_dump(exclude={"title": True, "run": {"outputs"}}),
     )
-    with out_folder.held(out, resume, [inputs]) as folder:
+    with out_folder.hold(out, resume, [inputs]) as folder:
         checkpoint = folder and folder / "checkpoint.h5"
         try:
-            run = _relaxed
+            run = _relax
             if case.scene.test == "pull_out":
                 run = _pull_out
             result, failure = run(case, text, key, checkpoint, resume)
@@ -131,7 +132,7 @@ def coupon(
                 raise
             scene = case.scene
             tables = {"fabric": type(scene.fabric), scene.test: type(scene.test_table)}
-            raise build.in_file(problem, file, tables) from None
+            raise build.name_file(problem, file, tables) from None
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
@@ -147,7 +148,7 @@ def _case(target, test, options):
     """The Case of a fabric and keywords."""
     if test not in scenes.TESTS:
         raise InputError(key="test", value=test, allowed=f"one of {', '.join(scenes.TESTS)}")
-    fabric = targets.as_fabric(target)
+    fabric = resolve_fabric(target)
     rest = dict(options)
     law = rest.pop("law", None)
     tables = {name: tuple(keywords.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
@@ -162,11 +163,11 @@ def _case(target, test, options):
             raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
         table[name][key] = value
     try:
-        scene = checked(
+        scene = check_scene(
             scenes.CouponScene, keywords.plain(table), None, honoured.COUPON, context=PYTHON
         )
     except InputError as problem:
-        raise keywords.named(problem, (test, "run", "fabric")) from None
+        raise keywords.name_as_keywords(problem, (test, "run", "fabric")) from None
     if scene.trellis_law == "needed":
         fabric = assumed.with_shear(fabric)
     if scene.fabric.cell_model != "compressible":
@@ -188,7 +189,7 @@ def _pull_out(case, text, key, *_):
     return PullOutResult(record, curve, case, checks, text, key), None
 
 
-def _relaxed(case, text, key, checkpoint, resume):
+def _relax(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
     from shellfabric.coupon import quasistatic
 
@@ -324,7 +325,7 @@ class CouponResult(Result):
         """What the test came to, as printed."""
         facts = self.record.facts
         lines = []
-        for name, (unit, values) in self._measured().items():
+        for name, (unit, values) in self._collect_measures().items():
             value = display.text(values[-1], unit)
             lines.append(f"{name:<34}{value}{self._flag(name)}")
         share = facts["yarn_stiffness_share"]
@@ -333,7 +334,7 @@ class CouponResult(Result):
             lines.append(
                 f"yarns computed with {share:.2g} of their stiffness, which takes {work:.2g} % of the work"
             )
-        lines += self._assumed_laws()
+        lines += self._list_assumed_laws()
         lines.append(
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s"
@@ -343,7 +344,7 @@ class CouponResult(Result):
     def _flag(self, name):
         """What stands beside a number that was computed."""
         prescribed = name == self.record.facts.get("prescribed_name")
-        if prescribed or not self._assumed_laws():
+        if prescribed or not self._list_assumed_laws():
             return ""
         return " (assumed law)"
 
@@ -352,22 +353,22 @@ class CouponResult(Result):
         tolerance = self.case.scene.run.tolerance
         return (
             f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
-            f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._assumed_laws())}"
+            f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._list_assumed_laws())}"
         )
 
     def table(self) -> DataFrame:
         """All load steps, in the units of the report, with residual (out-of-balance force over the
         reaction)."""
         states = self.solved.states
-        return display.frame(self._measured()).assign(
+        return display.frame(self._collect_measures()).assign(
             residual=[f"{state.residual:.1e}" for state in states],
             iterations=[state.iterations for state in states],
         )
 
-    def _shown(self):
+    def _notebook_table(self):
         return self.table()
 
-    def _measured(self):
+    def _collect_measures(self):
         """{column: (unit, values)}."""
         columns = self.record.columns
         return {name: (keys.COUPON_MEASURES[name].unit, columns[name]) for name in columns}
@@ -467,7 +468,9 @@ class CouponResult(Result):
         if facts["failure_message"]:
             lead = f"The run was stopped: {facts['failure_message']}."
         title = pictures_coupon.TESTS[facts["test"]].capitalize()
-        return page.Section("coupon", title, lead, tuple(figures), (page.Table.of(self.table()),))
+        return page.Section(
+            "coupon", title, lead, tuple(figures), (page.Table.from_frame(self.table()),)
+        )
 
     def _write_report(self, folder, section, stamp):
         from weavecell.report import chapters, checks, page
@@ -544,7 +547,7 @@ class PullOutResult(CouponResult):
     def lines(self) -> list[str]:
         """What the test came to, as printed."""
         rows = [f"{name:<44}{text}{self._flag(name)}" for name, text in self._rows().items()]
-        return rows + self._assumed_laws()
+        return rows + self._list_assumed_laws()
 
     def _lead(self):
         facts = self.record.facts

@@ -25,9 +25,9 @@ from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
 from weavecell.api import meshes, quantities
 from weavecell.api.crossover_result import CASES, CrossoverResult
-from weavecell.api.keywords import explained
+from weavecell.api.keywords import explain_keywords
 from weavecell.api.meshes import Sections
-from weavecell.api.result import saved
+from weavecell.api.result import save_to
 from weavecell.results import out_folder, progress
 
 __all__ = ["biaxial", "path", "platens", "pull_out", "shear", "stack", "yarn"]
@@ -51,7 +51,7 @@ class CaseKeywords(Sections, total=False):
     out: FilePath | None
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def yarn(
     fabric: Fabric | FilePath,
     *,
@@ -87,10 +87,10 @@ def yarn(
     if reduced_integration:
         options["integration"] = solid_law.ONE_POINT
     _check(domain, "quarter", "whole")
-    return _solved("yarn", single_yarn.pull, options, fabric, domain, shared)
+    return _solve_and_save("yarn", single_yarn.pull, options, fabric, domain, shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def platens(
     fabric: Fabric | FilePath,
     *,
@@ -113,10 +113,10 @@ def platens(
     UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
         written
     """
-    return _pressed("platens", 1, fabric, pressure, friction, shared)
+    return _press_plies("platens", 1, fabric, pressure, friction, shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def stack(
     fabric: Fabric | FilePath,
     *,
@@ -143,19 +143,19 @@ def stack(
     """
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    return _pressed("stack", plies, fabric, pressure, friction, shared)
+    return _press_plies("stack", plies, fabric, pressure, friction, shared)
 
 
-def _pressed(case, plies, fabric, pressure, friction, shared):
+def _press_plies(case, plies, fabric, pressure, friction, shared):
     from unitcell3d.cases import stack
 
     options = {"plies": plies, "numerics": _numerics(friction)}
     if pressure is not None:
         options["pressure"] = quantities.number(pressure, "Pa", "pressure")
-    return _solved(case, stack.stack_compression, options, fabric, "quarter", shared)
+    return _solve_and_save(case, stack.stack_compression, options, fabric, "quarter", shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def biaxial(
     fabric: Fabric | FilePath,
     *,
@@ -190,10 +190,10 @@ def biaxial(
         raise InputError(key="end_displacement", value=end_displacement, allowed=allowed)
     options = {"d": ends, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "whole", "periodic")
-    return _solved("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
+    return _solve_and_save("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def path(
     fabric: Fabric | FilePath,
     *,
@@ -225,10 +225,10 @@ def path(
     corners = load_path.read(path)
     options = {"corners": corners, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "quarter", "whole")
-    return _solved("path", load_path.along, options, fabric, domain, shared)
+    return _solve_and_save("path", load_path.along, options, fabric, domain, shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def shear(
     fabric: Fabric | FilePath,
     *,
@@ -271,10 +271,10 @@ def shear(
         "numerics": _numerics(friction),
     }
     _check(domain, "whole", "periodic")
-    return _solved("shear", periodic_cell.shear, options, fabric, domain, shared)
+    return _solve_and_save("shear", periodic_cell.shear, options, fabric, domain, shared)
 
 
-@explained(CaseKeywords)
+@explain_keywords(CaseKeywords)
 def pull_out(
     fabric: Fabric | FilePath,
     *,
@@ -329,7 +329,7 @@ def pull_out(
             displacements = case.displacements(fabric, family)
         return case.pull_out(built, fabric, displacements, **more)
 
-    return _solved("pull-out", solve, options, fabric, "whole", shared)
+    return _solve_and_save("pull-out", solve, options, fabric, "whole", shared)
 
 
 def _family(yarn: str) -> int:
@@ -352,7 +352,7 @@ def _numerics(friction: float) -> Any:
     return Numerics(friction=friction)
 
 
-def _solved(
+def _solve_and_save(
     case: str,
     solve: Callable[..., Any],
     options: dict[str, Any],
@@ -371,8 +371,8 @@ def _solved(
     out = sections.pop("out", None)
     mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
-    fabric = meshes.of_3d(fabric)
-    with out_folder.held(out) as folder:
+    fabric = meshes.resolve_fabric_for_3d(fabric)
+    with out_folder.hold(out) as folder:
         built = meshes.build(fabric, domain, size=meshes.size(mesh), **shape)
         with progress.bar(f"{fabric.name}, {case}") as advance:
             hooks = [lambda share, row: advance(share)]
@@ -380,7 +380,7 @@ def _solved(
         numbers = CASES[case].summary(fabric, record)
         size = str(mesh).strip("()")
         result = CrossoverResult(fabric, case, built, record, domain, size, numbers)
-        saved(result, folder)
+        save_to(result, folder)
     if record.failed:
         raise UnstableError(record.failed, result=result)
     result.warn()

@@ -118,11 +118,11 @@ class CrossoverResult(Result):
         json_file.write(out / "case.json", content)
         curve = pictures.render(CASES[self.case].curve, self.fabric, record)
         files.write(out / "pictures" / "curve.svg", curve)
-        pictures_crossover.deformed(self.mesh, record, out / "pictures" / "deformed.png")
+        pictures_crossover.draw_deformed(self.mesh, record, out / "pictures" / "deformed.png")
 
     def __str__(self) -> str:
         rows = [f"{key:<44}{_text(value)}" for key, value in self.found.items()]
-        return "\n".join(rows + self._assumed_laws())
+        return "\n".join(rows + self._list_assumed_laws())
 
 
 def _text(value):

@@ -70,7 +70,7 @@ class Execution:
     resume: bool = False
 
     @classmethod
-    def of(cls, function: str, options: Mapping[str, Any]) -> Execution:
+    def from_options(cls, function: str, options: Mapping[str, Any]) -> Execution:
         """The Execution of a function whose `**options` are `ResumableKeywords` alone.
 
         Raises

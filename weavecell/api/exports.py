@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics.base.checks import FilePath
-from weavecell.api import targets
 from weavecell.api.result import Result
+from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 
 if TYPE_CHECKING:
@@ -75,8 +75,8 @@ def export(
     from weavecell.decks import folder, model
 
     folder.check(to, units, match)
-    panel = targets.of(target, {}, folder.NOT_HONOURED)
-    with out_folder.held(out), panel.named():
+    panel = resolve_target(target, {}, folder.NOT_HONOURED)
+    with out_folder.hold(out), panel.name_problems():
         code = folder.CODES[to]
         names = {"title": panel.shot_title, "source": panel.law_name}
         deck = model.build(panel.setup, code, units, match, **names)

@@ -154,7 +154,7 @@ class Keywords(TypedDict, total=False):
 # <!-- end of keywords -->
 
 
-def explained(*kinds: type) -> Callable[[Function], Function]:
+def explain_keywords(*kinds: type) -> Callable[[Function], Function]:
     """Add to the docstring of a function what each keyword of these TypedDicts means, for
     help()."""
     section = "\n    Other Parameters\n    ----------------\n"
@@ -260,7 +260,7 @@ def scene(
     try:
         return impact.check(table, None, refused, PYTHON), table
     except InputError as problem:
-        raise named(problem) from None
+        raise name_as_keywords(problem) from None
 
 
 def plain(value: Any) -> Any:
@@ -314,7 +314,7 @@ def _has_object(table):
 
 
 @contextmanager
-def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
+def name_as_keyword(group: str, values: Mapping[str, object]) -> Iterator[None]:
     """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the
     value as given."""
     try:
@@ -385,13 +385,13 @@ def _unknown(key, value, known, function):
     )
 
 
-def named(problem: InputError, flat: Sequence[str] | None = None) -> InputError:
+def name_as_keywords(problem: InputError, flat: Sequence[str] | None = None) -> InputError:
     """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the
     tables `flat`; None: those that the schema of an impact gives as keywords."""
     if flat is None:
         flat = sorted(set(tables().values()))
     if isinstance(problem, InputErrors):
-        return together([named(part, flat) for part in problem.problems])
+        return together([name_as_keywords(part, flat) for part in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
     short = "velocity"

@@ -24,12 +24,13 @@ from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, quantities, targets
+from weavecell.api import keywords, quantities
 from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
-from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import saved
+from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.result import save_to
 from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
+from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
 from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.panel.quality import Indicator
-    from weavecell.scenes.target import Target
+    from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
     from weavecell.studies.lambert_jonas import LambertJonas
@@ -60,7 +61,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
-@explained(SearchKeywords, Keywords)
+@explain_keywords(SearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -126,18 +127,18 @@ def critical_velocity(
     from weavecell.studies.limit_scan import ScanRange
 
     began = time.perf_counter()
-    width = quantities.above_zero(tolerance, "m/s", "tolerance")
+    width = quantities.read_positive(tolerance, "m/s", "tolerance")
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
     numbers = {}
     for key, value in shares.items():
         numbers[key] = quantities.number(value, "", f"scan_{key}")
-    with keywords.of_group("scan", shares):
+    with keywords.name_as_keyword("scan", shares):
         around: ScanRange | None = ScanRange(**numbers)
     # the range of a scan is checked even if none is wanted
     if not scan:
         around = None
     how, keys = Execution.split(options, ExecutionKeywords)
-    panel = targets.of(target, keys, honoured.LIMITS, function="critical_velocity")
+    panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
     over = ranges.with_ends(panel.setup, assumed_range)
     if check:
         fired = residual_shots
@@ -146,10 +147,10 @@ def critical_velocity(
         searches = 1
         if over is not None:
             searches += ranges.searches(over)
-        return StudySize.of(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
+        return StudySize.estimate(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
     # the range over what is assumed searches with the same tolerance and pool
     beside = {"tolerance": width, **how.pool}
-    with out_folder.held(how.out) as folder, kept_shots(panel, folder) as ended:
+    with out_folder.hold(how.out) as folder, keep_shots(panel, folder) as ended:
 
         @contextmanager
         def stage(title):
@@ -159,11 +160,11 @@ def critical_velocity(
 
                 def report(share, shot):
                     ended.append(shot)
-                    advance(share, f"{next(done)} shots, {checks.of_shot(shot)}")
+                    advance(share, f"{next(done)} shots, {checks.describe_shot(shot)}")
 
                 yield report
 
-        with panel.named():
+        with panel.name_problems():
             study = limits.search(
                 panel.setup, residual_shots=residual_shots, scan=around, stage=stage, **beside
             )
@@ -173,19 +174,19 @@ def critical_velocity(
         )
         # what is written with the result need not be kept apart
         ended.clear()
-        saved(result, folder)
+        save_to(result, folder)
         if over is not None:
-            with panel.named(), progress.bar("Range over what is assumed") as advance:
+            with panel.name_problems(), progress.bar("Range over what is assumed") as advance:
                 around_it = ranges.critical_velocity(
                     over, study.limit.velocity, on_progress=advance, **beside
                 )
-            result = saved(replace(result, assumed_range=around_it), folder)
+            result = save_to(replace(result, assumed_range=around_it), folder)
     result.warn()
     return result
 
 
 @contextmanager
-def kept_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
+def keep_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
     """A list for the shots of a search, which are written to the folder if an error or the user
     ends it."""
     ended: list[Shot] = []
@@ -208,7 +209,7 @@ class CriticalVelocityResult(StudyResult):
 
     Parameters
     ----------
-    target : `weavecell.scenes.target.Target` that was shot at
+    target : `weavecell.api.target.Target` that was shot at
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     assumed_range : AssumedRange of the critical velocity, or None
@@ -233,7 +234,7 @@ class CriticalVelocityResult(StudyResult):
     @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name the laws that are assumed."""
-        return targets.assumed_of(self.target.setup)
+        return list_assumptions(self.target.setup)
 
     @property
     def fabric(self) -> Fabric:
@@ -277,7 +278,7 @@ class CriticalVelocityResult(StudyResult):
     def bracket_checks(self) -> str:
         """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot,
         and why."""
-        return checks.of_bracket(self.limit)
+        return checks.judge_bracket(self.limit)
 
     @property
     def headline(self) -> tuple[str, str]:

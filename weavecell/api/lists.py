@@ -37,7 +37,7 @@ class Tables(dict[str, "DataFrame"]):
     """
 
     def __str__(self) -> str:
-        return "\n\n".join(in_terminal(table, title) for title, table in self.items())
+        return "\n\n".join(format_for_terminal(table, title) for title, table in self.items())
 
     __repr__ = __str__
 
@@ -48,7 +48,7 @@ class Tables(dict[str, "DataFrame"]):
         return "".join(parts)
 
 
-def in_terminal(table: DataFrame, title: str = "") -> str:
+def format_for_terminal(table: DataFrame, title: str = "") -> str:
     """A table as text: units below the names of columns, numbers with four digits, long texts in
     several lines."""
     from rich import box
@@ -120,7 +120,7 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
             "warp strength [N]": weave.warp.strength,
             "weft strength [N]": weave.weft.strength,
         }
-    return _listed("fabric", rows, out)
+    return _tabulate("fabric", rows, out)
 
 
 def projectiles(*, out: FilePath | None = None) -> DataFrame:
@@ -148,7 +148,7 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
         if "length" in data:
             rows[name]["length [mm]"] = 1e3 * si(data["length"]["value"], "m")
         rows[name]["status of the diameter"] = diameter["status"]
-    return _listed("projectile", rows, out)
+    return _tabulate("projectile", rows, out)
 
 
 def backings(*, out: FilePath | None = None) -> DataFrame:
@@ -175,10 +175,10 @@ def backings(*, out: FilePath | None = None) -> DataFrame:
             "wave speed [m/s]": material.wave_speed,
             "status of the yield stress": backing_data.entry(name)["yield_stress"]["status"],
         }
-    return _listed("backing", rows, out)
+    return _tabulate("backing", rows, out)
 
 
-def _listed(kind, rows, out):
+def _tabulate(kind, rows, out):
     """The DataFrame of {name: {column: value}}, which is also written to `out` if that is given."""
     from pandas import DataFrame
 
@@ -255,7 +255,7 @@ def _fabric(name):
         except InputError as problem:
             notes.append(("note", str(problem)))
     notes += [("note", note) for note in whole.notes]
-    following = DataFrame([*derived.derived(whole), *notes], columns=["quantity", "value"])
+    following = DataFrame([*derived.derive_rows(whole), *notes], columns=["quantity", "value"])
     tables = Tables({f"{whole.name}: what follows": following.set_index("quantity")})
     if rows := _assumptions(plain, whole):
         columns = ["key", "value (range)", "source"]
@@ -287,17 +287,17 @@ def _assumptions(plain, whole):
             if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
-        rows += [("thickness, factor", *_written("thickness"))]
-        rows += [("warp share of the heights", *_written("warp_share"))]
+        rows += [("thickness, factor", *_read_entry("thickness"))]
+        rows += [("warp share of the heights", *_read_entry("warp_share"))]
     for name in ("failure_length", *data_sheet.OF_SHOTS):
         if name in whole.assumed:
-            rows.append((name, *_written(name)))
+            rows.append((name, *_read_entry(name)))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)
     if gap.high > gap.low:
         span = f"{1e3 * gap.value:.3g} mm ({1e3 * gap.low:.3g} .. {1e3 * gap.high:.3g} mm)"
-        rows.append(("interlayer_gap", span, f"{gap.source}; {_written('ply_gap')[1]}"))
+        rows.append(("interlayer_gap", span, f"{gap.source}; {_read_entry('ply_gap')[1]}"))
     if plain.section is None:
         rows.append(
             (
@@ -309,7 +309,7 @@ def _assumptions(plain, whole):
     return rows
 
 
-def _written(name):
+def _read_entry(name):
     """(value with its range, source) of an entry of data_sheet.toml."""
     entry = data_sheet.entries()[name]
     return entry.written, entry.source
@@ -423,7 +423,7 @@ def new_fabric(
     if strip is not None:
         strip = quantities.pair(strip, "m", "strip", "width and length")
     if values is None:
-        entered = _asked()
+        entered = _ask_values()
     else:
         entered = fabric_file.read_values(values)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
@@ -440,7 +440,7 @@ def new_fabric(
         logging.getLogger("weavecell").info(line)
 
 
-def _asked():
+def _ask_values():
     """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be
     open left empty."""
     import typer

@@ -21,7 +21,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
-from weavecell.api.result import Result, saved
+from weavecell.api.result import Result, save_to
 from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def mesh(
     >>> wc.mesh("S-720", mesh="coarse", domain="whole").summary()["hexahedra"]
     '768'
     """
-    fabric = of_3d(fabric)
+    fabric = resolve_fabric_for_3d(fabric)
     if patch is not None and domain is not None:
         raise InputError(key="patch", value=patch, allowed="left out if --domain is given")
     formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
@@ -124,12 +124,12 @@ def mesh(
     count = None
     if patch is not None:
         count = _count(patch)
-    with out_folder.held(out) as folder:
+    with out_folder.hold(out) as folder:
         built = build(fabric, domain or "quarter", count, **options)
-        return saved(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
+        return save_to(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
 
 
-def of_3d(fabric: Fabric | FilePath) -> Fabric:
+def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
     """A fabric with what a 3D crossover needs, with the linear density of its data sheet; logs what
     is assumed.
 

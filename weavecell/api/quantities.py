@@ -41,7 +41,7 @@ def number(value: Any, unit: str, key: str) -> float:
     return converted
 
 
-def above_zero(value: float | str, unit: str, key: str) -> float:
+def read_positive(value: float | str, unit: str, key: str) -> float:
     """`number`, which must be above 0."""
     result = number(value, unit, key)
     if not result > 0:

@@ -73,7 +73,7 @@ class Result:
             return ()
         return tuple(lines(fabric))
 
-    def _assumed_laws(self) -> list[str]:
+    def _list_assumed_laws(self) -> list[str]:
         """The lines of `assumed` that a quasi-static result follows from."""
         return list(self._lines_of(assumed.laws))
 
@@ -111,14 +111,14 @@ class Result:
         )
         return f"{type(self).__name__}({shown})"
 
-    def _shown(self) -> DataFrame:
+    def _notebook_table(self) -> DataFrame:
         """The table that a notebook shows: what the summary has, with labels and units."""
         from pandas import DataFrame
 
         known = {key.name: key for key in keys.table(*self._tables)}
         rows = []
         for name, value in self.summary().items():
-            key = known.get(name) or keys.of_name(name)
+            key = known.get(name) or keys.infer_key(name)
             # numbers get their unit; a truth value is a word
             if isinstance(value, (int, float)) and not isinstance(value, bool):
                 rows.append((key.label, display.number(value, key.unit)))
@@ -126,16 +126,16 @@ class Result:
                 rows.append((key.label, value))
         return DataFrame(rows, columns=["quantity", "value"])
 
-    def _columns_shown(self, *names: str) -> DataFrame:
+    def _labelled_columns(self, *names: str) -> DataFrame:
         """The columns of `to_dataframe` with these names, or all, with labels and units."""
         table = self.to_dataframe()
-        columns = [(keys.of_name(str(name)), table[name]) for name in names or table]
+        columns = [(keys.infer_key(str(name)), table[name]) for name in names or table]
         return display.frame({key.meaning: (key.unit, values) for key, values in columns})
 
     def _repr_html_(self) -> str:
         # a notebook shows the outcome in bold, then what the terminal prints
         (first, *others) = str(self).splitlines()
-        table = self._shown()
+        table = self._notebook_table()
         lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
         if hasattr(self, "plot"):
@@ -167,7 +167,7 @@ def _text(value):
     return str(value)
 
 
-def saved(result: Any, out: FilePath | None) -> Any:
+def save_to(result: Any, out: FilePath | None) -> Any:
     """The result, which is written to `out` if there is such a path."""
     if out is not None:
         result.save(out)

@@ -43,7 +43,7 @@ class _Size(Result):
     def _columns(self):
         return {name: [value] for name, value in self.summary().items()}
 
-    def _of_cpu_time(self):
+    def _summarise_cpu_time(self):
         """Entries of the summary."""
         low, high = self.cpu_time
         return {"cpu_time_low_s": low, "cpu_time_high_s": high}
@@ -84,7 +84,7 @@ class RunSize(_Size):
     assumed: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...]) -> RunSize:
+    def estimate(cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...]) -> RunSize:
         """Of a set-up.
 
         Raises
@@ -118,7 +118,7 @@ class RunSize(_Size):
             "steps": self.steps,
             "time_step_s": self.time_step,
             "memory_bytes": self.memory,
-            **self._of_cpu_time(),
+            **self._summarise_cpu_time(),
             "assumed": "; ".join(self.assumed),
         }
 
@@ -158,7 +158,7 @@ class StudySize(_Size):
     cpu_time: tuple[float, float]
 
     @classmethod
-    def of(cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0) -> StudySize:
+    def estimate(cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0) -> StudySize:
         """Of shots and searches at a set-up.
 
         Raises
@@ -169,13 +169,13 @@ class StudySize(_Size):
 
         shots += SHOTS_OF_A_SEARCH * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
-        to_its_end = RunSize.of(setup, title, ()).cpu_time
+        to_its_end = RunSize.estimate(setup, title, ()).cpu_time
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
         return cls(title, shots, searches, (low, high))
 
     @classmethod
-    def of_all(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
+    def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
         """The sum of several."""
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
@@ -184,7 +184,7 @@ class StudySize(_Size):
 
     def summary(self) -> dict[str, Any]:
         """All of it, names with units."""
-        return {"shots": self.shots, "searches": self.searches, **self._of_cpu_time()}
+        return {"shots": self.shots, "searches": self.searches, **self._summarise_cpu_time()}
 
     def __str__(self) -> str:
         searches = ""

@@ -10,8 +10,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
-from weavecell.api import targets
-from weavecell.api.keywords import Keywords, explained
+from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.target import build_target
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -46,7 +46,7 @@ def fabric(
     return with_linear_density(catalogue.load(name), linear_density)
 
 
-@explained(Keywords)
+@explain_keywords(Keywords)
 def setup(
     fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
 ) -> ImpactSetup:
@@ -83,4 +83,4 @@ def setup(
     >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
-    return targets.made(fabric, velocity, options).setup
+    return build_target(fabric, velocity, options).setup

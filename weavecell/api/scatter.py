@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, targets
+from weavecell.api import quantities, study_run
 from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
-from weavecell.api.keywords import Keywords, explained
-from weavecell.api.result import saved
+from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.result import save_to
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
 from weavecell.api.study_result import StudyResult
+from weavecell.api.target import resolve_target
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -28,14 +29,14 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.scenes.target import Target
+    from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.v50 import Study
 
 __all__ = ["V50Result", "v50"]
 
 
-@explained(ResumableKeywords, Keywords)
+@explain_keywords(ResumableKeywords, Keywords)
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -108,10 +109,10 @@ def v50(
         else:
             own[key] = quantities.number(value, "", f"{key}_cov")
     scatter = replace(
-        inputs.published(), **{key: value for key, value in own.items() if value is not None}
+        inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
     )
     how, keys = Execution.split(options)
-    panel = targets.of(target, keys, honoured.V50, function="v50")
+    panel = resolve_target(target, keys, honoured.V50, function="v50")
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0
@@ -120,22 +121,22 @@ def v50(
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
     if check:
         fired = shots * (1 + repeats)
-        whole = replace(analysis.graded(panel.setup), symmetry="whole")
-        return StudySize.of(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
-    drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
-    with targets.study(panel, f"{panel.title}, repeated shots", how, drawn) as run:
+        whole = replace(analysis.grade_mesh(panel.setup), symmetry="whole")
+        return StudySize.estimate(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
+    drawn = inputs.use_one_thread(panel.setup, strike_velocity=1.0), scatter, seed
+    with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, drawn) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+        result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
         if over is not None:
             share = (SHOTS_OF_A_SEARCH * searches + shots * repeats) / (SHOTS_OF_A_SEARCH + shots)
             cost = f"{searches} searches and {shots * repeats} shots, about {share * run.wall_time:.2g} s"
             logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
-            ends = analysis.over_assumed(
+            ends = analysis.run_assumed_range(
                 over, study, again=assumed_range is True, seed=seed, report=run.report(), **run.runs
             )
             study = replace(study, assumed_range=ends)
-            result = saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+            result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
     if study.failures:
         message = f"{len(study.failures)} of {shots} shots are left out of all estimates: {study.failures[0]}"
         raise UnstableError(message, result=result)
@@ -150,7 +151,7 @@ class V50Result(StudyResult):
     Parameters
     ----------
     study : `weavecell.studies.v50.Study`, with shots, fitted curves and the limit without scatter
-    target : `weavecell.scenes.target.Target` that was shot at
+    target : `weavecell.api.target.Target` that was shot at
     seed, batch : of the shots
     wall_time : [s]
 
@@ -281,7 +282,7 @@ class V50Result(StudyResult):
     def _zones(self):
         from weavecell.studies import v50
 
-        return v50.graded(self.target.setup).grading
+        return v50.grade_mesh(self.target.setup).grading
 
     def table(self) -> DataFrame:
         """V0, V50, V100 and standard deviation of each fitted curve, with their intervals."""

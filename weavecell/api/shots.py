@@ -35,10 +35,11 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import targets
-from weavecell.api.keywords import Keywords, explained
+from weavecell.api import study_run
+from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
+from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
@@ -49,9 +50,9 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.result import ImpactResult
     from shellfabric.impact.setup import ImpactSetup
+    from weavecell.api.target import Target
     from weavecell.report.page import Embedded
     from weavecell.scenes.build import Case
-    from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
     from weavecell.studies.window import Window
@@ -61,7 +62,7 @@ __all__ = ["ShotResult", "impact"]
 WINDOW = "window"  # folder of the finished shots at other velocities
 
 
-@explained(Keywords)
+@explain_keywords(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
@@ -119,7 +120,9 @@ def impact(
     """
     from weavecell.studies import inputs
 
-    panel = targets.of(target, options, honoured.IMPACT, velocity, function="impact", one_shot=True)
+    panel = resolve_target(
+        target, options, honoured.IMPACT, velocity, function="impact", one_shot=True
+    )
     accuracy = panel.case and panel.case.scene.accuracy
     if accuracy and uncertainty:
         raise InputError(
@@ -132,15 +135,15 @@ def impact(
         )
     if check:
         # no folder is claimed: a check leaves nothing behind
-        with panel.named():
-            return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
+        with panel.name_problems():
+            return RunSize.estimate(panel.setup, panel.shot_title, list_assumptions(panel.setup))  # type: ignore[return-value]
     # a digest of all inputs and code, which only a run with a folder needs
     inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
     key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
-    if out is not None and resume and (before := run_folder.finished(Path(out), key())):
+    if out is not None and resume and (before := run_folder.find_finished(Path(out), key())):
         return before  # type: ignore[return-value]
-    with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
-        with panel.named():
+    with out_folder.hold(out, resume, [inputs.use_one_thread(panel.setup)]) as folder:
+        with panel.name_problems():
             result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
             # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
@@ -184,11 +187,11 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
         from weavecell.studies import window
 
         with (
-            targets.kept_runs(folder, True, WINDOW) as runs,
+            study_run.keep_runs(folder, True, WINDOW) as runs,
             progress.bar("Shots at other velocities") as advance,
         ):
             report = lambda done, count: advance(done / count)  # noqa: E731
-            return replace(shot, window=window.about(shot.result, folder=runs, report=report))
+            return replace(shot, window=window.fire_window(shot.result, folder=runs, report=report))
 
     try:
         if accuracy:
@@ -213,9 +216,9 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
     """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of
     its fields."""
-    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
+    shapes = tuple(tuple(map(Shape.from_snapshot, plies)) for plies in result.snapshots)
     fabric = panel.setup.fabric
-    lines = targets.assumed_of(panel.setup)
+    lines = list_assumptions(panel.setup)
     return ShotResult.of(
         result,
         panel.shot_title,
@@ -247,7 +250,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     if resume and checkpoint.exists():
         again = checkpoint
     run = lambda hooks: run_impact(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
-    return Shot(*progress.watched(run, panel.shot_title, hooks))
+    return Shot(*progress.run_with_bar(run, panel.shot_title, hooks))
 
 
 def _range(setup, choice, shot):
@@ -277,7 +280,7 @@ class ShotResult(ImpactRecord, Result):
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
-    target : `weavecell.scenes.target.Target` that was shot at; None of a shot of a sweep
+    target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     key : returns the key of the run, by which it is not repeated
 
@@ -332,7 +335,7 @@ class ShotResult(ImpactRecord, Result):
         return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
-        laws = self._assumed_laws()
+        laws = self._list_assumed_laws()
         more = ""
         if laws:
             more = f", assumed: {len(laws)} laws"
@@ -376,7 +379,7 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.report.page import Embedded
         from weavecell.report.shot import moving
 
-        return Embedded(moving.page(self, moving.of_shapes(self, self.instants)))
+        return Embedded(moving.page(self, moving.collect_instants(self, self.instants)))
 
     @property
     def instants(self) -> list[tuple[Shape, ...]]:
@@ -464,14 +467,14 @@ class ShotResult(ImpactRecord, Result):
         caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
         film = Figure(view.cut_in_motion(self), "gif", caption, "cut")
         sections = [
-            moving.section(self, moving.of_shapes(self, self.instants), [film]),
+            moving.section(self, moving.collect_instants(self, self.instants), [film]),
             chapters_shot.chapter(self, view.still(self)),
             chapters_shot.mesh(self, used),
         ]
         if self.pair is not None:
             sections.append(chapters_discretisation.section(self.pair))
         if self.assumed_range is not None:
-            sections.append(chapters_shot.assumed(self.assumed_range))
+            sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
         if self.measured:
             places = ()
             if scene.history:
@@ -501,7 +504,7 @@ class ShotResult(ImpactRecord, Result):
         chapters.write(
             out,
             self.title,
-            chapters.struck(setup, self.case.scene, velocity=True),
+            chapters.describe_shot(setup, self.case.scene, velocity=True),
             setup.fabrics,
             (chapters_shot.card(self), *chapters.law_cards(self.case)),
             (*sections, checks.section(self.checks)),

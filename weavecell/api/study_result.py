@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from weavecell.scenes.target import Target
+    from weavecell.api.target import Target
 
 # the first card of the report holds so many lines
 CARD_LINES = 2
@@ -77,10 +77,10 @@ class StudyResult(DrawnResult):
 
     def table(self) -> DataFrame:
         """The table of the page, columns with their units."""
-        return self._columns_shown()
+        return self._labelled_columns()
 
-    def _shown(self):
-        return self._columns_shown()
+    def _notebook_table(self):
+        return self._labelled_columns()
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
@@ -105,13 +105,13 @@ class StudyResult(DrawnResult):
         label, value = self.headline
         lines = self.lines()
         picture = pictures.draw_figure("result", "", self.draw)
-        table = Table.of(self.table())
+        table = Table.from_frame(self.table())
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
         outcome = f"{label} {value}"
         shown = [line for line in lines if value not in line][:CARD_LINES]
         around = getattr(self, "assumed_range", None)
         if around is not None:
-            sections.append(chapters_shot.assumed(around))
+            sections.append(chapters_shot.describe_assumed_range(around))
             if "what is assumed" not in value:
                 span = f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"
                 outcome += f", {span}"
@@ -131,7 +131,7 @@ class StudyResult(DrawnResult):
         title = self.title
         if ":" not in title:
             title += f": {label[0].lower()}{label[1:]}"
-        lead = chapters.struck(setup, case and case.scene)
+        lead = chapters.describe_shot(setup, case and case.scene)
         # a sweep has a target for each row
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"

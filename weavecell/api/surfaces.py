@@ -23,7 +23,7 @@ from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
 from weavecell.api.execution import Execution, ResumableKeywords
-from weavecell.api.keywords import explained
+from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
@@ -45,7 +45,7 @@ SHOWN = {
 }
 
 
-@explained(ResumableKeywords)
+@explain_keywords(ResumableKeywords)
 def surface(
     fabric: Fabric | FilePath,
     *,
@@ -95,14 +95,14 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
-    how = Execution.of("surface", options)
-    fabric = meshes.of_3d(fabric)
+    how = Execution.from_options("surface", options)
+    fabric = meshes.resolve_fabric_for_3d(fabric)
     stamp = provenance.stamp("")
     span1 = _span(d1, "d1")
     span2 = _span(d2, "d2")
     size = meshes.size(mesh)
     inputs = (fabric, [span1, span2], points, tolerance, size, friction)
-    with out_folder.held(how.out, how.resume, [inputs]) as folder:
+    with out_folder.hold(how.out, how.resume, [inputs]) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
@@ -263,7 +263,7 @@ class SurfaceResult(Result):
             "rms from the shell's cell",
         ]
         lead = f"{surface.d1.size} × {surface.d2.size} samples, {self.sampled.solves} equilibria."
-        table = Table.of(DataFrame(rows, columns=columns))
+        table = Table.from_frame(DataFrame(rows, columns=columns))
         figures = tuple(self._figures())
         return Section("surface", "Response surface", lead, figures, (table,))
 
@@ -298,7 +298,7 @@ class SurfaceResult(Result):
         yield draw_figure(
             "missed",
             "Error of the interpolant on lines that were left out, an upper estimate; ticks: the lines.",
-            pictures_surface.missed,
+            pictures_surface.draw_misses,
             self.surface,
             self.sampled.errors,
         )

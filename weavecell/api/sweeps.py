@@ -28,17 +28,17 @@ from fabrics.base.errors import InputError
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, targets
+from weavecell.api import quantities, study_run
 from weavecell.api.execution import Execution, ResumableKeywords
-from weavecell.api.keywords import explained
-from weavecell.api.result import Result, figure, plain, saved
+from weavecell.api.keywords import explain_keywords
+from weavecell.api.result import Result, figure, plain, save_to
 from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
+from weavecell.api.target import Target, is_input_file, read_target, resolve_target
 from weavecell.results import progress
-from weavecell.scenes import honoured
+from weavecell.scenes import build, honoured
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.target import Target, is_input_file, read
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,7 +63,7 @@ _SHOWN = (
 )
 
 
-@explained(ResumableKeywords)
+@explain_keywords(ResumableKeywords)
 def sweep(
     target: Fabric | FilePath | Iterable[ImpactSetup],
     *,
@@ -126,13 +126,13 @@ def sweep(
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
-    how = Execution.of("sweep", options)
+    how = Execution.from_options("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
-        return _of_setups(target, how)
+        return _fire_setups(target, how)
     from weavecell.studies import inputs
     from weavecell.studies import sweep as studies
 
-    width = quantities.above_zero(tolerance, "m/s", "tolerance")
+    width = quantities.read_positive(tolerance, "m/s", "tolerance")
     if quantity not in studies.QUANTITIES:
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}"
@@ -160,10 +160,10 @@ def sweep(
         if quantity == "v50":
             part = {"symmetry": "whole"}
         setups = [replace(panel.setup, **part) for panel in panels]
-        sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
-        return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
-    arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
-    with targets.study(panels[0], f"{len(panels)} x {quantity}", how, *arguments) as run:
+        sizes = [StudySize.estimate(setup, setup.title, fired, searches) for setup in setups]
+        return StudySize.add_up(f"{len(panels)} x {quantity}", sizes)
+    arguments = [(inputs.use_one_thread(panel.setup), quantity, width) for panel in panels]
+    with study_run.begin_study(panels[0], f"{len(panels)} x {quantity}", how, *arguments) as run:
         # the shots of a V50 run in parallel already, so the V50s follow one another
         if quantity == "v50":
             reports = [run.report(number, len(panels)) for number in range(len(panels))]
@@ -178,7 +178,7 @@ def sweep(
             areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
             table.append(dict.fromkeys(keys) | changes | areal_density | row)
         result = SweepTable(quantity, tuple(keys), tuple(table), tuple(panels), one_at_a_time)
-        return saved(result, run.folder)
+        return save_to(result, run.folder)
 
 
 def _combinations(keys, one_at_a_time):
@@ -199,14 +199,14 @@ def _panel(target, folder, support, changes):
             raise InputError(key=key, value=factor, allowed="a factor above 0, such as 1.2")
     compared = [plausible.Number(key, "factor", factor) for key, factor in factors.items()]
     for note in plausible.judge(compared):
-        targets.build.LOG.info(f"note: {note}")
+        build.LOG.info(f"note: {note}")
     keys = {key: value for key, value in changes.items() if key not in factors}
-    panel = read(target, folder, support, changes=keys)
+    panel = read_target(target, folder, support, changes=keys)
     if not factors:
         return panel
     if panel.setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key=next(iter(factors)))
-    return replace(panel, setup=inputs.changed_setup(panel.setup, **factors))
+    return replace(panel, setup=inputs.scale_setup(panel.setup, **factors))
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
@@ -382,7 +382,7 @@ class SweepTable(StudyResult):
         return lines
 
 
-def _of_setups(setups, how):
+def _fire_setups(setups, how):
     """The SweepResult of set-ups."""
     arguments = [(setup,) for setup in setups]
     with open_executor(**how.pool) as pool, progress.bar(f"{len(arguments)} shots") as advance:
@@ -400,7 +400,7 @@ def _fire(setup):
     from shellfabric.impact.run import run_impact_or_partial
 
     result, problem = run_impact_or_partial(setup)
-    return shot_of(targets.of(setup, {}, honoured.IMPACT), result, problem)
+    return shot_of(resolve_target(setup, {}, honoured.IMPACT), result, problem)
 
 
 @dataclass(frozen=True, repr=False)
@@ -466,8 +466,8 @@ class SweepResult(Result, Sequence):
             for shot in self.shots
         )
 
-    def _shown(self):
-        return self._columns_shown(*_SHOWN)
+    def _notebook_table(self):
+        return self._labelled_columns(*_SHOWN)
 
     def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s], a line an outcome."""

@@ -147,7 +147,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             words = list(arguments)
         if words and words[0] in weavecell.REMOVED:
             raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
-        with termination.as_interrupt():
+        with termination.interrupt_on_sigterm():
             code = program(words[0] if words else "")(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)

@@ -21,7 +21,7 @@ from typing import Annotated, Any
 import typer
 
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
-from weavecell.api.lists import in_terminal
+from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
 
@@ -58,13 +58,13 @@ def command(
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as
         in a file
     """
-    text, meanings = documented(function)
+    text, meanings = read_docstring(function)
     parameters = []
     for parameter in inspect.signature(function).parameters.values():
         of_python = parameter.name in OF_PYTHON and parameter.kind is not parameter.KEYWORD_ONLY
         if not of_python and parameter.kind is not parameter.VAR_KEYWORD:
             parameters.append(parameter)
-    parameters += unpacked(function, meanings)
+    parameters += unpack_keywords(function, meanings)
     returns = inspect.signature(function).return_annotation
     has_checks = returns not in ("None", "DataFrame", "Tables")
 
@@ -81,16 +81,16 @@ def command(
             try:
                 for key in keywords:
                     if key in chosen:
-                        chosen[key] = _listed(chosen[key])
+                        chosen[key] = _read_list(chosen[key])
                 result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
                     print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
                 raise
             except InputError as problem:
-                raise _of_option(problem, values) from None
+                raise _name_option(problem, values) from None
         if returns == "DataFrame":
-            print(in_terminal(result))
+            print(format_for_terminal(result))
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
@@ -105,7 +105,7 @@ def command(
         _parameter(parameter, meanings.get(parameter.name, "")) for parameter in parameters
     ]
     for key in keywords:
-        signature.append(_parameter(_keyword(key, "str"), _escaped(_meaning(key))))
+        signature.append(_parameter(_keyword(key, "str"), _escape(_meaning(key))))
     if has_checks:
         help_text = "Exit code 3 if a quality indicator is beyond its limit."
         strict = Annotated[bool, typer.Option("--strict", help=help_text)]
@@ -130,7 +130,7 @@ def _folder(name, parameters, values):
     return RESULTS / "-".join(stems)
 
 
-def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
+def unpack_keywords(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
     """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
     They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input
@@ -141,7 +141,7 @@ def unpacked(function: Callable, meanings: dict[str, str]) -> list[inspect.Param
     if last.kind is not last.VAR_KEYWORD or name == "Any":
         return []
     kind = getattr(inspect.getmodule(function), name)
-    own = documented(kind)[1]
+    own = read_docstring(kind)[1]
     meanings |= own
     return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in own]
 
@@ -163,7 +163,7 @@ def _meaning(key):
     return entries(Scene)[f"{keywords.tables()[key]}.{key}"].title
 
 
-def _listed(text):
+def _read_list(text):
     """A list as it stands in a file; any other text as it is."""
     if not text.lstrip().startswith("["):
         return text
@@ -173,20 +173,20 @@ def _listed(text):
         return text
 
 
-def documented(function: Callable) -> tuple[str, dict[str, str]]:
+def read_docstring(function: Callable) -> tuple[str, dict[str, str]]:
     """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets
     written for rich."""
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     parameters = "".join(sections[:1])
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(parameters):
-        words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
+        words = _escape(" ".join(meaning.split()).split("; in Python")[0])
         meanings |= dict.fromkeys(names.split(", "), words)
     paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
-    return _escaped("\n\n".join(paragraphs)), meanings
+    return _escape("\n\n".join(paragraphs)), meanings
 
 
-def _escaped(text):
+def _escape(text):
     return text.replace("[", "\\[")
 
 
@@ -245,7 +245,7 @@ def _option(name):
     return "--" + WORDS.get(name, name).replace("_", "-")
 
 
-def _of_option(problem, names):
+def _name_option(problem, names):
     """An InputError of a parameter, with the option that has its value."""
     if problem.key not in names or problem.file is not None:
         return problem

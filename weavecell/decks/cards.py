@@ -43,7 +43,7 @@ def table(mark: str, template: str, names: str, *columns: ArrayLike) -> str:
 def numbers(mark: str, name: str, values: Sequence[int] | IntArray, per_line: int) -> str:
     """Whole numbers in fields of 10 columns; their name is followed by the number of the field."""
     names = (f"{name}{n}" for n in range(1, 1 + min(per_line, len(values))))
-    return heading(mark, names, [10] * per_line) + wrapped(values, per_line)
+    return heading(mark, names, [10] * per_line) + wrap(values, per_line)
 
 
 def lines(template: str, *columns: ArrayLike) -> str:
@@ -54,7 +54,7 @@ def lines(template: str, *columns: ArrayLike) -> str:
     return "".join(template % row + "\n" for row in rows)
 
 
-def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
+def wrap(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
     """Numbers in lines of at most `per_line`."""
     texts = [template % n for n in numbers]
     return "".join(

@@ -51,7 +51,7 @@ class UncoupledCurves:
     )
 
     @classmethod
-    def of(cls, cloth: Cloth, match: str) -> UncoupledCurves:
+    def fit(cls, cloth: Cloth, match: str) -> UncoupledCurves:
         """See `Cloth.curve`."""
         return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
 
@@ -91,18 +91,18 @@ class CrimpExchange:
     )
 
     @classmethod
-    def of(cls, cloth: Cloth, match: str) -> CrimpExchange:
+    def fit(cls, cloth: Cloth, match: str) -> CrimpExchange:
         """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and
         one factor on both moduli by least squares over the plane: softer yarns of less crimp stand
         in for yarns that flatten."""
         whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
 
-        def scaled(scales):
+        def scale_cloth(scales):
             crimp = cloth.crimp * scales[:2]
             return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus / (1 + crimp))
 
         if match == "uniaxial":
-            return scaled(np.ones(3))
+            return scale_cloth(np.ones(3))
         from scipy.optimize import least_squares
 
         L1, L2, inside = (values[::_EVERY, ::_EVERY] for values in cloth.plane)
@@ -110,9 +110,11 @@ class CrimpExchange:
         strength = cloth.strength[:, None, None]
 
         def error(scales):
-            return ((scaled(scales).stress(L1, L2) - stress) / strength)[:, inside].ravel()
+            return ((scale_cloth(scales).stress(L1, L2) - stress) / strength)[:, inside].ravel()
 
-        return scaled(least_squares(error, [0.7, 0.7, 1.0], bounds=([0.02] * 3, [2.0, 2.0, 1.5])).x)
+        return scale_cloth(
+            least_squares(error, [0.7, 0.7, 1.0], bounds=([0.02] * 3, [2.0, 2.0, 1.5])).x
+        )
 
     @property
     def rest(self) -> tuple[FloatArray, FloatArray]:
@@ -130,7 +132,7 @@ class CrimpExchange:
         force = stiffness * (now - length)
         return force * h / now + FLEX * stiffness * height / length * y, force * stretch / now
 
-    def _alone(self, family, stretch):
+    def _free_rise(self, family, stretch):
         """Rise y of a yarn that nothing touches."""
         height = self.rest[1][family]
         return _root(lambda y: self._yarn(family, stretch, y)[0], -height, 1.0, stretch.shape)
@@ -138,8 +140,8 @@ class CrimpExchange:
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """(2, ...) [Pa] nominal along warp and weft, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
-        y1 = self._alone(0, L1)
-        y2 = self._alone(1, L2)
+        y1 = self._free_rise(0, L1)
+        y2 = self._free_rise(1, L2)
         height = self.rest[1]
         both = _root(
             lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0],
@@ -155,7 +157,7 @@ class CrimpExchange:
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
         """[Pa] nominal along one direction in uniaxial tension: crossing yarns are pushed out of
         the way."""
-        return self._yarn(family, stretch, self._alone(family, stretch))[1]
+        return self._yarn(family, stretch, self._free_rise(family, stretch))[1]
 
     @property
     def table(self) -> FloatArray:

@@ -148,7 +148,7 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
 def _boundary(deck: Deck) -> Iterator[str]:
     names = "DOFX", "DOFY", "DOFZ", "DOFRX", "DOFRY", "DOFRZ"
     fixed = {"clamped": (1,) * 6, "mirror_x": (1, 0, 0, 0, 1, 1), "mirror_y": (0, 1, 0, 1, 0, 1)}
-    for number, (name, nodes) in enumerate(deck.held().items(), 1):
+    for number, (name, nodes) in enumerate(deck.list_held_nodes().items(), 1):
         yield (
             f"*SET_NODE_LIST_TITLE\n{name}\n" + _card(SID=number) + numbers(_MARK, "NID", nodes, 8)
         )

@@ -15,7 +15,7 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
-from weavecell.decks.cards import lines, wrapped
+from weavecell.decks.cards import lines, wrap
 from weavecell.decks.mesh_deck import deck
 
 TYPES = {"hex": "C3D8", "bar": "T3D2", "shell": "S4"}
@@ -42,8 +42,8 @@ def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
 
 def _sets(mesh, numbered):
     for name, bars in numbered.bar_sets.items():
-        yield f"*ELSET, ELSET={name}\n" + _listed(bars)
-    nodes = {name: _listed(members) for name, members in numbered.node_sets.items()}
+        yield f"*ELSET, ELSET={name}\n" + _write_members(bars)
+    nodes = {name: _write_members(members) for name, members in numbered.node_sets.items()}
     for name, members in numbered.node_unions.items():
         nodes[name] = "".join(nodes[member] for member in members)
     for name, text in nodes.items():
@@ -55,8 +55,8 @@ def _sets(mesh, numbered):
         yield f"*SURFACE, TYPE=ELEMENT, NAME={name}\n{text}"
 
 
-def _listed(members):
-    return wrapped(members, 8, "%d", ",")
+def _write_members(members):
+    return wrap(members, 8, "%d", ",")
 
 
 def _surfaces(mesh, numbered):
@@ -99,7 +99,7 @@ def _materials(numbered):
             + f", 0., 0., 0., {m.shear:.9E}, {m.shear:.9E},\n{m.shear:.9E},\n"
         )
         yield f"*MATERIAL, NAME={yarn}_fibre\n*DENSITY\n{m.bar_density:.9E},\n*ELASTIC\n{m.fibre:.9E}, 0.\n"
-        if numbered.of_kind("shell"):
+        if numbered.select_parts("shell"):
             yield f"*MATERIAL, NAME={yarn}_shell\n*DENSITY\n{m.solid_density:.9E},\n*ELASTIC\n{m.packed:.9E}, 0.\n"
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import SURFACES, YarnMesh
-from weavecell.decks.cards import lines, wrapped
+from weavecell.decks.cards import lines, wrap
 from weavecell.decks.linear_material import linearise
 
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
@@ -93,7 +93,7 @@ class Deck:
         """A line of a %-template for each node: its number and its place."""
         return lines(template, range(1, len(self.points) + 1), self.points)
 
-    def of_kind(self, kind: str) -> list[Part]:
+    def select_parts(self, kind: str) -> list[Part]:
         """The parts of one kind."""
         return [part for part in self.parts if part.kind == kind]
 
@@ -128,15 +128,18 @@ def set_lines(
     def union(keyword, unions, sets):
         number = {name: n for n, name in enumerate(sets, 1)}
         return each(
-            keyword, unions, lambda names: listed([number[name] for name in names]), 1 + len(sets)
+            keyword,
+            unions,
+            lambda names: wrap_members([number[name] for name in names]),
+            1 + len(sets),
         )
 
-    def listed(members):
-        return wrapped(members, per_line)
+    def wrap_members(members):
+        return wrap(members, per_line)
 
     bars, nodes, node_unions, surfaces, surface_unions = keywords
-    yield from each(bars, numbered.bar_sets, listed)
-    yield from each(nodes, numbered.node_sets, listed)
+    yield from each(bars, numbered.bar_sets, wrap_members)
+    yield from each(nodes, numbered.node_sets, wrap_members)
     yield from union(node_unions, numbered.node_unions, numbered.node_sets)
     yield from each(surfaces, numbered.surfaces, quads)
     yield from union(surface_unions, numbered.surface_unions, numbered.surfaces)

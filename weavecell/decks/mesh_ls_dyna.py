@@ -33,7 +33,7 @@ def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
 
 def _elements(numbered):
     for kind, word in ELEMENTS.items():
-        parts = numbered.of_kind(kind)
+        parts = numbered.select_parts(kind)
         if parts:
             yield f"*ELEMENT_{word}\n"
         for part in parts:
@@ -60,7 +60,7 @@ def _materials(numbered):
         yield _reals(m.solid_density, m.axial, m.transverse, m.transverse, 0, 0, 0)
         yield _reals(m.shear, m.shear, m.shear, 0) + _reals(0) * 2
         yield f"*MAT_ELASTIC_TITLE\n{yarn} fibres\n{bars}" + _reals(m.bar_density, m.fibre, 0)
-        if numbered.of_kind("shell"):
+        if numbered.select_parts("shell"):
             yield f"*MAT_ELASTIC_TITLE\n{yarn} end shells\n{shells}" + _reals(
                 m.solid_density, m.packed, 0
             )

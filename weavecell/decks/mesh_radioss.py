@@ -59,7 +59,7 @@ def _materials(numbered):
             + _reals(m.bar_density)
             + _reals(m.fibre, 0)
         )
-        if numbered.of_kind("shell"):
+        if numbered.select_parts("shell"):
             yield f"/MAT/LAW1/{material_number(family, 'shell')}\n{yarn} end shells\n" + _reals(
                 m.solid_density
             )

@@ -37,7 +37,7 @@ class Mismatch:
     shear: float
 
     @classmethod
-    def of(cls, cloth: Cloth, law: Law) -> Mismatch:
+    def measure(cls, cloth: Cloth, law: Law) -> Mismatch:
         """Compare a law with the cell."""
         L1, L2, inside = cloth.plane
         difference = (law.stress(L1, L2) - cloth.stress(L1, L2)) / cloth.strength[:, None, None]

@@ -242,7 +242,7 @@ class Deck:
         """[s] between pictures and between samples of histories."""
         return self.end_time / _PICTURES, self.end_time / _SAMPLES
 
-    def held(self) -> dict[str, IntArray]:
+    def list_held_nodes(self) -> dict[str, IntArray]:
         """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are
         left out."""
         chosen = {}
@@ -252,7 +252,7 @@ class Deck:
                 chosen[name] &= ~chosen["clamped"]
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
-    def watched(self) -> dict[str, int]:
+    def list_watched_nodes(self) -> dict[str, int]:
         """{name: node number} of what histories are written: the projectile, and the point of
         impact of each ply."""
         nodes = {"projectile": self.nose.reference}
@@ -292,8 +292,8 @@ def build(
             name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
             # a card needs the cell to the strength, not beyond
             cloth = Cloth(replace(panel.table.model, reach=1.0))
-            law = code.LAW.of(cloth, match)
-            cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
+            law = code.LAW.fit(cloth, match)
+            cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.measure(cloth, law))
         x, y = (values.ravel() for values in panel.coordinates())
         # what is clamped stands first: a node of the clamp is not on a mirror too
         held = {"clamped": ~panel.loose().ravel()}

@@ -66,7 +66,7 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
         *((square[rim], ring) for ring in rings),
         (square, total - grid_arc),
     ]
-    place, turn = np.hstack([_placed(points, at, total, shot.radius) for points, at in drawn])
+    place, turn = np.hstack([_map_to_arc(points, at, total, shot.radius) for points, at in drawn])
     sample = (
         np.interp(place, arc, np.arange(len(arc))),
         turn % (2 * np.pi) * (_TURNS - 1) / (2 * np.pi),
@@ -100,7 +100,7 @@ def _meridian(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
     return np.append(0, np.cumsum(lengths)), np.append(0, np.cumsum(lengths / size + bends / _BEND))
 
 
-def _placed(square: FloatArray, arc: float, total: float, radius: float) -> FloatArray:
+def _map_to_arc(square: FloatArray, arc: float, total: float, radius: float) -> FloatArray:
     """(2, n) arc and turn of points (n, 2) of the square [-1, 1]^2 whose sides lie at an arc, of
     nose or rear.
 

@@ -137,9 +137,9 @@ def _groups(deck: Deck) -> Iterator[str]:
     """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each
     part."""
     fixed = {"clamped": "111 111", "mirror_x": "100 011", "mirror_y": "010 101"}
-    for number, (name, nodes) in enumerate(deck.held().items(), 1):
+    for number, (name, nodes) in enumerate(deck.list_held_nodes().items(), 1):
         yield f"/GRNOD/NODE/{number}\n{name}\n" + numbers(_MARK, "node_ID", nodes, 10)
-        yield f"/BCS/{number}\n{name}\n" + _held(fixed[name], number)
+        yield f"/BCS/{number}\n{name}\n" + _write_fixed(fixed[name], number)
     for part in range(1, deck.nose_part + 1):
         for kind in ("GRNOD", "SURF"):
             yield f"/{kind}/PART/{_group(part)}\npart {part}\n"
@@ -173,14 +173,14 @@ def _body(deck: Deck) -> Iterator[str]:
     )
     yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
     mirror_x, mirror_y = deck.mirrors
-    yield f"/BCS/{main}\nprojectile\n" + _held(f"{mirror_x:d}{mirror_y:d}0 111", main)
+    yield f"/BCS/{main}\nprojectile\n" + _write_fixed(f"{mirror_x:d}{mirror_y:d}0 111", main)
     # the main node and the surface start with the same velocity, or the body would jump
     for number, nodes in enumerate((main, surface), 1):
         yield f"/INIVEL/TRA/{number}\nprojectile\n"
         yield _card(Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0)
     yield f"/TH/RBODY/1\nprojectile\n{'DEF':<10}\n" + _card(body_ID=1)
     yield f"/TH/NODE/2\nmotion\n{'DEF':<10}\n"
-    yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.watched().items())
+    yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.list_watched_nodes().items())
 
 
 def _contact(deck: Deck) -> Iterator[str]:
@@ -239,7 +239,7 @@ def _plies(deck):
     return _group(deck.nose_part + 1)
 
 
-def _held(codes, group):
+def _write_fixed(codes, group):
     """The card of /BCS: 1 for each displacement along, and rotation about x, y, z that is held."""
     return _card(Tra_rot=f"{codes:>10}", skew_ID=0, grnod_ID=group)
 

@@ -14,7 +14,7 @@ from fabrics.base.units import FACTORS
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.report import page, pictures
-from weavecell.report.derived import density_kind, derived
+from weavecell.report.derived import density_kind, derive_rows
 from weavecell.report.page import Card, Figure, Report, Section, Table
 from weavecell.scenes import words
 
@@ -181,7 +181,7 @@ def sources(*fabrics: Fabric) -> Section:
             rows.append((key, entry["value"], entry["status"], entry["source"]))
         columns = ("key", "value", "status", "source")
         tables.append(Table(columns, tuple(rows), f"Data of the fabric{name}"))
-        following = tuple(derived(fabric))
+        following = tuple(derive_rows(fabric))
         tables.append(Table(("quantity", "value"), following, f"What follows from them{name}"))
     return Section(
         "sources",
@@ -210,7 +210,7 @@ def making(
     return Section("making", title, tables=tuple(tables), details=scene, folded=True)
 
 
-def struck(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -> str:
+def describe_shot(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -> str:
     """What is shot at, how it is held, what is behind it, and the projectile, in a sentence."""
     plies = f"One ply of {setup.name}"
     if setup.plies > 1 and setup.lay_up:

@@ -71,7 +71,7 @@ def words(pair: Discretisation) -> str:
     mean = ""
     if window is not None:
         mean = "mean "
-        lines.append(f"mean and standard error, {_of_window(window)}:")
+        lines.append(f"mean and standard error, {_describe_window(window)}:")
         for quantity, with_error, value in _means(window):
             at_strike = f"{value} at {window.strike_velocity:g} m/s"
             lines.append(f"  {quantity} {with_error} ({at_strike})")
@@ -80,10 +80,10 @@ def words(pair: Discretisation) -> str:
     for interval in pair.intervals:
         value = f"{mean}{interval.name} {interval.value:.4g} +- {interval.uncertainty:.2g} {interval.unit}"
         lines.append(f"  {value} ({interval.other:.4g} on the {pair.other} mesh; no test)")
-    return "\n".join([*lines, *_verdict(pair), *_against_tests(pair)])
+    return "\n".join([*lines, *_verdict(pair), *_compare_with_tests(pair)])
 
 
-def _of_window(window):
+def _describe_window(window):
     """Velocities and outcomes of a window."""
     low, *_, high = (shot["strike_velocity_m_s"] for shot in window.shots)
     mixed = ": MIXED outcomes" if len(window.outcomes) > 1 else ""
@@ -133,7 +133,7 @@ def _verdict(pair):
     return [f"accuracy {verdict}: {pair.meshes[-1]}; {quantity} {uncertainty} (target {target})"]
 
 
-def _against_tests(pair):
+def _compare_with_tests(pair):
     """A line of each quantity of such a shot that was compared with tests."""
     levels = {"ply" if pair.setup.plies == 1 else "pack", "backing" if pair.setup.backing else ""}
     rows = read_csv(AGAINST_TESTS, "level, quantity, words")
@@ -147,7 +147,7 @@ def section(pair: Discretisation) -> Section:
     window = pair.windows[0]
     tables = []
     sentences = []
-    for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair)):
+    for line in (*_verdict(pair), *_outcomes(pair), *_compare_with_tests(pair)):
         sentences.append(f"{line[0].upper()}{line[1:]}.")
     if pair.intervals:
         heads = ["result", pair.meshes[-2], pair.meshes[-1], "uncertainty"]
@@ -169,14 +169,16 @@ def section(pair: Discretisation) -> Section:
                     interval.uncertainty,
                 )
             )
-        tables.append(Table.of(DataFrame(rows, columns=heads)))
+        tables.append(Table.from_frame(DataFrame(rows, columns=heads)))
     lead = " ".join(sentences)
     if window is not None:
         heads = ["result", "mean and standard error", f"at {window.strike_velocity:g} m/s"]
         tables.append(
-            Table.of(DataFrame(_means(window), columns=heads), f"Means: {_of_window(window)}")
+            Table.from_frame(
+                DataFrame(_means(window), columns=heads), f"Means: {_describe_window(window)}"
+            )
         )
     if pair.quantity:
         runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
-        tables.append(Table.of(runs, "Meshes that were run"))
+        tables.append(Table.from_frame(runs, "Meshes that were run"))
     return Section("discretisation", "Discretisation uncertainty", lead, (), tuple(tables))

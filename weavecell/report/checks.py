@@ -46,7 +46,7 @@ def words(indicators: Sequence[Indicator]) -> str:
     return f"{worst}: {line(indicators, worst)}"
 
 
-def of_shot(shot: Shot) -> str:
+def describe_shot(shot: Shot) -> str:
     """A shot in a few words, for the progress of a search."""
     words = f"{shot.outcome} at {shot.strike_velocity:.1f} m/s"
     if status(shot.checks) == DOUBTFUL:
@@ -54,7 +54,7 @@ def of_shot(shot: Shot) -> str:
     return words
 
 
-def of_bracket(limit: Limit) -> str:
+def judge_bracket(limit: Limit) -> str:
     """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
     doubtful = []
     for shot in limit.ends:

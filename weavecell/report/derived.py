@@ -7,7 +7,7 @@ from fabrics.base.units import si
 from fabrics.fabric import Fabric
 
 
-def derived(fabric: Fabric) -> list[tuple[str, str]]:
+def derive_rows(fabric: Fabric) -> list[tuple[str, str]]:
     """(quantity, value) rows that follow from a fabric's data: geometry, mass, strength."""
     weave = fabric.weave
     pair = " / ".join

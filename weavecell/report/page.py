@@ -62,7 +62,7 @@ class Table:
     numeric: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
+    def from_frame(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
         """The table of a frame, numbers with four digits; `numeric` are columns of texts that are
         numbers."""
         rows = frame.itertuples(index=False, name=None)

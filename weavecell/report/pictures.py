@@ -257,7 +257,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     through = np.array([shot.perforated for shot in shots])
     low = 0.94 * min(strike.min(), limit.low)
     high = 1.02 * strike.max()
-    figure, axes = _of_velocities(pyplot, title, low, high)
+    figure, axes = _draw_velocity_axes(pyplot, title, low, high)
     if not fit.reason:
         axes.plot(*fit.sample(high), color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
     for outcome, of, look in (
@@ -277,7 +277,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     return figure
 
 
-def _of_velocities(pyplot, title, low, high):
+def _draw_velocity_axes(pyplot, title, low, high):
     """Figure and axes of residual against strike velocities from low to high."""
     figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
     axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
@@ -286,7 +286,7 @@ def _of_velocities(pyplot, title, low, high):
     return figure, axes
 
 
-def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
+def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
     """Residual against strike velocity of tests and of computed shots, V50 and the critical
     velocity.
 
@@ -308,7 +308,7 @@ def tested_and_computed(pyplot: Any, title: str, tests: Any, comparison: Any) ->
         fits.append((comparison.computed, BLUE, "computed, Lambert-Jonas"))
     low = 0.94 * min(velocities)
     high = 1.02 * max(velocities)
-    figure, axes = _of_velocities(pyplot, title, low, high)
+    figure, axes = _draw_velocity_axes(pyplot, title, low, high)
     if not curve.reason:
         start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)

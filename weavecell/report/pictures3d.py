@@ -40,7 +40,7 @@ def panel(
 
     Parameters
     ----------
-    grid, strength, mirrors : as of `coloured`
+    grid, strength, mirrors : as of `colour_grid`
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
@@ -54,7 +54,7 @@ def panel(
         viewer = viewer * [1, 1, -1]
     scene = plotter(SIZE, "three lights")
     try:
-        fabric = coloured(grid, strength, mirrors)
+        fabric = colour_grid(grid, strength, mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True, ambient=0.5, diffuse=0.5)
         surface = body - _CLOTH_DEPTH * viewer
         projectile = pyvista.StructuredGrid(*np.moveaxis(surface, -1, 0))
@@ -69,7 +69,7 @@ def panel(
         scene.close()
 
 
-def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
+def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
     """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in
     vermilion.
 

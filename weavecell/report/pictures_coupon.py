@@ -18,7 +18,7 @@ from weavecell.report.pictures_style import (
     legend_beside,
     tension_map,
 )
-from weavecell.results.display import shown
+from weavecell.results.display import choose_unit
 from weavecell.results.keys import COUPON_MEASURES
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     if record.facts["test"] == "bias_extension":
         _zones(left, solved)
     prescribed = record.facts["prescribed_name"]
-    unit, factor = shown(COUPON_MEASURES[prescribed].unit)
+    unit, factor = choose_unit(COUPON_MEASURES[prescribed].unit)
     state = f"{prescribed} {factor * record[prescribed][-1]:.3g} {unit}"
     for axes, title, drawn, label in (
         (left, f"shear, {state}", elements, "shear angle [°]"),
@@ -152,8 +152,8 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
     yarns that do not stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     prescribed = record.facts["prescribed_name"]
-    unit, factor = shown(COUPON_MEASURES[names[0]].unit)
-    across_unit, across = shown(COUPON_MEASURES[prescribed].unit)
+    unit, factor = choose_unit(COUPON_MEASURES[names[0]].unit)
+    across_unit, across = choose_unit(COUPON_MEASURES[prescribed].unit)
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
     for name in names:

@@ -206,7 +206,7 @@ def plates(pyplot: Any, fit: Any) -> Any:
     return figure
 
 
-def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
+def draw_deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     """Draw the last state as a PNG: warps blue, wefts vermilion; mirrored or repeated where that is
     what the domain is.
 

@@ -131,7 +131,7 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
     return figure
 
 
-def missed(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
+def draw_misses(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
     """Largest miss on each grid line of the spline through the other lines, of the quantity's
     largest value."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 3.6), sharey=True)

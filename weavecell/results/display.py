@@ -36,7 +36,7 @@ def si_unit(unit: str) -> str:
     return _SI.get(unit, unit)
 
 
-def shown(unit: str) -> tuple[str, float]:
+def choose_unit(unit: str) -> tuple[str, float]:
     """Return (unit shown, factor) of a quantity: its unit alone decides, "%" of a share.
 
     Examples
@@ -49,7 +49,7 @@ def shown(unit: str) -> tuple[str, float]:
 
 def heading(label: str, unit: str) -> str:
     """Return the label of a column or an axis with the unit shown, such as "deflection [mm]"."""
-    if mark := shown(unit)[0]:
+    if mark := choose_unit(unit)[0]:
         return f"{label} [{mark}]"
     return label
 
@@ -61,13 +61,13 @@ def number(value: Any, unit: str, form: str = ".4g") -> str:
         return ", ".join(number(part, unit, form) for part in value)
     known = value is not None and np.isfinite(value)
     if known:
-        return f"{shown(unit)[1] * value:{form}}"
+        return f"{choose_unit(unit)[1] * value:{form}}"
     return "–"
 
 
 def text(value: Any, unit: str, form: str = ".4g") -> str:
     """Format a value with the unit shown, such as "12.3 mm"."""
-    return f"{number(value, unit, form)} {shown(unit)[0]}".rstrip()
+    return f"{number(value, unit, form)} {choose_unit(unit)[0]}".rstrip()
 
 
 def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
@@ -79,7 +79,7 @@ def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
     for label, (unit, values) in columns.items():
         if unit in ("1", "%") and np.asarray(values).dtype.kind not in "fiu":
             unit = ""  # texts, and what is true or false
-        factor = shown(unit)[1]
+        factor = choose_unit(unit)[1]
         if factor != 1:
             table[heading(label, unit)] = np.asarray(values) * factor
         else:

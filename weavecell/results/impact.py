@@ -139,7 +139,7 @@ class ImpactRecord:
         target = result.target
         # the last snapshot may be the end of the run, which is cut on its own
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
-        final = tuple(map(Shape.of, result.last))
+        final = tuple(map(Shape.from_snapshot, result.last))
         named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
         # velocity is the vector at the end there, and the history along the normal here
         same = set.intersection(*named) - {"velocity"}
@@ -152,7 +152,7 @@ class ImpactRecord:
             strike_velocity=setup.strike_velocity,
             mass=setup.projectile.mass,
             failure_message=message,
-            rigid_check=str(rigidity.of_shot(result) or ""),
+            rigid_check=str(rigidity.check_shot(result) or ""),
             mirror_x=result.mirrored[0],
             mirror_y=result.mirrored[1],
             elements=sum(panel.elements for panel in panels),
@@ -171,11 +171,11 @@ class ImpactRecord:
             half_energy=_half_energy(result, final),
             final=final,
             quads=tuple(map(quads, panels)),
-            cuts=tuple(Cut.of(shots, panels) for shots in (*before, result.last)),
+            cuts=tuple(Cut.from_snapshots(shots, panels) for shots in (*before, result.last)),
             # set back by its edge radius: the flat elements of the fabric cut across the rounding
             # that they lie on
             projectile=setup.projectile.surface(setup.projectile.edge_radius),
-            pack=_stacked(setup, target) if len(panels) > 1 else {},
+            pack=_describe_stacking(setup, target) if len(panels) > 1 else {},
             measured=result.histories,
             failure=_failure(result),
         )
@@ -471,7 +471,7 @@ def _read_measured(group):
     return Histories(group["time"][()], tuple(yarns), edges)
 
 
-def _stacked(setup, pack):
+def _describe_stacking(setup, pack):
     """{key: value} of the table stacking."""
     from shellfabric.plies.gap import PlyGap, gap_between
 
@@ -524,4 +524,4 @@ def _half_energy(result, final):
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
     if nearest is None:
         return final
-    return tuple(map(Shape.of, nearest))
+    return tuple(map(Shape.from_snapshot, nearest))

@@ -48,7 +48,7 @@ class Shape:
     failed_segments: np.ndarray
 
     @classmethod
-    def of(cls, shot: Snapshot) -> Shape:
+    def from_snapshot(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
         flat = {}
@@ -73,7 +73,7 @@ class Cut:
     lines: tuple
 
     @classmethod
-    def of(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
+    def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
         """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at
         rest."""
         lines = []
@@ -82,7 +82,7 @@ class Cut:
             line = shot.nodes[:, j, [0, 2]]
             gone = np.flatnonzero(shot.failed[:, j, 0])
             if panel.ply_angle:
-                line, gone = _across(shot, panel)
+                line, gone = _cut_turned_ply(shot, panel)
             # beyond the opening it has no length
             long = np.flatnonzero(np.abs(np.diff(line, axis=0)).max(axis=1) > 1e-9)
             line = line[long[0] : long[-1] + 2]
@@ -91,7 +91,7 @@ class Cut:
         return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
 
 
-def _across(shot, panel):
+def _cut_turned_ply(shot, panel):
     """((n, 2) [m] places x and z of a turned ply along x at rest, from grid line to grid line,
     numbers of those after which a yarn of the element has failed)."""
     from scipy.interpolate import RegularGridInterpolator

@@ -68,7 +68,7 @@ class Key(NamedTuple):
         return source
 
 
-def _under(group: str, table: Iterable[Key]) -> tuple[Key, ...]:
+def _prefix_keys(group: str, table: Iterable[Key]) -> tuple[Key, ...]:
     return tuple(Key(f"{group}/{key.name}", *key[1:]) for key in table)
 
 
@@ -78,21 +78,21 @@ for _name, _rows in read_data(Path(__file__).with_suffix(".toml")).items():
 # tables of summary.json that an impact has where this attribute of its record is not empty
 OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing"}
 OF_IMPACTS = (
-    *_under("histories", TABLES["histories"]),
-    *_under("energies", TABLES["energies"]),
-    *_under("plies", TABLES["plies"]),
-    *_under("plies/histories", TABLES["ply_histories"]),
+    *_prefix_keys("histories", TABLES["histories"]),
+    *_prefix_keys("energies", TABLES["energies"]),
+    *_prefix_keys("plies", TABLES["plies"]),
+    *_prefix_keys("plies/histories", TABLES["ply_histories"]),
     Key("projectile", "m", "surface of the projectile about its nose"),
-    *_under("half_energy/*", TABLES["shape"]),
-    *_under("final/*", TABLES["shape"]),
+    *_prefix_keys("half_energy/*", TABLES["shape"]),
+    *_prefix_keys("final/*", TABLES["shape"]),
     Key("measured/*/time", "s", "times of the samples of [history]"),
-    *_under("measured/*/yarns/*", TABLES["yarn"]),
+    *_prefix_keys("measured/*/yarns/*", TABLES["yarn"]),
     Key("measured/*/edges/*", "N", "in-plane and normal reaction of an edge of the panel"),
-    *_under("measured/*/fronts/*", TABLES["front"]),
-    *_under("bar", TABLES["bar"]),
-    *_under("backing", TABLES["backing"]),
+    *_prefix_keys("measured/*/fronts/*", TABLES["front"]),
+    *_prefix_keys("bar", TABLES["bar"]),
+    *_prefix_keys("backing", TABLES["backing"]),
     Key("quads/*", "1", "node numbers of a ply's elements"),
-    *_under("cuts/*", TABLES["cut"]),
+    *_prefix_keys("cuts/*", TABLES["cut"]),
     Key("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     Key("checks", "", "quality indicators as JSON"),
     Key("pack", "", "what is stacked, as JSON; empty of one ply"),
@@ -101,9 +101,9 @@ OF_IMPACTS = (
 DATASETS = tuple(key for key in OF_IMPACTS if key.unit)
 ATTRIBUTES = tuple(key for key in OF_IMPACTS if not key.unit)
 COUPON_DATASETS = (
-    *_under("histories", TABLES["coupon_measures"]),
+    *_prefix_keys("histories", TABLES["coupon_measures"]),
     *TABLES["coupon_datasets"],
-    *_under("coupon", TABLES["coupon_mesh"]),
+    *_prefix_keys("coupon", TABLES["coupon_mesh"]),
 )
 
 
@@ -125,7 +125,7 @@ _UNITS = {
 }
 
 
-def of_name(name: str) -> Key:
+def infer_key(name: str) -> Key:
     """Return the key of a column by its name: its words, and the unit of this name in keys.toml,
     else the unit that it ends in.
 

@@ -55,7 +55,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
     made = [path for path in (place, *place.parents) if not path.exists()]
     try:
         place.mkdir(parents=True, exist_ok=True)
-        descriptor = _locked(place / LOCK)
+        descriptor = _lock(place / LOCK)
     except OSError as problem:
         _remove_empty(made)
         allowed = f"a folder that can be written to ({problem.strerror})"
@@ -76,7 +76,7 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 
 
 @contextmanager
-def held(
+def hold(
     out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
 ) -> Iterator[Path | None]:
     """The folder, which is claimed in this block, while an outer claim goes on; None if nothing is
@@ -91,7 +91,7 @@ def held(
     mine = folder.resolve() not in _held
     claim(folder, resume, inputs)
     try:
-        with termination.as_interrupt():
+        with termination.interrupt_on_sigterm():
             yield folder
     finally:
         if mine:
@@ -115,7 +115,7 @@ def _release(place):
     _remove_empty(made)
 
 
-def _locked(path):
+def _lock(path):
     """Descriptor of a file that this process alone has locked; where files cannot be locked, of the
     file."""
     while True:

@@ -95,7 +95,7 @@ def write(line: str, file: Any) -> None:
         print(line, file=file, flush=True)
 
 
-def watched(
+def run_with_bar(
     run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
 ) -> tuple[Any, UnstableError | None]:
     """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or
@@ -115,7 +115,7 @@ def watched(
             return problem.result, problem
 
 
-def by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
+def count_paths(advance: Callable[..., object], count: int) -> Callable[..., None]:
     """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one
     bar."""
     shares = {}

@@ -41,7 +41,7 @@ class Finished:
         return f"{title}: {outcome}; done before with the same input and code, in {self.folder}"
 
 
-def finished(out: Path, key: str) -> Finished | None:
+def find_finished(out: Path, key: str) -> Finished | None:
     """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was
     not unstable."""
     file = out / "summary.json"

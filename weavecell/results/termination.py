@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def as_interrupt() -> Iterator[None]:
+def interrupt_on_sigterm() -> Iterator[None]:
     """SIGTERM raises KeyboardInterrupt in this block, unless the program has a handler of its
     own."""
     default = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

@@ -54,7 +54,7 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
             "tension_weft_N": tension[:, 1].astype(float),
             "failed_warp": failed[:, 0].astype(np.int8),
             "failed_weft": failed[:, 1].astype(np.int8),
-            "failed_yarns": failed_yarns(failed),
+            "failed_yarns": count_failed_yarns(failed),
             "ply": np.repeat(
                 np.arange(1, 1 + len(quads), dtype=np.int8), [len(numbers) for numbers in quads]
             ),
@@ -68,7 +68,7 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
     return together
 
 
-def failed_yarns(broken: np.ndarray) -> np.ndarray:
+def count_failed_yarns(broken: np.ndarray) -> np.ndarray:
     """(m,) how many yarns of each element have failed, 0 to 2; an eroded element has lost both.
 
     Parameters

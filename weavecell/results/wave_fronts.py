@@ -93,7 +93,7 @@ def longitudinal(
     before = tension[k - 1, column]
     after = tension[k, column]
     time = clock[k - 1] + (clock[k] - clock[k - 1]) * (threshold - before) / (after - before)
-    return _fitted("longitudinal", yarn, time, yarn.X[side][reached], window)
+    return _fit_front("longitudinal", yarn, time, yarn.X[side][reached], window)
 
 
 def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] = WINDOW) -> Front:
@@ -111,7 +111,7 @@ def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] 
         if top > 0 and low - high >= 3 * spacing:
             time.append(instant)
             place.append(low + (low - high) * _LOW / (_HIGH - _LOW))
-    return _fitted("transverse", yarn, np.array(time), np.array(place), window)
+    return _fit_front("transverse", yarn, np.array(time), np.array(place), window)
 
 
 def _crossing(x, z, height):
@@ -123,7 +123,7 @@ def _crossing(x, z, height):
     return x[k] + (x[k + 1] - x[k]) * (z[k] - height) / (z[k] - z[k + 1])
 
 
-def _fitted(kind, yarn, time, place, window):
+def _fit_front(kind, yarn, time, place, window):
     end = float(np.abs(yarn.X).max())
     inside = (place >= window[0] * end) & (place <= window[1] * end)
     if np.count_nonzero(inside) < 4 or np.ptp(time[inside]) == 0.0:

@@ -164,8 +164,8 @@ def material(
         entry = data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING]
         damage = WeavingDamage(1.0, entry.value, entry.source, entry.status)
         fabric = fabric.with_weaving_damage(damage)
-    fabric = _of_given_friction(fabric, getattr(scene, "projectile", None), panel)
-    fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
+    fabric = _drop_given_frictions(fabric, getattr(scene, "projectile", None), panel)
+    fabric = _add_trellis_law(fabric, getattr(scene, "trellis_law", "needed"), file)
     # a response surface stands in place of the compression law
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
@@ -198,7 +198,7 @@ def _fabric(table, key, file):
     return with_linear_density(fabric, table.linear_density)
 
 
-def _of_given_friction(fabric, shot, panel):
+def _drop_given_frictions(fabric, shot, panel):
     """The fabric without assumed frictions of which the input file gives a value or has no contact."""
     if shot is None or shot.friction is not None:
         fabric = assumed.given(fabric, data_sheet.FRICTION_OF_PROJECTILE)
@@ -207,7 +207,7 @@ def _of_given_friction(fabric, shot, panel):
     return fabric
 
 
-def _sheared(fabric, need, file):
+def _add_trellis_law(fabric, need, file):
     """The fabric with a trellis law, assumed if its file has none, if it is "needed", "optional" or
     "unused".
 
@@ -368,7 +368,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
     for table in (scene.fabric, panel, scene.run):
-        given |= {key: value for key, value in _given(table).items() if key in of_setup}
+        given |= {key: value for key, value in _collect_given(table).items() if key in of_setup}
     try:
         # in place of texts and tables the objects that they describe
         given |= {
@@ -383,29 +383,29 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "backing": _backing(scene.backing),
             "strength": panel.strength and YarnStrength(**panel.strength.model_dump()),
             "history": scene.history
-            and HistoryRequest(**_given(scene.history, "report_positions")),
-            "numerics": Numerics(**_given(scene.numerics)),
+            and HistoryRequest(**_collect_given(scene.history, "report_positions")),
+            "numerics": Numerics(**_collect_given(scene.numerics)),
         }
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             given["ply_friction"] = data_sheet.entries()[data_sheet.FRICTION_BETWEEN_PLIES].value
-        given["crossovers"] = _resolved(panel)
+        given["crossovers"] = _build_yarn_zone(panel)
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
         made = ShortSetup(**given)
     except InputError as problem:
-        raise in_file(problem, file) from None
+        raise name_file(problem, file) from None
     for note in made.notes if file is not None else ():
         LOG.info(f"note: {note}")
     return made
 
 
-def _given(table, *but):
+def _collect_given(table, *but):
     """{key: value} of the keys that a table sets, without some."""
     return {key: value for key, value in table if value is not None and key not in but}
 
 
-def _resolved(table):
+def _build_yarn_zone(table):
     """The zone of resolved yarns; None of pinned crossovers."""
     if table.crossovers == "pinned":
         return None
@@ -419,7 +419,9 @@ def _projectile(table, fabric):
     """The Projectile of a table, with the friction that is assumed of the fabric."""
     from shellfabric.projectile.projectile import Projectile
 
-    given = _given(table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density")
+    given = _collect_given(
+        table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density"
+    )
     if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
         given["friction"] = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE].value
     # a body of any shape has its radius and length from its surface
@@ -435,7 +437,7 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table)
+    given = _collect_given(table)
     given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(
@@ -469,14 +471,14 @@ def _side(side):
     )
 
 
-def of_file(problem: InputError) -> bool:
+def may_be_of_file(problem: InputError) -> bool:
     """Whether an InputError may be of a key of an input file, and not of a parameter of a
     command."""
     known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
 
 
-def in_file(
+def name_file(
     problem: InputError, file: FilePath | None, of_scene: Mapping[str, type[Table]] | None = None
 ) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it.

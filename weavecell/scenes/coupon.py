@@ -103,7 +103,7 @@ class BiaxialTable(Table):
     failure: flag("whether the run ends when a yarn reaches its strength") = True
 
     @model_validator(mode="after")
-    def _of_two_strains(self):
+    def _check_two_strains(self):
         if len(self.strain) != 2 or not min(self.strain) >= 0 < max(self.strain):
             raise InputError(key="strain", allowed=type(self).model_fields["strain"].description)
         return self
@@ -171,7 +171,7 @@ class CouponScene(Table):
     run: Annotated[CouponRunTable, Field(description="a table [run]")] = CouponRunTable()
 
     @model_validator(mode="after")
-    def _of_one_test(self):
+    def _check_one_test(self):
         exactly_one(self.fabric, ("name", "file"), "fabric")
         exactly_one(self, TESTS)
         if self.test != "pull_out":

@@ -79,9 +79,9 @@ class Draft:
         lines = [
             "# Made by `weavecell fabrics new`. Tables that are not given, [shear] and [solid], are assumed by fibre",
             "# family, with a range; [compression] comes from `weavecell calibrate`.",
-            f"name = {_quoted(self.name)}",
+            f"name = {_quote(self.name)}",
         ]
-        lines += [] if self.family is None else [f"family = {_quoted(self.family)}"]
+        lines += [] if self.family is None else [f"family = {_quote(self.family)}"]
         for key, value in self.values.items():
             if key in OF_FABRIC:
                 lines.append(f"{key} = {_entry(value.warp, value.source, value.status)}")
@@ -314,8 +314,8 @@ def left_open(fabric: Fabric, path: FilePath) -> list[str]:
 
 
 def _entry(value, source, status):
-    return f"{{ value = {_quoted(value)}, source = {_quoted(source)}, status = {_quoted(status)} }}"
+    return f"{{ value = {_quote(value)}, source = {_quote(source)}, status = {_quote(status)} }}"
 
 
-def _quoted(text):
+def _quote(text):
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -191,7 +191,7 @@ class FabricTable(Table):
     bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 
     @model_validator(mode="after")
-    def _of_one_cell(self):
+    def _check_one_cell(self):
         if self.surface is not None:
             keys = "law cell_model crossover_gap weaving_damage"
             self.refuse(keys, "left out with fabric.surface")
@@ -217,7 +217,7 @@ class FabricTable(Table):
         return self
 
 
-def anchored(scene: Any, file: FilePath) -> Any:
+def anchor_paths(scene: Any, file: FilePath) -> Any:
     """The scene with its relative paths taken from the folder of the scene file.
 
     Raises
@@ -258,7 +258,7 @@ def anchored(scene: Any, file: FilePath) -> Any:
     return scene.model_copy(update=updates)
 
 
-def checked(
+def check_scene(
     kind: type[Kind],
     table: dict[str, Any],
     file: FilePath | None,
@@ -284,7 +284,7 @@ def checked(
         honoured.check(scene, table, file, refused)
     if file is None:
         return scene
-    return anchored(scene, file)
+    return anchor_paths(scene, file)
 
 
 def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:

@@ -32,7 +32,7 @@ from fabrics.base.schema import (
 )
 from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import honoured, stl_file
-from weavecell.scenes.fabric_table import FabricTable, checked, exactly_one
+from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
 
 
@@ -141,7 +141,7 @@ class ProjectileTable(Table):
     ) = None
 
     @model_validator(mode="after")
-    def _of_one_body(self):
+    def _check_body(self):
         if self.shape != "stl":
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
         if self.body == "rigid":
@@ -221,7 +221,7 @@ class BackingTable(Table):
     ) = None
 
     @model_validator(mode="after")
-    def _of_three_lengths(self):
+    def _check_three_lengths(self):
         if self.size is not None and len(self.size) != 3:
             raise InputError(key="size", allowed="three lengths")
         return self
@@ -271,7 +271,7 @@ class RunTable(Table):
     ] = ("paraview", "pictures", "report")
 
     @model_validator(mode="after")
-    def _within_the_run(self):
+    def _check_within_run(self):
         for key in ("snapshot_interval", "checkpoint_interval"):
             # the defaults may be longer than a short run; a value that is given may not
             if key in self.model_fields_set and getattr(self, key) > self.end_time:
@@ -392,7 +392,7 @@ class Scene(Table):
     ] = None
 
     @model_validator(mode="after")
-    def _of_tables_that_fit(self):
+    def _check_tables_fit(self):
         fabric = self.fabric
         shot = self.projectile
         panel = self.panel
@@ -469,9 +469,9 @@ def check(
     InputError : one line naming the file, the key, its value and what is allowed
     """
     table = _with_named(table, file, "projectile", "name", projectiles)
-    table = stl_file.described(table, ProjectileTable.model_fields, file)
+    table = stl_file.describe_stl(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)
-    return checked(Scene, table, file, refused, context)
+    return check_scene(Scene, table, file, refused, context)
 
 
 def _with_named(table, file, name, key, data):

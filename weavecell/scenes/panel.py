@@ -55,7 +55,7 @@ class SlipTable(Table):
     ) = None
 
     @model_validator(mode="after")
-    def _clamped_or_pulled(self):
+    def _check_clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
         # [panel.boundary] has these keys too, and may have none of them
         if given == {"clamp_force"} or (
@@ -254,7 +254,7 @@ class PlyTable(Table):
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
 
     @model_validator(mode="after")
-    def _of_one_fabric(self):
+    def _check_one_fabric(self):
         if self.name is not None and self.file is not None:
             raise InputError("give one of panel.ply.name and panel.ply.file")
         return self
@@ -395,7 +395,7 @@ class PanelTable(Table):
         return super().unknown(key, near)
 
     @model_validator(mode="after")
-    def _of_a_lay_up(self):
+    def _check_lay_up(self):
         """The panel with the number of the plies of its tables [[panel.ply]]."""
         if not self.ply:
             return self
@@ -410,7 +410,7 @@ class PanelTable(Table):
         return self.model_copy(update={"plies": plies})
 
     @model_validator(mode="after")
-    def _of_one_or_more_plies(self):
+    def _check_ply_count(self):
         if not self.yarn_failure:
             self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
@@ -434,7 +434,7 @@ class PanelTable(Table):
             raise InputError(key="plies", value=self.plies, allowed="1 with resolved yarns")
 
     @model_validator(mode="after")
-    def _of_the_modelled_part(self):
+    def _check_modelled_part(self):
         """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
         # these panels have no plane of symmetry; a symmetry that is given is not overruled in
         # silence

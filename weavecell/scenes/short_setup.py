@@ -12,11 +12,11 @@ class ShortSetup(ImpactSetup):
     """An `ImpactSetup` of which what differs from the defaults is printed."""
 
     def __repr__(self) -> str:
-        lines = ",\n    ".join(_changed(self))
+        lines = ",\n    ".join(_list_changes(self))
         return f"ImpactSetup(\n    {lines})"
 
 
-def _changed(value):
+def _list_changes(value):
     """NAME=VALUE of each field of a dataclass that has not its default."""
     shown = [(entry, getattr(value, entry.name)) for entry in fields(value) if entry.repr]
     return [
@@ -30,7 +30,7 @@ def _text(value):
     if isinstance(value, float):
         return f"{value:.6g}"
     if is_dataclass(value) and not isinstance(value, Fabric):
-        return f"{type(value).__name__}({', '.join(_changed(value))})"
+        return f"{type(value).__name__}({', '.join(_list_changes(value))})"
     return repr(value)
 
 

@@ -99,7 +99,7 @@ class Surface:
         angles = self.mesh.face_adjacency_angles[self.mesh.face_adjacency_convex]
         return bool(np.any(angles > np.radians(SHARP)))
 
-    def off_axis(self, unit: str) -> str:
+    def explain_axis(self, unit: str) -> str:
         """What is said of a body that its axis misses, with where it lies and the shift that
         helps."""
         (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
@@ -145,7 +145,7 @@ def _surface(path, unit, digest):
     body = Surface(mesh, digest)
     low, high = mesh.bounds[:, :2]
     if np.any(low >= 0) or np.any(high <= 0):
-        raise InputError(body.off_axis(unit), file=path)
+        raise InputError(body.explain_axis(unit), file=path)
     if not WIDTHS[0] <= max(body.width, body.length) or not body.width <= WIDTHS[1]:
         low, high = (1e3 * width for width in WIDTHS)
         wide = f"{1e3 * body.width:.4g} mm wide and {1e3 * body.length:.4g} mm long in {unit}"
@@ -254,7 +254,7 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     return known | {"mass": f"{mass!r} kg"}
 
 
-def described(
+def describe_stl(
     table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None
 ) -> dict[str, Any]:
     """The table of a scene with what the STL file of [projectile] says of it, as if it were written
@@ -366,7 +366,7 @@ def _solid(path, digest, unit, edge_radius):
     middle = distances[axes[0].size // 2, axes[1].size // 2]
     # the axis passes beside the body, or through a hole
     if not middle.min() < 0:
-        raise InputError(body.off_axis(unit), file=path)
+        raise InputError(body.explain_axis(unit), file=path)
     return solid_body.Solid(
         f"{digest} {unit} {edge_radius!r}", h, body.points, body.faces, distances
     )

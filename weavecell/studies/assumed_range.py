@@ -156,11 +156,11 @@ def changes(setup: ImpactSetup) -> Ends:
     ends_of: dict[str, dict[str, Any]] = {}
     for fabric in setup.fabrics:
         for name, ends in assumed.ends(fabric).items():
-            change = partial(_of_each_ply, partial(_with_end, name))
+            change = partial(_change_each_ply, partial(_with_end, name))
             ends_of.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
     stiffness = {
-        "yarns soft": partial(_of_each_ply, _with_laws, "soft"),
-        "yarns stiff": partial(_of_each_ply, _with_laws, "stiff"),
+        "yarns soft": partial(_change_each_ply, _with_laws, "soft"),
+        "yarns stiff": partial(_change_each_ply, _with_laws, "stiff"),
     }
     # a law that was fitted to a given solid has no ends
     if any(change(setup) != setup for change in stiffness.values()):
@@ -168,14 +168,14 @@ def changes(setup: ImpactSetup) -> Ends:
     for name, entry in inputs.ranges().items():
         own = {}
         for end in (entry.low, entry.high):
-            if _of_setup(setup, name, end) != setup:
-                own[f"{name} {end:g}"] = partial(_of_setup, name=name, value=end)
+            if _set_value(setup, name, end) != setup:
+                own[f"{name} {end:g}"] = partial(_set_value, name=name, value=end)
         if own:
             ends_of[name] = own
     return ends_of
 
 
-def _of_each_ply(change, end, setup):
+def _change_each_ply(change, end, setup):
     """The set-up with change(ply, end) of itself and of every ply of its lay-up."""
     return change(replace(setup, lay_up=tuple(change(ply, end) for ply in setup.lay_up)), end)
 
@@ -195,11 +195,11 @@ def _with_laws(ply, end):
     return replace(ply, laws=tuple((law.ends() or {end: law})[end] for law in laws) or None)
 
 
-def _of_setup(setup, name, value):
+def _set_value(setup, name, value):
     """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
     match name:
         case data_sheet.STRENGTH_AFTER_WEAVING if setup.yarn_failure and not setup.surface:
-            return _of_each_ply(_with_woven_strength, value, setup)
+            return _change_each_ply(_with_woven_strength, value, setup)
         case data_sheet.FRICTION_OF_PROJECTILE:
             return replace(setup, projectile=replace(setup.projectile, friction=value))
         case data_sheet.FRICTION_BETWEEN_PLIES if setup.plies > 1:
@@ -211,7 +211,7 @@ def _of_setup(setup, name, value):
         case "lateral stiffness of yarns" if setup.crossovers is not None:
             return replace(setup, crossovers=replace(setup.crossovers, lateral=value))
         case "clamp force":
-            return replace(setup, boundary=_gripped(setup.boundary, value))
+            return replace(setup, boundary=_scale_clamp_force(setup.boundary, value))
     return setup
 
 
@@ -227,10 +227,10 @@ def _with_woven_strength(ply, value):
     return replace(ply, fabric=fabric.with_yarns(failure_strain=strains))
 
 
-def _gripped(edge, factor):
+def _scale_clamp_force(edge, factor):
     """An edge, in any of its forms, with the force of its friction clamps times a factor."""
     if isinstance(edge, tuple):
-        return tuple(_gripped(part, factor) for part in edge)
+        return tuple(_scale_clamp_force(part, factor) for part in edge)
     if isinstance(edge, Grip):
         return replace(edge, force=factor * edge.force)
     return edge
@@ -259,7 +259,7 @@ def residual_velocity(
         return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)
 
     row = Row("nominal", outcome, velocity)
-    return over_ends("residual velocity", setup, changes(setup), row, shot, on_progress)
+    return run_ends("residual velocity", setup, changes(setup), row, shot, on_progress)
 
 
 def critical_velocity(
@@ -294,7 +294,7 @@ def critical_velocity(
         return "bracket on a doubtful shot" * any(map(doubtful, limit.ends)), float(limit.velocity)
 
     row = Row("nominal", "", velocity)
-    return over_ends("critical velocity", setup, changes(setup), row, search, on_progress)
+    return run_ends("critical velocity", setup, changes(setup), row, search, on_progress)
 
 
 def doubtful(shot: Any) -> bool:
@@ -302,7 +302,7 @@ def doubtful(shot: Any) -> bool:
     return quality.status(shot.checks) == quality.DOUBTFUL
 
 
-def over_ends(
+def run_ends(
     quantity: str,
     setup: ImpactSetup,
     ends: Ends,

@@ -205,12 +205,12 @@ def critical_velocity(
                 raise InputError(
                     f"the panel {always} at any velocity from {tolerance:g} to {highest:g} m/s"
                 )
-            wanted = bracket.ahead(jobs, tolerance)
+            wanted = bracket.predict(jobs, tolerance)
             shooting.only(wanted)
             shots.append(_result(shooting, wanted[0], shots))
-            bracket = bracket.after(shots[-1].perforated)
+            bracket = bracket.update(shots[-1].perforated)
             if report is not None:
-                report(_done(bracket, tolerance), shots[-1])
+                report(_measure_progress(bracket, tolerance), shots[-1])
     return Limit(bracket.low, bracket.high, tuple(shots))
 
 
@@ -254,7 +254,7 @@ def _check(**values):
             raise InputError(key=key, value=value, allowed="above 0")
 
 
-def _done(bracket, tolerance):
+def _measure_progress(bracket, tolerance):
     """Share of the bisection that is done; one whose bracket is open has hardly begun."""
     if not bracket.closed:
         return 0.05
@@ -293,7 +293,7 @@ class _Range:
     def __init__(self, panel, executor, jobs, stops_below=0.0):
         self.threads = executor == "local"
         if jobs > 1 or not self.threads:
-            self.panel = _on_one_thread(panel)
+            self.panel = _use_one_thread(panel)
         else:
             self.panel = panel
         self.stops_below = stops_below
@@ -340,7 +340,7 @@ class _Range:
         return shot
 
 
-def _on_one_thread(panel):
+def _use_one_thread(panel):
     """The pack with one thread where no number is given; plies that are one stay one."""
     pack = Pack.of(panel)
     own = {id(ply): ply for ply in pack.plies}

@@ -56,13 +56,13 @@ class Bracket:
             return max(self.high / self.factor, self.lowest)
         return self.guess
 
-    def after(self, perforated: bool) -> Bracket:
+    def update(self, perforated: bool) -> Bracket:
         """The bracket once the outcome of the next velocity is known."""
         end = {"high" if perforated else "low": self.next()}
         stepping = not self.closed and (self.low > 0 or self.high < inf)
         return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
 
-    def ahead(self, count: int, tolerance: float) -> list[float]:
+    def predict(self, count: int, tolerance: float) -> list[float]:
         """The next velocity and those that may follow it, the most likely first; at most
         `count`."""
         wanted: list[float] = []
@@ -71,5 +71,5 @@ class Bracket:
             bracket = open_ends.popleft()
             if bracket.width > tolerance and not bracket.exhausted:
                 wanted.append(bracket.next())
-                open_ends.extend((bracket.after(False), bracket.after(True)))
+                open_ends.extend((bracket.update(False), bracket.update(True)))
         return wanted

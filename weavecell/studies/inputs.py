@@ -74,13 +74,13 @@ def ranges() -> dict[str, families.Entry]:
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 
-def published() -> Scatter:
+def read_scatter() -> Scatter:
     """The scatter of inputs.toml."""
     entries = table("weibull") | table("spread")
     return Scatter(**{name: entry.value for name, entry in entries.items()})
 
 
-def changed(fabric: Fabric, **factors: float) -> Fabric:
+def scale_fabric(fabric: Fabric, **factors: float) -> Fabric:
     """A fabric with some of its numbers times a factor, by the names of [range] in inputs.toml.
 
     Raises
@@ -102,7 +102,7 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     return variants.scale_shear(fabric, factor["trellis_stiffness"], factor["trellis_angles"])
 
 
-def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
+def use_one_thread(setup: ImpactSetup, **others: Any) -> ImpactSetup:
     """The set-up on one thread, since others run beside it, that records nothing beside its
     samples; others change."""
     numerics = replace(setup.numerics, threads=1)
@@ -111,8 +111,8 @@ def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
     )
 
 
-def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
-    """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names
+def scale_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
+    """A set-up whose plies are of a fabric changed by `scale_fabric`, with the laws that it names
     changed alike.
 
     Raises
@@ -122,10 +122,10 @@ def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
 
     laws_factors = (factors.get("compression_a", 1.0), factors.get("compression_b", 1.0))
 
-    def changed_ply(ply):
+    def scale_ply(ply):
         laws = (
             ply.laws and variants.scale_laws(replace(ply.fabric, laws=ply.laws), *laws_factors).laws
         )
-        return replace(ply, fabric=changed(ply.fabric, **factors), laws=laws)
+        return replace(ply, fabric=scale_fabric(ply.fabric, **factors), laws=laws)
 
-    return changed_ply(replace(setup, lay_up=tuple(map(changed_ply, setup.lay_up))))
+    return scale_ply(replace(setup, lay_up=tuple(map(scale_ply, setup.lay_up))))

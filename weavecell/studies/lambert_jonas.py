@@ -72,9 +72,9 @@ class LambertJonas:
         half of the value."""
         if self.reason:
             return f"not determined, because {self.reason}"
-        return between.join(map(self._in_words, self.intervals))
+        return between.join(map(self._format_parameter, self.intervals))
 
-    def _in_words(self, name):
+    def _format_parameter(self, name):
         value = getattr(self, name)
         interval = self.intervals[name]
         if interval is None:

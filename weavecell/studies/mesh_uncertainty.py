@@ -147,7 +147,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
         )
         raise InputError(key="--uncertainty", value=asked, allowed=allowed)
     if not setup.clamped:
-        return halved(setup)
+        return halve_elements(setup)
     reach = min(zones[0][0], REACH)
     # zones have to end where whole elements do, and beyond all that can come under the projectile
     while reach <= LATEST:
@@ -155,10 +155,10 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
         if _can_be_meshed(graded, table):
             return graded
         reach *= 1.5
-    return halved(setup)
+    return halve_elements(setup)
 
 
-def halved(setup: ImpactSetup) -> ImpactSetup:
+def halve_elements(setup: ImpactSetup) -> ImpactSetup:
     """The set-up with half the side of all elements."""
     return _with(setup, tuple((until, side / RATIO) for until, side in _zones(setup)))
 
@@ -185,7 +185,7 @@ def _can_be_meshed(setup, table):
     return True
 
 
-def in_words(setup: ImpactSetup) -> str:
+def describe_mesh(setup: ImpactSetup) -> str:
     """The mesh of a set-up."""
     zones = _zones(setup)
     if len(zones) == 1 and zones[0][1] <= 1:
@@ -232,7 +232,7 @@ def refine(
     before: Shot | None = None
     while True:
         shot = shoot(setup, table, f"mesh {len(meshes) + 1}")
-        meshes.append(in_words(setup))
+        meshes.append(describe_mesh(setup))
         outcomes.append(shot.result.outcome)
         comparison = Discretisation(setup, other="coarser", windows=(shot.window,))
         if before is not None and shot.failure is None:
@@ -276,7 +276,7 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
     shots = [coarse, fine]
     comparison = Discretisation(
         counted.setup,
-        meshes=tuple(in_words(shot.result.setup) for shot in shots),
+        meshes=tuple(describe_mesh(shot.result.setup) for shot in shots),
         outcomes=tuple(shot.result.outcome for shot in shots),
         errors=errors,
     )

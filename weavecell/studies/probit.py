@@ -121,7 +121,7 @@ class _Likelihood:
         eta = z + beta * (self.V - at)
         return float(self.law.logcdf(eta[self.hit]).sum() + self.law.logsf(eta[~self.hit]).sum())
 
-    def over_slope(self, at: float, z: float = 0.0) -> tuple[float, float]:
+    def maximise_at(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""
         top = minimize_scalar(
             lambda t: -self(at, exp(t), z),
@@ -131,7 +131,7 @@ class _Likelihood:
         )
         return -top.fun, exp(top.x)
 
-    def over_place(self, beta: float) -> tuple[float, float]:
+    def maximise_with_slope(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
         # a flat curve may have its V50 far outside the shots
         reach = 10 * self.range + 10 / beta
@@ -226,7 +226,7 @@ def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tupl
     """(low, high) [m/s], at least 0, between which the profile likelihood of V_P, largest at `at`,
     is above a floor."""
     z = likelihood.law.ppf(P)
-    below = lambda V: likelihood.over_slope(V, z)[0] - floor  # noqa: E731
+    below = lambda V: likelihood.maximise_at(V, z)[0] - floor  # noqa: E731
     return max(_edge(below, at, -likelihood.range), 0.0), _edge(below, at, likelihood.range)
 
 
@@ -249,12 +249,12 @@ def _edge(above, inside, step):
 def _top(likelihood):
     """(V50, s, likelihood) where it is largest."""
     top = minimize_scalar(
-        lambda t: -likelihood.over_place(exp(t))[0],
+        lambda t: -likelihood.maximise_with_slope(exp(t))[0],
         bounds=likelihood.betas,
         method="bounded",
         options={"xatol": 1e-9},
     )
-    best, V50 = likelihood.over_place(exp(top.x))
+    best, V50 = likelihood.maximise_with_slope(exp(top.x))
     return float(V50), exp(-top.x), best
 
 
@@ -275,7 +275,7 @@ def _step(likelihood):
 def _spread(likelihood, s, floor):
     """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity if there
     is no bound."""
-    above = lambda t: likelihood.over_place(exp(t))[0] - floor  # noqa: E731
+    above = lambda t: likelihood.maximise_with_slope(exp(t))[0] - floor  # noqa: E731
     flattest, steepest = likelihood.betas
     middle = steepest
     if s != 0:

@@ -84,7 +84,7 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
     """
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
-    chosen = _chosen(V[~hit].tolist(), V[hit].tolist())
+    chosen = _choose_pairs(V[~hit].tolist(), V[hit].tolist())
     if len(chosen) < 2 * PAIRS:
         return SixShots(reason=f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated")
     spread = max(chosen) - min(chosen)
@@ -92,7 +92,7 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
     return SixShots(float(np.mean(chosen)), spread, met)
 
 
-def _chosen(stops: Sequence[float], perforations: Sequence[float]) -> list[float]:
+def _choose_pairs(stops: Sequence[float], perforations: Sequence[float]) -> list[float]:
     """Velocities of the fastest stops and the slowest perforations, PAIRS of each where there are
     so many."""
     return [*sorted(stops)[-PAIRS:], *sorted(perforations)[:PAIRS]]
@@ -161,7 +161,7 @@ def one_series(curve: Curve, random: np.random.Generator) -> tuple[float, int]:
         (perforations if hit else stops).append(velocity)
         if stops and perforations:
             step = STEPS[1]
-        chosen = _chosen(stops, perforations)
+        chosen = _choose_pairs(stops, perforations)
         if len(chosen) == 2 * PAIRS and max(chosen) - min(chosen) <= SPAN:
             return float(np.mean(chosen)), shot
         velocity += -step if hit else step

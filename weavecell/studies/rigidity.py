@@ -66,7 +66,7 @@ def rigid_is_enough(
     elastic: bool = False,
 ) -> Rigidity:
     """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force,
-    `held_force`, with that at which it yields, both [N]: a wall that is squeezed takes energy that
+    `find_held_force`, with that at which it yields, both [N]: a wall that is squeezed takes energy that
     a rigid body would have to keep.
 
     Raises
@@ -80,7 +80,7 @@ def rigid_is_enough(
     return Rigidity(contact_time, bar_period, enough, float(force), float(yield_force), elastic)
 
 
-def held_force(t: FloatArray, force: FloatArray, span: float) -> float:
+def find_held_force(t: FloatArray, force: FloatArray, span: float) -> float:
     """[N] largest mean over a span [s] of the force in a history (n,) [s], (n,) [N] of even steps.
 
     A blow that is shorter than half a period does not reach the thin sections behind the tip as a
@@ -115,10 +115,12 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
     force = np.abs(np.asarray(force, float))
     if not np.max(force, initial=0.0) > 0:
         raise InputError("the projectile was never touched")
-    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
+    return float(
+        np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / find_held_force(t, force, period)
+    )
 
 
-def of_shot(result: ImpactResult) -> Rigidity | None:
+def check_shot(result: ImpactResult) -> Rigidity | None:
     """What says whether a rigid projectile is enough.
 
     Its contact is compared with the period of the bar that it is, or would be if it were of steel.
@@ -134,7 +136,7 @@ def of_shot(result: ImpactResult) -> Rigidity | None:
         return rigid_is_enough(
             contact_time(t, force, bar.period),
             bar.period,
-            held_force(t, force, 0.5 * bar.period),
+            find_held_force(t, force, 0.5 * bar.period),
             bar.yield_force,
             elastic=shot.bar is not None,
         )

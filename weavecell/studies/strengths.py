@@ -17,7 +17,7 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack
 from shellfabric.yarns.model import aim
-from weavecell.studies.inputs import Scatter, alone, changed_setup
+from weavecell.studies.inputs import Scatter, scale_setup, use_one_thread
 
 
 @dataclass(frozen=True)
@@ -36,29 +36,29 @@ class Drawn:
     weakest: tuple[float, float]
 
 
-def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
+def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
     """The panel or pack of a number.
 
     Raises
     ------
     InputError : as `check`
     """
-    whole = alone(setup, symmetry="whole")
+    whole = use_one_thread(setup, symmetry="whole")
     check(whole, scatter)
     if whole.crossovers is not None:
-        whole = replace(whole, impact_point=drawn_aim(whole, seed, number))
+        whole = replace(whole, impact_point=draw_aim(whole, seed, number))
     factors = draw_factors(scatter, seed, number * whole.plies)
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))
     else:
-        pack = changed_setup(whole, **factors).target()
+        pack = scale_setup(whole, **factors).target()
     pack = with_strengths(pack, YarnStrength(scatter.shape, seed, scatter.gauge_length), number)
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
     return Drawn(pack, factors, (warp, weft))
 
 
-def drawn_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
+def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
     """[m] impact point of a number, anywhere in a cell of the weave about that of the set-up."""
     x, y = aim(setup.fabric.weave, [seed, number])
     return setup.impact_point[0] + x, setup.impact_point[1] + y

@@ -51,7 +51,7 @@ def row(
     """
     try:
         if quantity == "v50":
-            study = v50.study(setup, inputs.published(), **options)
+            study = v50.study(setup, inputs.read_scatter(), **options)
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
             reason = study.curves["probit"].reason
             return {

@@ -40,7 +40,7 @@ from weavecell.studies import (
     strengths,
 )
 from weavecell.studies.assumed_range import AssumedRange
-from weavecell.studies.inputs import Scatter, changed_setup, published
+from weavecell.studies.inputs import Scatter, read_scatter, scale_setup
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
 
@@ -162,7 +162,7 @@ class Study:
 
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
     """The shot of a number at its drawn panel."""
-    drawn = strengths.drawn(setup, scatter, seed, number)
+    drawn = strengths.draw_panel(setup, scatter, seed, number)
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     panel["impact_point"] = drawn.pack.plies[0].impact_point
     try:
@@ -188,7 +188,7 @@ def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
     return limit.low, limit.high
 
 
-def graded(setup: ImpactSetup) -> ImpactSetup:
+def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
     """The set-up with the mesh of a study where it names none: elements of a failure length, twice
     as long as those of a shot, as far as anything can come under the nose of nearly all drawn
     panels, and of four crossovers far from it.
@@ -202,8 +202,8 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     crimped = replace(setup, symmetry="whole")
     # drawn panels may have more crimp, and draw in more fabric: four deviations cover nearly all
     if setup.surface is None:
-        crimp = 1 + 4 * published().crimp
-        crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
+        crimp = 1 + 4 * read_scatter().crimp
+        crimped = scale_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
     fine = crimped.graded(1.0, 4)
     return replace(setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover)
 
@@ -253,7 +253,7 @@ def study(
     Parameters
     ----------
     setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh
-        that is the one of `graded`
+        that is the one of `grade_mesh`
     scatter : Scatter
     shots : how many
     batch : shots of a round
@@ -263,7 +263,7 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.drawn` before
+    InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.draw_panel` before
         the first shot, or too few shots
     """
     for key, value in (("shots", shots), ("batch", batch)):
@@ -272,7 +272,7 @@ def study(
     # refused before the first shot
     strengths.check(setup, scatter)
     setup = replace(
-        graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
+        grade_mesh(setup), strike_velocity=1.0, history=None, snapshot_interval=None
     )  # which name no kept shot
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
@@ -312,7 +312,7 @@ def _curve(shots, link="probit"):
     return probit.fit(*_outcomes(shots), link=link)
 
 
-def over_assumed(
+def run_assumed_range(
     setup: ImpactSetup,
     result: Study,
     *,
@@ -335,19 +335,19 @@ def over_assumed(
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
-    setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
+    setup = replace(grade_mesh(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
     ends = assumed_range.changes(setup)
     middle = 0.5 * sum(result.deterministic)
 
     def limit_of(changed):
-        (of_one,) = run_cache.results(_searched, [(changed, tolerance)], **runs)
+        (of_one,) = run_cache.results(_search_limit, [(changed, tolerance)], **runs)
         return of_one
 
     each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
     # they run beside each other
-    run_cache.results(_searched, each, report=report, **runs)
+    run_cache.results(_search_limit, each, report=report, **runs)
     nominal = assumed_range.Row("nominal", "", middle)
-    limits = assumed_range.over_ends("limit without scatter", setup, ends, nominal, limit_of)
+    limits = assumed_range.run_ends("limit without scatter", setup, ends, nominal, limit_of)
     curve = result.curves["probit"]
     if not again or limits is None or curve.reason:
         return limits
@@ -364,10 +364,10 @@ def over_assumed(
 
     largest = {name: ends[name] for name in list(limits.widths)[:LARGEST]}
     nominal = assumed_range.Row("nominal", "", curve.V50)
-    return assumed_range.over_ends("V50", setup, largest, nominal, v50_of)
+    return assumed_range.run_ends("V50", setup, largest, nominal, v50_of)
 
 
-def _searched(setup, tolerance):
+def _search_limit(setup, tolerance):
     """("", the limit without scatter [m/s]), or (why there is none, None)."""
     try:
         return "", 0.5 * sum(deterministic(setup, tolerance))

@@ -63,7 +63,7 @@ class Window:
         points = np.array(
             [(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted]
         )
-        return on_line(points[:, 0], points[:, 1], self.strike_velocity)
+        return fit_line_at(points[:, 0], points[:, 1], self.strike_velocity)
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain values."""
@@ -79,7 +79,7 @@ class Window:
         }
 
 
-def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
+def fit_line_at(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
     """(value, its standard error) at a place of the line through points (n,) by least squares; NaN
     below n = 3."""
     if x.size < 3:
@@ -101,7 +101,7 @@ def _row(result, problem=""):
     return {"strike_velocity_m_s": result.setup.strike_velocity} | sweep.row_of(result, problem)
 
 
-def about(result: ImpactResult, **runs: Any) -> Window | None:
+def fire_window(result: ImpactResult, **runs: Any) -> Window | None:
     """The window about a shot that has been made; None of one that did not perforate.
 
     Parameters

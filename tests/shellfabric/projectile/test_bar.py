@@ -13,7 +13,7 @@ from shellfabric.projectile import bar_kernels as kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.dynamics import make_row
 from shellfabric.projectile.projectile import Projectile
-from weavecell.studies.rigidity import ENOUGH, contact_time, held_force, rigid_is_enough
+from weavecell.studies.rigidity import ENOUGH, contact_time, find_held_force, rigid_is_enough
 
 STEEL = load("steel")
 ELASTIC = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson)
@@ -243,8 +243,8 @@ def test_contact_time_of_a_half_sine(duration):
 def test_the_held_force_is_the_largest_mean():
     t = np.linspace(1e-6, 100e-6, 100)
     force = np.where((t > 20e-6) & (t < 31e-6), -100.0, -1.0)
-    assert held_force(t, force, 10e-6) == pytest.approx(100.0, rel=0.02)
-    assert held_force(t, force, 20e-6) == pytest.approx((11 * 100 + 9) / 20, rel=0.02)
+    assert find_held_force(t, force, 10e-6) == pytest.approx(100.0, rel=0.02)
+    assert find_held_force(t, force, 20e-6) == pytest.approx((11 * 100 + 9) / 20, rel=0.02)
 
 
 # in a shot

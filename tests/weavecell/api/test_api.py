@@ -23,8 +23,8 @@ from shellfabric.panel.quality import Indicator
 from tests.programs import printed
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
+from weavecell.api.target import Target
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.target import Target
 from weavecell.studies import lambert_jonas
 from weavecell.studies.ballistic_limit import Limit, Shot
 

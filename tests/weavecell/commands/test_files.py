@@ -187,7 +187,7 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
         part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
         assert_array_equal(part["tension_warp_N"], shape.tension[:, 0])
         assert_array_equal(part["tension_weft_N"], shape.tension[:, 1])
-        assert_array_equal(part["failed_yarns"], vtk.failed_yarns(shape.failed))
+        assert_array_equal(part["failed_yarns"], vtk.count_failed_yarns(shape.failed))
     assert grid.field_data["projectile_z_m"] == [record.final[0].nose_position]
     pressures = vtk.PRESSURES[: 3 if name == "pack" else 1]
     assert tuple(key for key in vtk.PRESSURES if key in grid.point_data) == pressures

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fabrics.base.schema import tables
 from weavecell.scenes import coupon, impact
-from weavecell.scenes.fabric_table import checked
+from weavecell.scenes.fabric_table import check_scene
 
 
 def test_the_examples_are_input_files(tool):
@@ -34,4 +34,6 @@ def test_the_examples_are_input_files(tool):
     own = tables(coupon.CouponScene)
     for name in coupon.TESTS:
         example = tomllib.loads(keys_page.about(own[name])[1])
-        checked(coupon.CouponScene, example | {"fabric": {"name": "S-728"}}, Path("coupon.toml"))
+        check_scene(
+            coupon.CouponScene, example | {"fabric": {"name": "S-728"}}, Path("coupon.toml")
+        )

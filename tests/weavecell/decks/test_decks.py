@@ -138,7 +138,7 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     share = {"quarter": 0.25, "half": 0.5, "whole": 1.0}[symmetry]
     assert made.nose.mass == pytest.approx(3e-3 * share)
     ply = made.plies[0]
-    held = made.held()
+    held = made.list_held_nodes()
     assert set(held) == {
         "clamped",
         *(["mirror_x"] if share < 1 else []),

@@ -18,7 +18,7 @@ def cloth(name="S-720", **options):
 
 def test_law58_is_in_equilibrium():
     """Against a root finder on the forces of two zigzags, written out once more, at single stretches."""
-    law = CrimpExchange.of(cloth("S-728"), "uniaxial")
+    law = CrimpExchange.fit(cloth("S-728"), "uniaxial")
     rest = np.sqrt((1 + law.crimp) ** 2 - 1)
     bend = FLEX * law.E * rest / (1 + law.crimp)
 
@@ -38,7 +38,7 @@ def test_law58_is_in_equilibrium():
 
 def test_curves_of_uniaxial_tension_are_the_yarns_alone():
     fabric = cloth("S-745")
-    found = Mismatch.of(fabric, UncoupledCurves.of(fabric, "uniaxial"))
+    found = Mismatch.measure(fabric, UncoupledCurves.fit(fabric, "uniaxial"))
     assert found.uniaxial < 1e-12
     assert found.shear < 5e-3
     assert found.largest > 0.3  # crimp exchange, which they do not have
@@ -49,7 +49,7 @@ def test_a_fit_over_the_plane_is_nearer_to_it(name):
     fabric = cloth(name)
     for kind in (UncoupledCurves, CrimpExchange):
         plane, tension = (
-            Mismatch.of(fabric, kind.of(fabric, match)) for match in ("plane", "uniaxial")
+            Mismatch.measure(fabric, kind.fit(fabric, match)) for match in ("plane", "uniaxial")
         )
         assert plane.rms < tension.rms
 
@@ -58,7 +58,7 @@ def test_curves_are_no_steeper_than_the_yarns():
     """A time step follows from the steepest slope."""
     fabric = cloth("S-731")
     for match in ("plane", "uniaxial"):
-        law = UncoupledCurves.of(fabric, match)
+        law = UncoupledCurves.fit(fabric, match)
         for curve, modulus in zip(law.curves, fabric.modulus):
             slope = np.diff(curve[:, 1]) / np.diff(curve[:, 0])
             assert np.all(slope >= 0)

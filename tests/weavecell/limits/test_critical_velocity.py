@@ -8,7 +8,8 @@ import pytest
 from fabrics.base.errors import UnstableError
 from tests.scene_text import every, impact_scene
 from tests.weavecell.written import names, rows_of, table_of
-from weavecell.scenes import honoured, target
+from weavecell.api import target
+from weavecell.scenes import honoured
 from weavecell.studies import ballistic_limit
 
 FILES = "critical-velocity.json report.html residual-velocity.svg scene.toml shots.csv"
@@ -102,7 +103,7 @@ def test_without_a_scan_the_bisection_sees_one_limit_alone(mixed):
 
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
-    found = target.read("S-726", tmp_path, honoured.LIMITS)
+    found = target.read_target("S-726", tmp_path, honoured.LIMITS)
     scene = found.case.scene
     assert found.case.fabric.name == "S-726"
     assert scene.panel.opening == 0.203
@@ -111,10 +112,10 @@ def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     out = tmp_path / "deep" / "results"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out.mkdir(parents=True)
-    found = target.read(str(file), out, honoured.LIMITS)
+    found = target.read_target(str(file), out, honoured.LIMITS)
     assert found.case.fabric.name == found.title == "S-731"
     (out / "scene.toml").write_text(found.text)
-    assert target.read(str(out / "scene.toml"), out, honoured.LIMITS).setup == found.setup
+    assert target.read_target(str(out / "scene.toml"), out, honoured.LIMITS).setup == found.setup
 
 
 def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):

@@ -21,7 +21,7 @@ NAMES = (
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_does_not_make_a_number_a_share(name):
-    table = display.frame({keys.of_name(name).meaning: (keys.of_name(name).unit, [7.0])})
+    table = display.frame({keys.infer_key(name).meaning: (keys.infer_key(name).unit, [7.0])})
     assert table.iloc[0, 0] == 7.0
     assert "%" not in table.columns[0]
 
@@ -39,7 +39,7 @@ def test_a_share_is_a_number_in_files_and_shown_in_per_cent():
 
 
 def test_time_of_a_computer_is_shown_in_seconds_and_time_of_a_shot_in_microseconds():
-    wall, stop = keys.of_name("wall_time_s"), keys.of_name("stop_time_s")
+    wall, stop = keys.infer_key("wall_time_s"), keys.infer_key("stop_time_s")
     assert wall.si_unit == stop.si_unit == "s"
     assert display.text(12.0, wall.unit) == "12 s"
     assert display.text(12e-6, stop.unit) == "12 µs"

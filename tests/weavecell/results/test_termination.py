@@ -56,7 +56,7 @@ def test_a_handler_of_the_program_stays():
 
     before = signal.signal(signal.SIGTERM, own)
     try:
-        with termination.as_interrupt():
+        with termination.interrupt_on_sigterm():
             assert signal.getsignal(signal.SIGTERM) is own
     finally:
         signal.signal(signal.SIGTERM, before)

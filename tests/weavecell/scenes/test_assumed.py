@@ -16,7 +16,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from weavecell.api import targets
+from weavecell.api.target import resolve_fabric
 from weavecell.scenes import build, impact
 from weavecell.studies import assumed_range
 from weavecell.studies.assumed_range import AssumedRange, Row
@@ -164,7 +164,7 @@ def test_what_a_set_up_assumes_follows_from_it():
     """A fabric of the catalogue has its strength and no friction."""
     setup = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary={"clamp_force": "20 N"})
     assert setup.fabric.weave.warp.strength == pytest.approx(
-        targets.as_fabric("S-720").weave.warp.strength
+        resolve_fabric("S-720").weave.warp.strength
     )
     assert (setup.projectile.friction, setup.ply_friction) == (0.0, 0.0)
     found = assumed_range.changes(setup)

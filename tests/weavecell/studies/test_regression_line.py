@@ -10,7 +10,7 @@ from fabrics import catalogue
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.measured.rows import read
-from weavecell.api import targets
+from weavecell.api.target import resolve_target
 from weavecell.scenes import honoured
 from weavecell.studies import inputs, regression_line
 
@@ -20,7 +20,7 @@ AREAL_DENSITY = {21: 2.5, 38: 4.5, 42: 5.0, 48: 6.1, 62: 7.5}  # [kg/m2], Kosla 
 
 @pytest.fixture(scope="module")
 def twaron():
-    return targets.of(SCENE, {}, honoured.LIMITS, function="critical_velocity").setup
+    return resolve_target(SCENE, {}, honoured.LIMITS, function="critical_velocity").setup
 
 
 def test_the_line_is_the_least_squares_fit_of_the_published_tests(twaron):

@@ -19,7 +19,7 @@ from tests.weavecell.session_runs import SCENES
 from weavecell.api.scatter import V50Result
 from weavecell.studies import inputs, strengths, v50
 
-ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
+ALIKE_BUT_STRENGTH = replace(inputs.read_scatter(), modulus=0.0, crimp=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def setup(fabric):
 def test_every_yarn_of_every_ply_is_drawn(setup):
     """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
     given = replace(setup, elements_per_crossover=1, plies=2, stacking="alternating", ply_gap=1e-4)
-    drawn = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 3)
+    drawn = strengths.draw_panel(given, ALIKE_BUT_STRENGTH, 7, 3)
     first, second = drawn.pack.plies
     for p, ply in enumerate((first, second)):
         lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
@@ -41,7 +41,7 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
     assert drawn.factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
     whole = replace(given, symmetry="whole", strength=YarnStrength(14.3, seed=7))
     of_a_scene = whole.target()
-    of_a_v50 = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 0).pack
+    of_a_v50 = strengths.draw_panel(given, ALIKE_BUT_STRENGTH, 7, 0).pack
     for one, other in zip(of_a_scene.plies, of_a_v50.plies):
         assert_array_equal(one.strength_factors[1], other.strength_factors[1])
 
@@ -50,12 +50,12 @@ def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
     """Within a cell of the weave about the impact point of the set-up, two crossovers each way."""
     aim = (1e-4, 2e-4)
     given = replace(setup, opening=0.04, impact_point=aim, crossovers=YarnZone(8e-3))
-    drawn = [strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, number).pack for number in range(4)]
+    drawn = [strengths.draw_panel(given, ALIKE_BUT_STRENGTH, 7, number).pack for number in range(4)]
     points = [pack.plies[0].impact_point for pack in drawn]
     assert len(set(points)) == 4
     spacing = drawn[0].plies[0].spacing
     assert np.all(abs(np.array(points) - aim) <= spacing)
-    again = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 2).pack
+    again = strengths.draw_panel(given, ALIKE_BUT_STRENGTH, 7, 2).pack
     assert again.plies[0].impact_point == points[2]
 
 
@@ -76,14 +76,14 @@ def test_shots_at_resolved_yarns_have_their_impact_points(setup):
 def test_plies_of_a_draw_are_of_one_roll(setup):
     """Modulus and crimp are one value for all plies of a draw, and scale the laws that a set-up names as well."""
     given = replace(setup, elements_per_crossover=1, plies=2, ply_gap=1e-4)
-    drawn = strengths.drawn(given, inputs.published(), 7, 3)
+    drawn = strengths.draw_panel(given, inputs.read_scatter(), 7, 3)
     one, other = drawn.pack.plies
     assert one.fabric == other.fabric
     assert one.fabric.weave.warp.E == pytest.approx(
         setup.fabric.weave.warp.E * drawn.factors["modulus"]
     )
     assert drawn.factors["modulus"] != 1
-    laws = inputs.changed_setup(replace(setup, laws=setup.fabric.laws), compression_a=2.0).laws
+    laws = inputs.scale_setup(replace(setup, laws=setup.fabric.laws), compression_a=2.0).laws
     assert laws[0].a == 2 * setup.fabric.laws[0].a
 
 

@@ -43,10 +43,10 @@ def shot_of(number, velocity, perforated):
 def test_the_mesh_of_a_study(fabric):
     """Graded where nothing is said; what is said counts, and free edges have elements that are all alike."""
     plain = ImpactSetup(fabric, 1.0)
-    near, *_ = v50.graded(plain).grading
+    near, *_ = v50.grade_mesh(plain).grading
     assert near[1] * 2 * max(fabric.weave.w) <= fabric.failure_length
-    assert v50.graded(plain).grading[-1] == (np.inf, 4)
-    drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).pack.plies[0]
+    assert v50.grade_mesh(plain).grading[-1] == (np.inf, 4)
+    drawn = strengths.draw_panel(v50.grade_mesh(plain), inputs.read_scatter(), 1, 5).pack.plies[0]
     assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0] / near[1]
     stepped = (
         {"round": True},
@@ -54,14 +54,14 @@ def test_the_mesh_of_a_study(fabric):
         {"weave_angle": 0.3},
     )
     for changes in ({"elements_per_crossover": 1}, {"grading": ((np.inf, 1),)}):
-        assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
+        assert v50.grade_mesh(replace(plain, **changes)) == replace(plain, **changes)
     for changes in stepped:
-        assert v50.graded(replace(plain, **changes)).grading[0][1] == near[1]
-    free = v50.graded(replace(plain, boundary="free"))
+        assert v50.grade_mesh(replace(plain, **changes)).grading[0][1] == near[1]
+    free = v50.grade_mesh(replace(plain, boundary="free"))
     assert free.grading is None
     assert free.elements_per_crossover * near[1] == 1
     pack = replace(plain, plies=2)
-    assert v50.graded(pack) is pack
+    assert v50.grade_mesh(pack) is pack
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def panel(fabric):
 
 
 def test_changed_fabric(fabric):
-    heavy = inputs.changed(
+    heavy = inputs.scale_fabric(
         fabric, areal_density=1.04, crimp_warp=0.8, failure_strain=1.2, trellis_stiffness=1.2
     )
     warp = heavy.weave.warp
@@ -225,9 +225,9 @@ def test_each_yarn_has_its_own_strength(panel, per):
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     """The same draws; where elements are one crossover long each line has the strength of its yarn."""
     uniform, graded = (
-        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).pack.plies[
-            0
-        ]
+        strengths.draw_panel(
+            setup_of(fabric, 0.08, grading=zones), inputs.read_scatter(), 1, 3
+        ).pack.plies[0]
         for zones in (None, ((12, 1), (np.inf, 2)))
     )
     for family, (all_yarns, lines) in enumerate(
@@ -240,7 +240,7 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
         assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
         assert np.all(lines[~near] <= all_yarns[half + places[~near].astype(int)])
     one, other = (
-        v50.fire(setup_of(fabric, OPENING, grading=zones), inputs.published(), 1, 3, 150.0)
+        v50.fire(setup_of(fabric, OPENING, grading=zones), inputs.read_scatter(), 1, 3, 150.0)
         for zones in (((np.inf, 1),), None)
     )
     assert one == other
@@ -251,7 +251,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     and most of what is stopped takes less time."""
     spared = []
     for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
-        panel = strengths.drawn(setup_of(fabric, 0.06), inputs.published(), 5, number).pack
+        panel = strengths.draw_panel(setup_of(fabric, 0.06), inputs.read_scatter(), 5, number).pack
         one, two = (
             ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
             for x in (0.0, v50.STOPS_BELOW)
@@ -301,7 +301,7 @@ def test_the_curve_is_that_of_statsmodels(link):
 
 
 def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
-    scatter = inputs.published()
+    scatter = inputs.read_scatter()
     setup = setup_of(fabric, OPENING)
     arguments = {"shots": 8, "batch": 4, "tolerance": 10.0}
     alone = v50.study(setup, scatter, folder=tmp_path / "a", **arguments)
@@ -384,17 +384,17 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
         return hashlib.sha256(repr(kept).encode()).hexdigest()
 
     monkeypatch.setattr(v50, "fire", fire)
-    monkeypatch.setattr(v50, "_searched", lambda setup, _: ("", limit_of(setup)))
+    monkeypatch.setattr(v50, "_search_limit", lambda setup, _: ("", limit_of(setup)))
     monkeypatch.setattr(v50.run_cache, "key", digest)
     setup = setup_of(fabric, 0.08)
     shots = tuple(fire(setup, None, 1, n, v) for n, v in enumerate((90.0, 95.0, 105.0, 110.0)))
     fired.clear()
     curves = {"probit": probit.fit([90, 95, 105, 110], [False, False, True, True])}
     study = v50.Study((99.5, 100.5), shots, curves, v50.Scatter())
-    alone = v50.over_assumed(setup, study, again=False, seed=1, folder=tmp_path)
+    alone = v50.run_assumed_range(setup, study, again=False, seed=1, folder=tmp_path)
     assert alone.quantity == "limit without scatter"
     assert fired == []
-    found = v50.over_assumed(setup, study, again=True, seed=1, folder=tmp_path)
+    found = v50.run_assumed_range(setup, study, again=True, seed=1, folder=tmp_path)
     assert set(fired) == {0, 1, 2, 3}
     assert (found.low, found.high) == pytest.approx((100 * 0.5**0.5, 100 * 2**0.5))
     assert next(iter(found.widths)) == "failure length"

@@ -147,7 +147,7 @@ def ply_table(record: ImpactRecord) -> Table:
     )
     if record.guard_impulses:
         caption += f" Plies were kept from passing through each other by {record.guard_impulses:g} impulses."
-    return Table.of(table, caption)
+    return Table.from_frame(table, caption)
 
 
 def settings(setup: ImpactSetup) -> Table:
@@ -266,7 +266,7 @@ def _crossovers_in_words(setup):
     ]
     if setup.plies == 1:
         sentences.append("A nose may push slippery yarns aside and pass far below this limit.")
-    sentences += [f"{_capitalised(note)}." for note in setup.notes]
+    sentences += [f"{_capitalise(note)}." for note in setup.notes]
     return " ".join(sentences)
 
 
@@ -288,7 +288,7 @@ def _projectile_in_words(projectile, body):
     if projectile.body == "rigid":
         sentences = ["Rigid."]
     if body:
-        sentences.append(f"{_capitalised(body)}.")
+        sentences.append(f"{_capitalise(body)}.")
     if projectile.friction:
         sentences.append(f"Friction on the fabric {projectile.friction:g}.")
     else:
@@ -296,7 +296,7 @@ def _projectile_in_words(projectile, body):
     return " ".join(sentences)
 
 
-def _capitalised(sentence):
+def _capitalise(sentence):
     """A sentence with a capital at its beginning, names within it as they are."""
     return sentence[0].upper() + sentence[1:]
 
@@ -330,7 +330,7 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     return Section("panel-mesh", "Mesh", lead, tables=(table,))
 
 
-def assumed(around: AssumedRange) -> Section:
+def describe_assumed_range(around: AssumedRange) -> Section:
     """The range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
         f"{around.words().capitalize()}. The run was repeated with each end of each assumed range alone, then with all "

@@ -49,7 +49,9 @@ def section(
     )
 
 
-def of_shapes(record: ImpactRecord, shapes: Sequence[Sequence[Any]]) -> list[tuple[Any, float]]:
+def collect_instants(
+    record: ImpactRecord, shapes: Sequence[Sequence[Any]]
+) -> list[tuple[Any, float]]:
     """The instants of `section` from the shapes of the plies at each."""
     return [(vtk.panel(plies, record.quads), plies[0].time) for plies in shapes]
 

@@ -315,7 +315,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
             body = np.moveaxis(panel.body(grid, t), -1, 0)
             scene.add_mesh(pyvista.StructuredGrid(*body), color=STEEL)
-        fabric = pictures3d.coloured(grid, np.array([top, top]), mirrors)
+        fabric = pictures3d.colour_grid(grid, np.array([top, top]), mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
         scalars = None

@@ -1,0 +1,317 @@
+"""What is shot at: an input file, a fabric of the catalogue with keywords, a fabric file, or a set-up.
+
+A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the
+flat cylinder of 3 g and 5.5 mm (`scenes.impact.standard_shot`).
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tomlkit
+
+from fabrics import assumed, catalogue
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.schema import read_toml
+from fabrics.fabric import Fabric
+from fabrics.variants import with_linear_density
+from weavecell.api import keywords
+from weavecell.scenes import build, words
+from weavecell.scenes import impact as scenes
+from weavecell.scenes.honoured import NO_HISTORY, Keys
+
+if TYPE_CHECKING:
+    from shellfabric.impact.setup import ImpactSetup
+
+# [m/s] for the deck of a fabric, and for studies that choose their velocities
+STRIKE = 92.5
+ALLOWED = "an input file or fabric file (*.toml), or one of "
+_OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is shot at.
+
+    Parameters
+    ----------
+    case : build.Case; None of a set-up that was made in Python
+    setup : ImpactSetup
+    text : of the input file; that of a fabric is the standard one, "" if no file can say what is
+        shot at
+    name : as it was given
+    from_file : whether it is an input file
+    """
+
+    case: build.Case | None
+    setup: Any
+    text: str
+    name: str
+    from_file: bool
+
+    @property
+    def title(self) -> str:
+        """The fabric, with the number of its plies."""
+        return self.setup.title
+
+    @property
+    def shot_title(self) -> str:
+        """The title of the input file, or fabric, plies and strike velocity."""
+        own = None
+        if self.case is not None:
+            own = self.case.scene.title
+        return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
+
+    @property
+    def law_name(self) -> str:
+        """Where the compression laws come from, in words."""
+        if self.case is not None:
+            named = [(of.fabric.name, of.law_name) for of in self.case.materials or (self.case,)]
+        elif self.setup.surface is not None:
+            return "3D response surface"
+        else:
+            plies = self.setup.lay_up or (self.setup,)
+            model = self.setup.cell_model
+            named = [(p.fabric.name, p.laws[0].provenance if p.laws else model) for p in plies]
+        names = dict.fromkeys(named)
+        if len(names) == 1:
+            return named[0][1]
+        return "; ".join(map(": ".join, names))
+
+    @property
+    def projectile(self) -> str | None:
+        """The projectile in words; None of a set-up."""
+        if self.case is None:
+            return None
+        return words.shot_in_words(self.case.scene.projectile)
+
+    @contextmanager
+    def name_problems(self) -> Iterator[None]:
+        """An InputError inside this block names the input file and its key."""
+        try:
+            yield
+        except InputError as problem:
+            raise self.name_file(problem) from None
+
+    def name_file(self, problem: InputError) -> InputError:
+        """An InputError of what an input file asks, with the file and its key in it; any other as
+        it is."""
+        if not self.from_file or not build.may_be_of_file(problem):
+            return problem
+        return build.name_file(problem, self.name)
+
+
+def read_target(
+    name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None
+) -> Target:
+    """The target of a name.
+
+    Parameters
+    ----------
+    name : of a file or a fabric
+    out : folder of the results, from which the standard scene of a fabric file is named
+    refused : keys of an input file that are not honoured (`honoured`)
+    changes : {dotted key: value as it is written} in place of what the scene says
+
+    Raises
+    ------
+    InputError : no such file or fabric, a wrong one, or a key that the command does not honour
+    """
+    stem = Path(name).stem
+    if name in catalogue.list_names():
+        fabric = {"name": name}
+    elif name.endswith(".toml"):
+        text, table = read_toml(name, what="input file or fabric")
+        if _OF_A_SCENE & set(table):
+            return _target(
+                scenes.check(change_keys(table, changes), name, refused),
+                name,
+                stem,
+                text,
+                from_file=True,
+            )
+        catalogue.read(name)
+        fabric = {"file": os.path.relpath(name, out)}
+    else:
+        raise unknown_target(name)
+    table = {"fabric": fabric, **scenes.standard_shot()}
+    text = tomlkit.dumps(table)
+    return _target(
+        scenes.check(change_keys(table, changes), out / "scene.toml", refused), name, stem, text
+    )
+
+
+def unknown_target(name: str) -> InputError:
+    """The InputError of a target that is neither a fabric of the catalogue nor a *.toml file."""
+    return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
+
+
+def is_input_file(name: str) -> bool:
+    """Whether a name is the path of an input file, and not of a fabric file or a fabric.
+
+    Raises
+    ------
+    InputError : no such file, or not TOML
+    """
+    return name.endswith(".toml") and bool(
+        _OF_A_SCENE & set(read_toml(name, what="input file or fabric")[1])
+    )
+
+
+def change_keys(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The table of a scene with the values of dotted keys in place of its own.
+
+    Raises
+    ------
+    InputError : a key inside of a value
+    """
+    for key, value in (changes or {}).items():
+        *parts, last = key.split(".")
+        inner = table
+        for part in parts:
+            inner = inner.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise InputError(
+                    key=key,
+                    value=value,
+                    allowed=f"left out: {part} is not a table of the input file",
+                )
+        inner[last] = value
+    return table
+
+
+def _target(scene, name, stem, text, from_file=False):
+    # this logs a projectile that has a name or a file
+    case = build.build(scene, name, stem)
+    if scene.projectile.name is None and scene.projectile.stl is None:
+        build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
+    return Target(case, build.setup(case, name), text, name, from_file)
+
+
+def resolve_target(
+    target: Fabric | FilePath | ImpactSetup | None,
+    options: Mapping[str, Any],
+    refused: Keys,
+    velocity: float | str | None = None,
+    *,
+    function: str = "setup",
+    one_shot: bool = False,
+) -> Target:
+    """The target of a study.
+
+    Parameters
+    ----------
+    target : a set-up, the path of an input file, or a fabric
+    **options : keywords of `weavecell.setup` beside a fabric; none beside the others
+    refused : keys of an input file that the study does not honour
+    velocity : [m/s] at which a fabric is struck; of a study that chooses it None
+    function : that was called, for messages
+    one_shot : whether what is computed is a shot, to which strike velocity and [history] mean
+        something
+
+    Raises
+    ------
+    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a
+        shot without velocity
+    """
+    from shellfabric.impact.setup import ImpactSetup
+
+    chosen = {key: value for key, value in options.items() if value is not None}
+    beside = chosen
+    if velocity is not None:
+        beside = chosen | {"velocity": velocity}
+    if isinstance(target, ImpactSetup):
+        _refuse(beside, "a set-up")
+        return Target(None, target, "", target.title, from_file=False)
+    file = ""
+    if isinstance(target, (str, os.PathLike)):
+        file = str(target)
+    if is_input_file(file):
+        _refuse(beside, "an input file")
+        return read_target(file, Path.cwd(), refused)
+    if (
+        isinstance(target, str)
+        and not target.endswith(".toml")
+        and target not in catalogue.list_names()
+    ):
+        raise unknown_target(target)
+    if "history" in chosen and not one_shot:
+        raise InputError(key="history", allowed=NO_HISTORY)
+    if velocity is None and one_shot:
+        if file.endswith(".toml"):
+            given = "an input file, or the fabric file with a velocity"
+            raise InputError(
+                "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'
+            )
+        raise InputError(
+            "is missing", key="velocity", allowed='given for a fabric, such as "92.5 m/s"'
+        )
+    panel = build_target(target, STRIKE if velocity is None else velocity, chosen, function)
+    for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
+        build.LOG.info(line)
+    return panel
+
+
+def build_target(
+    fabric: Fabric | FilePath | None,
+    velocity: float | str,
+    options: Mapping[str, Any],
+    function: str = "setup",
+) -> Target:
+    """What `weavecell.setup` describes, with the input file that says the same if one can. Its
+    notes are warnings.
+
+    Parameters
+    ----------
+    fabric, velocity, options : arguments of `weavecell.setup`
+    function : that was called with them, for messages
+
+    Raises
+    ------
+    InputError : as `setup`
+    """
+    own = None
+    if fabric is not None:
+        own = resolve_fabric(fabric)
+    scene, written = keywords.scene(None if own is None else own.name, velocity, options, function)
+    try:
+        case = build.build(scene, None, "", own)
+        ply = build.setup(case, None)
+    except InputError as problem:
+        raise keywords.name_as_keywords(problem) from None
+    if options.get("snapshot_interval") is None:
+        ply = replace(ply, snapshot_interval=None)
+    folder = str(Path(__file__).parent)
+    # a warning should point at the script, not at a file of ours
+    line_of_the_user = next(
+        n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)
+    )
+    for note in ply.notes:
+        warnings.warn(note, stacklevel=line_of_the_user + 1)
+    return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
+
+
+def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
+    """Lines that name what is assumed of the fabrics of a set-up."""
+    return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
+
+
+def resolve_fabric(fabric: Fabric | FilePath) -> Fabric:
+    """A Fabric as it is; that of a name or file with the linear densities of the runs of the
+    thesis."""
+    if isinstance(fabric, Fabric):
+        return fabric
+    return with_linear_density(catalogue.load(fabric), "effective")
+
+
+def _refuse(options, beside):
+    for key in options:
+        raise InputError(key=key, allowed=f"left out beside {beside}, which has it")
