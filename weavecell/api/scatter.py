@@ -41,7 +41,7 @@ def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
     shots: int = 100,
-    batch: int = 10,
+    batch: int | None = None,
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
     weibull_shape: float | None = None,
@@ -69,7 +69,8 @@ def v50(
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
     shots : number of shots, at least 4
-    batch : shots of a round, at least 4; outcomes so far decide the velocities of the next round
+    batch : shots of a round, at least 4; outcomes so far decide the velocities of the next round. If
+        not given 10, or half of the shots, so that there are two rounds
     assumed_range : fire the shots again with both ends of the two assumptions that change the limit
         most, and with the two ends together that lower it, or raise it: six times as many shots,
         after two searches of the limit for each assumption. Without this option a command repeats
@@ -111,6 +112,8 @@ def v50(
     scatter = replace(
         inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
     )
+    if batch is None:
+        batch = analysis.usual_batch(shots)
     how, keys = Execution.split(options)
     panel = resolve_target(target, keys, honoured.V50, function="v50")
     over = ranges.with_ends(panel.setup, assumed_range)
@@ -177,12 +180,12 @@ class V50Result(StudyResult):
     @property
     def v50_low(self) -> float:
         """[m/s] of the interval of V50, at the level of the curve's confidence."""
-        return float(self.study.curves["probit"].intervals["V50"][0])
+        return float(self.study.curves["probit"].interval_of("V50")[0])
 
     @property
     def v50_high(self) -> float:
         """[m/s] of the same interval."""
-        return float(self.study.curves["probit"].intervals["V50"][1])
+        return float(self.study.curves["probit"].interval_of("V50")[1])
 
     @property
     def assumed_range(self) -> AssumedRange | None:
@@ -225,8 +228,10 @@ class V50Result(StudyResult):
             over = (
                 f"{around.quantity} over what is assumed: {around.low:.1f} to {around.high:.1f} m/s"
             )
-        sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s"
-        return "V50", f"{self.v50:.1f} m/s ({sampled} by the number of shots, 95 %; {over})"
+        sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s by the number of shots, 95 %"
+        if self.study.curves["probit"].separated:
+            sampled = "without an interval, as no stop is faster than a perforation"
+        return "V50", f"{self.v50:.1f} m/s ({sampled}; {over})"
 
     @property
     def title(self) -> str:
@@ -244,6 +249,11 @@ class V50Result(StudyResult):
         remarks = [f"{' '.join(self.headline)}."]
         remarks += [f"{curve.words()}." for curve in study.curves.values()]
         remarks.append(f"{study.six_shots.words()}.")
+        if len(shots) + len(study.failures) <= self.batch:
+            remarks.append(
+                "All shots are of one round, placed about the limit without scatter before any outcome was "
+                "known: V50 is near that limit whatever it is; take a smaller batch, or more shots."
+            )
         if study.assumed_range is not None:
             remarks.append(f"Over what is assumed: {study.assumed_range.words()}.")
         elif names := ", ".join(assumed_range.changes(self.target.setup)):
@@ -277,6 +287,11 @@ class V50Result(StudyResult):
             remarks.append(
                 f"Sides of the elements in crossovers, by the distance from the impact point: {sides}."
             )
+        if zones != self.target.setup.grading:
+            remarks.append(
+                "This is the mesh of a V50, on which the limit is 2 to 5 % higher than on that of a single "
+                "shot or of critical-velocity: compare the two on one mesh (grading)."
+            )
         return remarks + self.notes
 
     def _zones(self):
@@ -291,7 +306,7 @@ class V50Result(StudyResult):
         rows = []
         for link, curve in self.study.curves.items():
             for name in ("V0", "V50", "V100"):
-                rows.append((link, name, getattr(curve, name), *curve.intervals[name]))
+                rows.append((link, name, getattr(curve, name), *curve.interval_of(name)))
             scale = 1.0
             if curve.s:
                 scale = curve.deviation / curve.s
@@ -300,7 +315,7 @@ class V50Result(StudyResult):
                     link,
                     "standard deviation",
                     curve.deviation,
-                    *(scale * s for s in curve.intervals["s"]),
+                    *(scale * s for s in curve.interval_of("s")),
                 )
             )
         return DataFrame(

@@ -3,9 +3,10 @@ them."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import nan, sqrt
+from math import inf, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,12 +26,15 @@ from weavecell.studies.protocol import SixShots
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+LOG = logging.getLogger("weavecell")
 VELOCITY = "velocity"
 OUTCOME = "outcome"
 RESIDUAL = "residual velocity"
-OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
-OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
+OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", "stopped"), "stopped")
+OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", "perforated"), "perforated")
 CONFIDENCE = 0.95
+# shares of perforations whose velocities are told beside V50
+SHARES = {"V0": probit.LOW, "V10": 0.1, "V90": 0.9}
 # [m/s] a faster shot in a table of tests is a slip of the unit
 FASTEST = 1000.0
 
@@ -39,7 +43,8 @@ def read(path: FilePath) -> DataFrame:
     """Read the shots of a laboratory from a CSV file: a heading, then a row a shot.
 
     The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated)
-    and, where it was measured, "residual velocity [m/s]", in any order and any unit of speed. Lines
+    and, where it was measured, "residual velocity [m/s]", in any order, case and unit of speed,
+    which may stand in round brackets. Other columns are left out, and the log names them. Lines
     that begin with # are left out.
 
     Returns
@@ -61,20 +66,25 @@ def read(path: FilePath) -> DataFrame:
 
 
 def _units(heading, path):
-    """{column: its scale to m/s; None of outcomes} in the order of the file."""
+    """{column: its scale to m/s; None of outcomes} in the order of the file; columns of other names
+    have None too, and the log says that they are left out."""
     units: dict[str, float | None] = {}
+    others = []
     for cell in heading:
-        name, _, unit = cell.partition("[")
-        name = name.strip()
-        unit = unit.rstrip("] ")
+        title, _, unit = cell.replace("(", "[").partition("[")
+        name = " ".join(title.lower().split())
+        unit = unit.rstrip(") ]")
+        if name not in (VELOCITY, OUTCOME, RESIDUAL):
+            others.append(cell)
+            name = cell
         if (
-            name not in (VELOCITY, OUTCOME, RESIDUAL)
-            or name in units
-            or (name == OUTCOME) == bool(unit)
+            name in units
+            or (name == OUTCOME and unit)
+            or (name in (VELOCITY, RESIDUAL) and not unit)
         ):
             allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
             raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-        if unit:
+        if name in (VELOCITY, RESIDUAL):
             units[name] = si(f"1 {unit}", "m/s", file=path, key=name)
         else:
             units[name] = None
@@ -83,6 +93,8 @@ def _units(heading, path):
             raise InputError(
                 file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}"
             )
+    if others:
+        LOG.info(f"{path}: left out, columns that are not known: {', '.join(others)}")
     return units
 
 
@@ -101,7 +113,9 @@ def _row(number, values, units, path):
     def speed(name):
         number = read_number(cells[name], "a finite number", file=path, key=f"{line}, {name}")
         value = number * units[name]
-        if not (value > 0 or (name == RESIDUAL and value == 0)):
+        if name == RESIDUAL and value < 0:
+            raise refusal(name, "at least 0: a projectile that rebounds has stopped")
+        if name == VELOCITY and not value > 0:
             raise refusal(name, "above 0")
         if not value <= FASTEST:
             raise refusal(name, f"at most {FASTEST:g} m/s, as projectile.strike_velocity")
@@ -148,16 +162,52 @@ class ReducedTests:
             "tests": len(self.table),
             "confidence": CONFIDENCE,
             "tested_v50_m_s": self.curve.V50,
-            "tested_v50_interval_m_s": list(self.curve.intervals["V50"]),
+            "tested_v50_interval_m_s": list(self.curve.interval_of("V50")),
             "tested_v50_reason": self.curve.reason,
+            **self._spread_summary(),
             **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
             "lambert_jonas_tested": asdict(self.lambert_jonas),
         }
+
+    def spread(self) -> dict[str, tuple[float, float, float]]:
+        """Return {"s" and the names of SHARES: (value, low, high) [m/s]} of the curve; NaN where
+        there is none."""
+        curve = self.curve
+        if curve.reason:
+            return dict.fromkeys(("s", *SHARES), (nan, nan, nan))
+        found = {"s": (curve.s, *curve.interval_of("s"))}
+        perforated = self.table["tested"] == "perforated"
+        shares = SHARES.values()
+        ends = probit.band(self.table["velocity [m/s]"], perforated, curve, shares)
+        for (name, share), (low, high) in zip(SHARES.items(), ends.tolist()):
+            if curve.separated:
+                low, high = 0.0, inf
+            value = max(float(curve.velocity(share)), 0.0)
+            found[name] = (value, low, high)
+        return found
+
+    def _spread_summary(self):
+        numbers = {}
+        for name, (value, low, high) in self.spread().items():
+            numbers[f"tested_{name.lower()}_m_s"] = value
+            numbers[f"tested_{name.lower()}_interval_m_s"] = [low, high]
+        return numbers
+
+    def _spread_words(self):
+        """s, V0, V10 and V90 with their intervals, for the terminal."""
+        if self.curve.reason or self.curve.separated:
+            return []
+        parts = []
+        for name, (value, low, high) in self.spread().items():
+            parts.append(f"{name} {value:.4g} ({low:.4g} to {high:.4g}) m/s")
+        share = f"V0 is where {100 * probit.LOW:g} % perforate"
+        return [f"tests ({self.curve.link}): {', '.join(parts)}; {share}"]
 
     def lines(self, file: str) -> list[str]:
         """What is printed of the tests in a file."""
         return [
             f"tests, {file}: {self.curve.words()}",
+            *self._spread_words(),
             f"tests: {self.six_shots.words()}",
             f"tests, Lambert-Jonas: {self.lambert_jonas.words()}",
         ]
@@ -264,7 +314,8 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
 
 
 def _fit(table, kind, limit):
-    """Lambert-Jonas fit to tested or computed perforations."""
-    residual = f"{kind} residual velocity [m/s]"
-    shots = table[table[kind] == "perforated"].dropna(subset=[residual])
-    return lambert_jonas.fit(shots["velocity [m/s]"], shots[residual], limit=limit)
+    """Lambert-Jonas fit to tested or computed shots: stops, and perforations of which the residual
+    velocity is known."""
+    shots = table.dropna(subset=[f"{kind} residual velocity [m/s]"])
+    residual = shots[f"{kind} residual velocity [m/s]"].where(shots[kind] == "perforated", 0.0)
+    return lambert_jonas.fit(shots["velocity [m/s]"], residual, limit=limit)

@@ -6,7 +6,9 @@ intervals.
 J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity
 Representation, BRL Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of
 the projectile in the mass that flies on; the larger p, the more abruptly V_r rises at the limit. a
-is at most 1: no projectile leaves faster than it came.
+is at most 1: no projectile leaves faster than it came. V_bl is at most the velocity of the slowest
+perforation, and at least that of the fastest of the stops that are slower than it: a stop has no
+residual velocity to fit, but says that the limit is above it.
 Computed here as a V_s (1 - (V_bl / V_s)^p)^(1/p).
 """
 
@@ -41,8 +43,10 @@ class LambertJonas:
         of what is sought, infinite where the shots tell nothing of it
     confidence : [-]
     residual_rms : [m/s] of the fit
-    points : number of shots that it was fitted to
+    points : number of perforations that it was fitted to
     slowest : [m/s] strike velocity of the slowest perforation, the highest limit that there can be
+    fastest_stop : [m/s] strike velocity of the fastest stop below it, the lowest limit that there
+        can be; 0 without such a stop
     reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
     """
 
@@ -54,6 +58,7 @@ class LambertJonas:
     residual_rms: float
     points: int
     slowest: float
+    fastest_stop: float = 0.0
     reason: str = ""
 
     def residual_velocity(self, strike_velocity: ArrayLike) -> FloatArray:
@@ -82,6 +87,8 @@ class LambertJonas:
             highest = {"a": _HIGHEST["a"], "limit": self.slowest}
             if value == highest.get(name):
                 return f"{name} = {value:.3g} (its upper bound)"
+            if name == "limit" and value == self.fastest_stop:
+                return f"limit = {value:.3g} (its lower bound, the fastest stop)"
             return f"{name} not determined (at the bound {value:.3g} of the search)"
         low, high = interval
         sign = "not determined, about"
@@ -129,6 +136,7 @@ def fit(
     _check(vs, vr, confidence)
     through = vs[vr > 0]
     slowest = float(through.min(initial=inf))
+    fastest_stop = float(vs[(vr == 0) & (vs < slowest)].max(initial=0.0))
     reason = ""
     # as many points as parameters are met exactly, and say nothing about scatter
     if through.size <= len(free):
@@ -137,8 +145,11 @@ def fit(
         reason = f"a shot perforates at {slowest:.4g} m/s, below the limit, {limit:.4g} m/s"
     if reason:
         none = dict.fromkeys(free)
-        return LambertJonas(nan, nan, nan, none, confidence, nan, len(vs), slowest, reason)
-    low = np.array([*_LOWEST.values(), 0.1 * slowest][: len(free)])
+        bounds = slowest, fastest_stop
+        return LambertJonas(nan, nan, nan, none, confidence, nan, through.size, *bounds, reason)
+    vs = through
+    vr = vr[vr > 0]
+    low = np.array([*_LOWEST.values(), max(fastest_stop, 0.1 * slowest)][: len(free)])
     high = np.array([*_HIGHEST.values(), slowest][: len(free)])
     scale = np.array([1.0, 1.0, slowest][: len(free)])
 
@@ -149,7 +160,8 @@ def fit(
 
     # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep
     # the deepest
-    starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
+    near = max(0.99 * slowest, 0.5 * (fastest_stop + slowest))
+    starts = [[0.95, p, near][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
     best = min(
         (
             least_squares(
@@ -167,10 +179,15 @@ def fit(
     )
     # the search ends just short of a bound: a value there is the bound
     best.x = np.where(best.x > high - 1e-9 * (high - low), high, best.x)
+    best.x = np.where(best.x < low + 1e-9 * (high - low), low, best.x)
     a, p, at = (float(value) for value in full(best.x))
     intervals = _intervals(best, dict(zip(free, zip(low, high))), len(vs), confidence)
+    if fastest_stop > 0 and intervals.get("limit") is not None:
+        # the shots themselves say more than the slopes of the curve
+        least, most = intervals["limit"]
+        intervals["limit"] = max(least, fastest_stop), min(most, slowest)
     rms = float(np.sqrt(np.mean(best.fun**2)))
-    return LambertJonas(a, p, at, intervals, confidence, rms, len(vs), slowest)
+    return LambertJonas(a, p, at, intervals, confidence, rms, len(vs), slowest, fastest_stop)
 
 
 def _check(vs, vr, confidence):

@@ -81,9 +81,9 @@ def search(
 
 
 def residual_fit(limit: Limit) -> LambertJonas:
-    """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a
-    single limit."""
-    perforations = [shot for shot in limit.shots if shot.perforated]
-    strikes = [shot.strike_velocity for shot in perforations]
-    residuals = [shot.residual_velocity for shot in perforations]
+    """Lambert-Jonas fit to the shots, with the bracket's middle as its limit if there is a single
+    limit."""
+    strikes = [shot.strike_velocity for shot in limit.shots]
+    # one that is taken as stopped may have a little of its velocity left
+    residuals = [shot.residual_velocity if shot.perforated else 0.0 for shot in limit.shots]
     return lambert_jonas.fit(strikes, residuals, limit=limit.velocity if limit.single else None)

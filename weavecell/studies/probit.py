@@ -10,8 +10,10 @@ beta, so that every profile has one top. Since P reaches 0 and 1 nowhere, V0 and
 where it is `LOW` and `HIGH`.
 
 Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0,
-a step, with V50 anywhere between them: the middle is given, and the intervals are those of the
-profile as ever, too narrow for V0 and V100 then. Where the fastest stop and the slowest perforation
+a step, with V50 anywhere between them: the middle is given, and the profile as ever (`intervals`).
+That is no interval of confidence: of 70 drawn series of twelve shots with s = 5 m/s, 41 were
+separated, and 95 % intervals by the profile held V50 in 56 % of these, against 97 % of the others.
+`interval_of` says that such shots set no bounds. Where the fastest stop and the slowest perforation
 have one velocity, the step is there.
 
 statsmodels finds the same curves (a test holds them against each other). It is not used here: where
@@ -29,6 +31,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import expit, log_expit, log_ndtr, ndtr
 from scipy.stats import chi2, logistic, norm
 
 from fabrics.base.errors import InputError
@@ -36,6 +39,10 @@ from fabrics.base.errors import InputError
 LOW = 0.01
 HIGH = 0.99
 LINKS = {"probit": norm, "logit": logistic}
+# their distribution functions and the logarithms of these, which the methods of scipy.stats wrap in
+# many checks
+CDF = {"probit": ndtr, "logit": expit}
+LOG_CDF = {"probit": log_ndtr, "logit": log_expit}
 NOT_RISING = "the share of perforations does not grow with the velocity"
 # bounds of beta times the range of the velocities
 _FLATTEST, _STEEPEST = 1e-3, 1e5
@@ -50,8 +57,9 @@ class Curve:
     link : a name of LINKS
     V50, s : [m/s]
     deviation : [m/s] standard deviation of the velocity at which a panel fails
-    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite
-        where the shots set no bound, and 0 where it would be below
+    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]} of the profile
+        likelihood; 0 or infinite where the shots set no bound, and 0 where it would be below. What
+        is told of a curve is `interval_of`
     likelihood : its logarithm
     separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
@@ -72,15 +80,23 @@ class Curve:
         """V50 with its interval, or why there is none."""
         if self.reason:
             return f"V50 ({self.link}) not determined, because {self.reason}"
-        low, high = self.intervals["V50"]
-        known = f"{100 * self.confidence:g} % confidence"
-        words = f"V50 ({self.link}) {self.V50:.1f} m/s, {low:.1f} to {high:.1f} m/s with {known}"
+        words = f"V50 ({self.link}) {self.V50:.1f} m/s"
         if self.separated:
-            most = f"{self.intervals['s'][1]:.1f} m/s"
-            words += (
-                f"; no stop is faster than a perforation: a step, s = 0 ({known}: up to {most})"
+            most = self.intervals["s"][1]
+            return (
+                f"{words} without an interval: no stop is faster than a perforation, a step, s = 0 "
+                f"(by the likelihood up to {most:.1f} m/s)"
             )
-        return words
+        low, high = self.intervals["V50"]
+        return f"{words}, {low:.1f} to {high:.1f} m/s with {100 * self.confidence:g} % confidence"
+
+    def interval_of(self, name: str) -> tuple[float, float]:
+        """Return the (low, high) [m/s] of V0, V50, V100 or s at the level of `confidence`; 0 and
+        infinity where the outcomes do not mix, which sets no bounds."""
+        if self.separated:
+            return 0.0, inf
+        low, high = self.intervals[name]
+        return low, high
 
     def velocity(self, probability: Any) -> Any:
         """[m/s] at which a share `probability` perforates."""
@@ -91,7 +107,7 @@ class Curve:
         # a step: half of the panels perforate at V50 itself
         if self.s == 0:
             return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
-        return LINKS[self.link].cdf((np.asarray(velocity, float) - self.V50) / self.s)
+        return CDF[self.link]((np.asarray(velocity, float) - self.V50) / self.s)
 
     @property
     def V0(self) -> float:
@@ -110,6 +126,7 @@ class _Likelihood:
         self.V = velocity
         self.hit = perforated
         self.law = LINKS[link]
+        self.log_cdf = LOG_CDF[link]
         self.range = float(np.ptp(velocity))
         # the slope is searched by its logarithm: it spans eight powers of ten
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
@@ -119,7 +136,8 @@ class _Likelihood:
     def __call__(self, at: float, beta: float, z: float = 0.0) -> float:
         """Of P(at) = F(z) and slope beta."""
         eta = z + beta * (self.V - at)
-        return float(self.law.logcdf(eta[self.hit]).sum() + self.law.logsf(eta[~self.hit]).sum())
+        # both distributions are even: sf(x) is cdf(-x)
+        return float(self.log_cdf(eta[self.hit]).sum() + self.log_cdf(-eta[~self.hit]).sum())
 
     def maximise_at(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""

@@ -46,6 +46,9 @@ from weavecell.studies.protocol import Series, SixShots
 
 # the first shots lie this share of the deterministic limit to either side
 FIRST = 0.25
+# shots of a round, and the fewest
+BATCH = 10
+LEAST = 4
 # later shots are placed between these probabilities
 SPREAD = 0.05, 0.95
 # share of the strike velocity, see `ballistic_limit.shoot`
@@ -119,10 +122,10 @@ class Study:
     @cached_property
     def lambert_jonas(self) -> LambertJonas:
         """Lambert-Jonas fit to the residual velocities."""
-        # a projectile that is stopped has no residual velocity to fit
-        through = [shot for shot in self.shots if shot.perforated]
-        strikes = [shot.velocity for shot in through]
-        return lambert_jonas.fit(strikes, [shot.residual for shot in through])
+        strikes = [shot.velocity for shot in self.shots]
+        # one that is taken as stopped may have a little of its velocity left
+        residuals = [shot.residual if shot.perforated else 0.0 for shot in self.shots]
+        return lambert_jonas.fit(strikes, residuals)
 
     @property
     def six_shots(self) -> SixShots:
@@ -137,7 +140,7 @@ class Study:
     def summary(self) -> dict[str, Any]:
         """Its numbers, {name with unit: value}."""
         curve = self.curves["probit"]
-        low, high = curve.intervals["V50"]
+        low, high = curve.interval_of("V50")
         return {
             "v50_m_s": curve.V50,
             "v50_low_m_s": low,
@@ -208,6 +211,12 @@ def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
     return replace(setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover)
 
 
+def usual_batch(shots: int) -> int:
+    """Return the shots of a round: as many as BATCH, but half of few shots, so that outcomes decide
+    velocities at least once, and at least LEAST."""
+    return max(min(BATCH, shots // 2), LEAST)
+
+
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their
     outcomes."""
@@ -242,7 +251,7 @@ def study(
     scatter: Scatter,
     *,
     shots: int,
-    batch: int = 10,
+    batch: int | None = None,
     seed: int = 1,
     tolerance: float = 1.0,
     report: Callable[[int, int], object] = lambda done, total: None,
@@ -256,7 +265,7 @@ def study(
         that is the one of `grade_mesh`
     scatter : Scatter
     shots : how many
-    batch : shots of a round
+    batch : shots of a round; None takes `usual_batch`
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
     report, runs : as of `run_cache.results`, with the folder of the shots
@@ -266,9 +275,11 @@ def study(
     InputError, UnstableError : as `ballistic_limit.critical_velocity` and `strengths.draw_panel` before
         the first shot, or too few shots
     """
+    if batch is None:
+        batch = usual_batch(shots)
     for key, value in (("shots", shots), ("batch", batch)):
-        if value < 4:
-            raise InputError(key=key, value=value, allowed="at least 4")
+        if value < LEAST:
+            raise InputError(key=key, value=value, allowed=f"at least {LEAST}")
     # refused before the first shot
     strengths.check(setup, scatter)
     setup = replace(

@@ -105,3 +105,31 @@ def test_shots_that_determine_no_curve_give_one_without_numbers(strike, residual
 def test_what_cannot_be_fitted(strike, residual, options, told):
     with pytest.raises(InputError, match=told):
         fit(strike, residual, **options)
+
+
+def test_the_limit_is_never_below_a_known_stop():
+    """The fastest stop below the slowest perforation bounds the limit, and its interval."""
+    strike = np.array([110.0, 115.0, 120.0, 130.0, 140.0, 150.0])
+    residual = np.array([22.0, 40.0, 55.0, 75.0, 92.0, 104.0])
+    alone = fit(strike, residual)
+    stops = [104.0, 107.0, 109.0]
+    assert alone.limit < max(stops)
+    found = fit([*stops, *strike], [0.0, 0.0, 0.0, *residual])
+    assert found.limit == max(stops)
+    assert "limit = 109 (its lower bound, the fastest stop)" in found.words()
+    assert found.points == strike.size
+    # noise, so that the limit has an interval of its own, within what is known
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        noisy = curve(strike, 0.85, 2.2, 108.0) + random.normal(0, 3.0, strike.size)
+        found = fit([60.0, 105.0, *strike], [0.0, 0.0, *np.maximum(noisy, 0.5)])
+        low, high = found.intervals["limit"] or (found.limit, found.limit)
+        assert 105.0 <= low <= found.limit <= high <= 110.0
+
+
+def test_a_stop_that_is_faster_than_a_perforation_is_no_bound():
+    strike = np.array([100.0, 112.0, 120.0, 130.0, 140.0])
+    residual = np.array([30.0, 58.0, 71.0, 86.0, 99.0])
+    found = fit([105.0, *strike], [0.0, *residual])
+    assert found.fastest_stop == 0.0
+    assert found.limit <= 100.0

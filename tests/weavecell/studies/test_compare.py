@@ -111,3 +111,55 @@ def test_of_one_outcome_there_is_no_v50(tmp_path):
     assert found.tests.curve.reason == "all 2 shots perforated"
     assert np.isnan(found.summary()["tested_v50_m_s"])
     assert found.difference()["mean"] is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Velocity [m/s],Outcome\n96,PP\n110,CP\n",
+        "VELOCITY (m/s), outcome\n96,partial penetration\n110,Complete Penetration\n",
+        "shot,velocity [m/s],outcome,remark\n1,96,PP,\n2,110,CP,off centre\n",
+    ],
+)
+def test_headings_as_laboratories_write_them(tmp_path, text, caplog):
+    with caplog.at_level("INFO", "weavecell"):
+        found = read(tmp_path, text)
+    assert list(found["velocity"]) == [96.0, 110.0]
+    assert list(found["outcome"]) == ["stopped", "perforated"]
+    told = [record.getMessage() for record in caplog.records]
+    if "remark" in text:
+        assert told[0].endswith("left out, columns that are not known: shot, remark")
+    else:
+        assert told == []
+
+
+def test_the_residual_velocity_of_a_rebound_is_refused_with_what_is_allowed(tmp_path):
+    text = "velocity [m/s], outcome, residual velocity [m/s]\n96,PP,-5\n110,CP,20\n"
+    with pytest.raises(wc.InputError, match="at least 0: a projectile that rebounds has stopped"):
+        read(tmp_path, text)
+
+
+def test_the_spread_of_the_tests_is_told(tmp_path):
+    """s, V0, V10 and V90 of mixed outcomes, in the terminal and in tests.json."""
+    outcomes = [
+        "90,PP",
+        "95,CP",
+        "100,PP",
+        "104,PP",
+        "108,CP",
+        "111,PP",
+        "116,CP",
+        "121,CP",
+        "127,CP",
+    ]
+    rows = "\n".join(["velocity [m/s],outcome", *outcomes])
+    reduced = compare.reduce(read(tmp_path, rows))
+    curve = reduced.curve
+    summary = reduced.summary()
+    assert summary["tested_s_m_s"] == curve.s > 0
+    for name, quantile in (("v10", -1.2815516), ("v90", 1.2815516)):
+        value = summary[f"tested_{name}_m_s"]
+        low, high = summary[f"tested_{name}_interval_m_s"]
+        assert value == pytest.approx(curve.V50 + quantile * curve.s, rel=1e-6)
+        assert low < value < high
+    assert any("s 1" in line and "V10" in line and "V90" in line for line in reduced.lines("t"))

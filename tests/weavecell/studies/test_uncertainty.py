@@ -177,9 +177,12 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
 
     monkeypatch.setattr(v50, "fire", fire)
     monkeypatch.setattr(v50, "deterministic", lambda *_: (49.0, 51.0))
-    monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(inputs[1][-1]))
+    # number and velocity of a shot, and the tolerance of the limit
+    numbers = lambda inputs: [part for part in inputs[1] if isinstance(part, (int, float))]  # noqa: E731
+    monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(numbers(inputs)))
     found = v50.study(setup_of(fabric, 0.08), v50.Scatter(), shots=12, batch=4, folder=tmp_path)
-    assert len(found.shots) == 11
+    # every round draws panels of its own
+    assert [shot.number for shot in found.shots] == [0, 1, 2, *range(4, 12)]
     assert found.failures == ("shot 3: broken",)
     told = found.summary()
     assert told["v50_reason"] == probit.NOT_RISING
@@ -412,3 +415,76 @@ def test_the_ends_of_a_lay_up_are_those_of_each_of_its_fabrics(fabric):
         assert lengths == pytest.approx([0.5 * own.failure_length, 2 * own.failure_length])
     assert low.fabric == low.lay_up[0].fabric
     assert {"strength after weaving", "friction between plies"} < set(assumed_range.changes(setup))
+
+
+BEETLES = {  # dose, number, dead: C. I. Bliss, The calculation of the dosage-mortality curve (1935)
+    1.6907: (59, 6),
+    1.7242: (60, 13),
+    1.7552: (62, 18),
+    1.7842: (56, 28),
+    1.8113: (63, 52),
+    1.8369: (59, 53),
+    1.8610: (62, 61),
+    1.8839: (60, 60),
+}
+
+
+def test_the_probit_of_bliss():
+    """V50 and s of 481 outcomes, as a generalised linear model finds them in public."""
+    V = np.concatenate([np.full(number, 100 * dose) for dose, (number, _) in BEETLES.items()])
+    hit = np.concatenate([np.arange(number) < dead for number, dead in BEETLES.values()])
+    found = probit.fit(V, hit)
+    assert (found.V50, found.s) == pytest.approx((177.0852, 5.069), abs=1e-3)
+
+
+def test_outcomes_that_do_not_mix_set_no_bounds():
+    """The profile likelihood of separated outcomes holds V50 in half of the series: it is not told."""
+    found = probit.fit([90, 95, 100, 105, 110], [False, False, False, True, True])
+    for name in ("V0", "V50", "V100", "s"):
+        assert found.interval_of(name) == (0.0, np.inf)
+    assert "without an interval: no stop is faster" in found.words()
+    mixed = probit.fit([90, 95, 100, 105, 110], [False, False, True, False, True])
+    assert mixed.interval_of("V50") == mixed.intervals["V50"]
+
+
+def test_a_study_has_two_rounds_unless_it_is_told_otherwise():
+    assert [v50.usual_batch(shots) for shots in (4, 7, 8, 10, 12, 20, 60)] == [
+        4,
+        4,
+        4,
+        5,
+        6,
+        10,
+        10,
+    ]
+
+
+# drawn outcomes, velocity [m/s] and P or C, with V50 and s of a generalised linear model (statsmodels)
+SETS = (
+    (
+        "128C 120P 109C 112C 111P 114C 129C 103P 113C 128C 127C 122C",
+        108.535,
+        11.008,
+    ),
+    (
+        "225P 257C 219P 237C 215P 241P 220P 217P 260C 227P 260P 230P 260C 240C 253C 270C 227P "
+        "250C 220P 241P",
+        244.369,
+        12.583,
+    ),
+    (
+        "395C 447C 446C 428C 430C 420C 428P 382P 448C 431C 436C 355P 376P 384P 440C 407C 420C "
+        "403P 399P 397C 406C 438C 436C 446C 432C 357P 380P 382P 364P 449C 437C 395P 360P 391P "
+        "372P 390P 398P 451C 396C 359P",
+        403.7,
+        15.816,
+    ),
+)
+
+
+@pytest.mark.parametrize("outcomes, V50, s", SETS)
+def test_drawn_sets_have_the_answers_of_a_linear_model(outcomes, V50, s):
+    velocities = [float(outcome[:-1]) for outcome in outcomes.split()]
+    hit = [outcome.endswith("C") for outcome in outcomes.split()]
+    found = probit.fit(velocities, hit)
+    assert (found.V50, found.s) == pytest.approx((V50, s), abs=2e-3)
