@@ -55,11 +55,12 @@ class Job:
     friction: float = 0.0
     beyond: float = 1.0
     pressed: float | None = None
+    fibre_fraction: str = "mesh"
 
     @property
     def numerics(self) -> Numerics:
         """What it is solved with."""
-        return Numerics(friction=self.friction)
+        return Numerics(friction=self.friction, fibre_fraction=self.fibre_fraction)
 
     @property
     def key(self) -> str:
@@ -87,16 +88,17 @@ def path_jobs(
     size: Size,
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
+    fibre_fraction: str = "mesh",
 ) -> list[Job]:
     """List the biaxial paths of a calibration: those of `PATHS` and `BOTH`, or {name: (d1, d2)
     ratio} that are given."""
     jobs = [
-        Job(name, fabric, size, tuple(map(float, ratio)), friction)
+        Job(name, fabric, size, tuple(map(float, ratio)), friction, fibre_fraction=fibre_fraction)
         for name, ratio in (PATHS if paths is None else paths).items()
     ]
     if paths is None:
         ratio = biaxial_and_platens.displacements_at_failure(fabric)
-        last = Job(BOTH, fabric, size, ratio, friction, BEYOND)
+        last = Job(BOTH, fabric, size, ratio, friction, BEYOND, fibre_fraction=fibre_fraction)
         if fabric.laws is None:
             last = replace(last, beyond=FARTHEST, pressed=PRESSED)
         jobs.append(last)
@@ -130,6 +132,7 @@ def calibrate_all(
     plates_size: Size = "coarse",
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
+    fibre_fraction: str = "mesh",
     folder: Callable[[str], FilePath | None] = lambda name: None,
     laws: bool = True,
     resume: bool = False,
@@ -147,6 +150,7 @@ def calibrate_all(
     friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
     paths : {name: (d1, d2) ratio}, each to fibre failure; by default warp only, weft only, equibiaxial, and both yarns
         beyond failure
+    fibre_fraction : "mesh" or "stated", which enters the law of the solid (`material.numerics.Numerics`)
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     laws : whether the laws are written as well; not where more is to be added to them before
     resume : take finished paths from their files, unless these are of other inputs or of other code
@@ -167,15 +171,15 @@ def calibrate_all(
             value=sorted(paths),
             allowed=f"at least one, none of them called {PLATES!r}",
         )
-    Numerics(friction=friction)  # refuses what is not allowed
+    Numerics(friction=friction, fibre_fraction=fibre_fraction)  # refuses what is not allowed
     begun = time.perf_counter()
     if isinstance(size, MeshFile):
         plates_size = size  # the platens press the same sections
     run = _Run(folder, laws, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
-        plates = Job(PLATES, fabric, plates_size, None, friction)
-        run.add(fabric, [plates, *path_jobs(fabric, size, friction, paths)])
+        plates = Job(PLATES, fabric, plates_size, None, friction, fibre_fraction=fibre_fraction)
+        run.add(fabric, [plates, *path_jobs(fabric, size, friction, paths, fibre_fraction)])
     run.solve(executor, jobs)
     names = [*((*PATHS, BOTH) if paths is None else paths), PLATES]
     for fabric in fabrics:

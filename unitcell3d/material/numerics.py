@@ -8,6 +8,8 @@ import numpy as np
 
 from fabrics.base.errors import InputError
 
+FRACTIONS = ("mesh", "stated")
+
 
 @dataclass(frozen=True)
 class Numerics:
@@ -24,6 +26,12 @@ class Numerics:
         from collapsing; where it is large, slack yarn tips buckle
     friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
     slip : [m] over which friction sets in
+    fibre_fraction : whose fibre volume fraction at rest enters the law of the solid (thesis eqs.
+        3-11 to 3-13). "mesh": the fibre area over that of the meshed section. "stated": that of the
+        fabric, with which its V_c was published or fitted. The law is one of compression since
+        rest, where only V_c / Vf0 counts, the compression at which the fibres are packed: a V_c
+        measured on its own belongs to the first, one fitted with a nominal Vf0 to the second. They
+        differ where the crimp leaves more or less room than the stated fraction asks for.
     """
 
     penalty: float = 1e15
@@ -32,11 +40,16 @@ class Numerics:
     slack_stiffness: float = 1e-3
     friction: float = 0.0
     slip: float = 0.5e-6
+    fibre_fraction: str = "mesh"
 
     def __post_init__(self):
         for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="positive")
+        if self.fibre_fraction not in FRACTIONS:
+            raise InputError(
+                key="fibre_fraction", value=self.fibre_fraction, allowed=" or ".join(FRACTIONS)
+            )
         if not 0 <= self.friction < np.inf:
             raise InputError(key="friction", value=self.friction, allowed="0 or positive")
 

@@ -136,14 +136,16 @@ class YarnsModel:
         )
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)
-        self._cell_laws = self._space.cell_constants(_cell_laws(mesh, fabric))
+        constants = _cell_laws(mesh, fabric, self.numerics.fibre_fraction)
+        self._cell_laws = self._space.cell_constants(constants)
         self._solids = Assembler(
             self._space, *solid_law.forms(self._space, self._cell_laws, integration)
         )
 
     def take_solid_laws(self, fabric: Fabric) -> None:
         """Go on with the solid laws of a fabric that differs from the meshed one in these alone."""
-        self._space.set_cell_constants(self._cell_laws, _cell_laws(self.crossover, fabric))
+        constants = _cell_laws(self.crossover, fabric, self.numerics.fibre_fraction)
+        self._space.set_cell_constants(self._cell_laws, constants)
         self.fabric = fabric
 
     def _build_pattern(self):
@@ -306,10 +308,12 @@ class CrossoverModel(YarnsModel):
         return grid.shape[0] // 2, grid.shape[1] // 2
 
 
-def _cell_laws(mesh, fabric):
+def _cell_laws(mesh, fabric, fibre_fraction):
     """(m, 6) E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each hexahedron."""
-    # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
-    laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
+    laws = fabric.solid_laws
+    if fibre_fraction == "mesh":
+        # the crimp may leave more or less room than was stated (YarnMesh.Vf0)
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(laws, mesh.Vf0)]
     parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
     return parameters[np.asarray(mesh.families)[mesh.yarn]]
 
