@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections import Counter
 from collections.abc import Sequence
-from itertools import chain
+from dataclasses import dataclass
 from pathlib import Path
 
 from validation.claims import claims, judge
@@ -13,7 +14,6 @@ from validation.claims.judge import BROKEN, MISSED, REPRODUCED, VERDICTS
 from validation.study import read
 
 DATA = Path(__file__).parents[1] / "docs" / "reports" / "data" / "claims.csv"
-MOST_TOPICS = 11  # that have a row of their own in the table of missed claims
 Table = list[dict[str, str]]
 
 
@@ -34,17 +34,41 @@ def of_thesis(table: Table, own: bool = True) -> Table:
     return [row for row in table if (row["id"] not in added) is own]
 
 
-def decided_and_reproduced() -> tuple[int, int]:
-    """Count the claims of the thesis that are decided, and those of these that are reproduced."""
-    found = counts(of_thesis(read(DATA)[1]))
-    return found[REPRODUCED] + found[MISSED], found[REPRODUCED]
+@dataclass(frozen=True)
+class Share:
+    """How many claims of a kind are decided, and how many of these are reproduced."""
+
+    decided: int
+    reproduced: int
+
+    @property
+    def missed(self) -> int:
+        """How many are missed."""
+        return self.decided - self.reproduced
+
+
+def shares() -> dict[str, Share]:
+    """Return {"equations" or "behaviour": Share} of the claims of the thesis."""
+    analytic = {claim.id for claim in claims.load() if claim.basis == "analytic"}
+    found = {}
+    for name, of_equations in (("equations", True), ("behaviour", False)):
+        rows = [row for row in of_thesis(read(DATA)[1]) if (row["id"] in analytic) is of_equations]
+        n = counts(rows)
+        found[name] = Share(n[REPRODUCED] + n[MISSED], n[REPRODUCED])
+    return found
 
 
 def in_short() -> str:
-    """Say in short how many claims of the thesis are reproduced."""
-    decided, reproduced = decided_and_reproduced()
-    share = f"{100 * reproduced / decided:.0f} %"
-    return f"of the {decided} that are decided, {reproduced} are reproduced ({share}) and {decided - reproduced} missed"
+    """Say the three counts of the ledger in short."""
+    found = shares()
+    n = counts(of_thesis(read(DATA)[1]))
+    equations = found["equations"]
+    behaviour = found["behaviour"]
+    return (
+        f"{equations.reproduced} of {equations.decided} equations and closed forms are implemented as the thesis has "
+        f"them, {behaviour.reproduced} of {behaviour.decided} statements on behaviour are reproduced and "
+        f"{behaviour.missed} missed, and {n[judge.DATA]} repeat data"
+    )
 
 
 def in_words() -> str:
@@ -52,11 +76,11 @@ def in_words() -> str:
     _, rows = read(DATA)
     thesis, others = of_thesis(rows), of_thesis(rows, False)
     n, more = counts(thesis), counts(others)
-    text = f"""`python -m validation claims --slow` checks {len(thesis)} claims of the thesis.
-    {in_short().capitalize()}. The percentage leaves out
-    {n[judge.DATA]} that compare input data or a closed form with themselves,
-    {n[judge.WRONG]} that are evidence of an error of the thesis, {n[judge.NOT_COMPARABLE]} that are not comparable,
-    {n[judge.NOT_BUILT]} that is not built yet, and {n[judge.NOT_TESTABLE]} that cannot be tested.
+    text = f"""`python -m validation claims --slow` checks {len(thesis)} claims of the thesis:
+    {in_short()}. {n[judge.OPEN]} are open, since the text does not say which of several readings it means and they
+    differ. {n[judge.WRONG]} are evidence of an error of the thesis, {n[judge.NOT_COMPARABLE]} are not comparable,
+    {n[judge.DOUBLE]} say what another one says, {n[judge.NOT_BUILT]} is not built yet, and {n[judge.NOT_TESTABLE]}
+    cannot be tested.
     Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced and {more[MISSED]}
     missed. Claims on shots at one ply are checked in four variants of the model as well. {_in_variants(rows)}."""
     return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
@@ -87,15 +111,27 @@ def verdicts() -> str:
 
 
 def missed() -> str:
-    """Tabulate the missed claims by topic, most first; the topics with the fewest in one row."""
-    parts: dict[str, Table] = {topic: [] for topic in claims.topics()}
-    for row in read(DATA)[1]:
-        parts[row["topic"]].append(row)
-    ranked = sorted(parts, key=lambda topic: -counts(parts[topic])[MISSED])
-    named = [(claims.topics()[topic], parts[topic]) for topic in ranked[:MOST_TOPICS]]
-    rest = list(chain(*map(parts.get, ranked[MOST_TOPICS:])))
-    found = [["topic", "decided", "missed", "which"]]
-    for title, own in [*named, ("all other topics", rest)]:
-        which = [f"`{row['id']}`" for row in own if row["verdict"] == MISSED]
-        found.append([title, counts(own)[REPRODUCED] + len(which), len(which), ", ".join(which)])
+    """Tabulate each claim of the thesis that is missed, with its cause in a line."""
+    found = [["claim", "thesis", "here", "cause"]]
+    for row in of_thesis(read(DATA)[1]):
+        if row["verdict"] == MISSED:
+            found.append(
+                [f"`{row['id']}`", row["published"], row["computed"], _sentence(row["cause"])]
+            )
     return f"\n\n{markdown(found)}\n"
+
+
+def open_claims() -> str:
+    """Tabulate each open claim, with what the text leaves open and the number of each reading."""
+    found = [["claim", "thesis", "readings", "what the text leaves open"]]
+    for row in of_thesis(read(DATA)[1]):
+        if row["verdict"] == judge.OPEN:
+            found.append(
+                [f"`{row['id']}`", row["published"], row["computed"], _sentence(row["cause"])]
+            )
+    return f"\n\n{markdown(found)}\n"
+
+
+def _sentence(text):
+    """The first sentence of a text."""
+    return re.split(r"(?<=[a-z0-9)%])\. (?=[A-Z])", text, maxsplit=1)[0].rstrip(".")

@@ -164,7 +164,7 @@ def platens(
     mesh: Values | None = None,
     solids: Values | None = None,
     lowest: float = 0.0,
-    numerics: Mapping[str, float] | None = None,
+    numerics: Mapping[str, Any] | None = None,
 ) -> Values:
     """Compare S-720 between platens, by its published solid constants, with its platen law (thesis
     section 3.4.3.2).

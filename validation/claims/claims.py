@@ -15,6 +15,10 @@ expression.
     > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
     is S-720, is ['weft', 'warp'], is True       equal: a text, a list in order, or true
 
+`reading.NAME` are further conditions, of one reading of a sentence that leaves something open, which `undecided` names
+(a window, a level, a length). All readings are judged. Where they differ the claim is open: nobody chooses the one that
+turns.
+
 An expression is Python over the names of `readers`, the functions of `checks`, the runs, and the values of `let`,
 which are evaluated first, in their order. A number with a unit ("60 us") is one in SI.
 
@@ -107,6 +111,9 @@ class Claim:
     origin : "source", stated there; "ledger", follows from its formulas and tables
     quantity : what is claimed, in words
     run, let, expect : as above; all conditions have to hold
+    reading : {name: conditions} of each reading, on top of `expect`
+    undecided : what the text leaves open between the readings
+    double : id of the claim that makes the same statement on the same numbers, and is counted
     reason : of the tolerances
     slow : takes minutes: left out but for --slow
     erratum : entry of docs/reports/errata.md that bears on it, or ""
@@ -127,6 +134,9 @@ class Claim:
     run: Values = field(default_factory=dict)
     let: dict[str, str] = field(default_factory=dict)
     expect: tuple[str, ...] = ()
+    reading: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    undecided: str = ""
+    double: str = ""
     reason: str = ""
     slow: bool = False
     erratum: str = ""
@@ -140,7 +150,18 @@ class Claim:
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
+        """Those of `expect`, then those of all readings."""
+        return (*self.common, *(c for of in self.readings.values() for c in of))
+
+    @cached_property
+    def common(self) -> tuple[Condition, ...]:
+        """Those of `expect`."""
         return tuple(map(condition_of, self.expect))
+
+    @cached_property
+    def readings(self) -> dict[str, tuple[Condition, ...]]:
+        """{name: conditions} of each reading."""
+        return {name: tuple(map(condition_of, of)) for name, of in self.reading.items()}
 
     @property
     def topic(self) -> str:

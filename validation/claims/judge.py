@@ -12,6 +12,8 @@ from validation.values import Values
 
 REPRODUCED = "reproduced"
 MISSED = "missed"
+OPEN = "open"
+DOUBLE = "double"
 WRONG = "source is wrong"
 DATA = "data"
 NOT_COMPARABLE = "not comparable"
@@ -22,8 +24,10 @@ BROKEN = "broken"
 VERDICTS = {
     REPRODUCED: "within the tolerance",
     MISSED: "outside the tolerance",
+    OPEN: "the text does not say which of several readings, and they differ: in no percentage",
     WRONG: "the computed value shows an error of the thesis",
-    DATA: "compares input data or a closed form with itself: in no percentage",
+    DATA: "compares input data or a closed form with itself, or says that a run ends: in no percentage",
+    DOUBLE: "the same statement on the same numbers as another claim, which is counted",
     NOT_COMPARABLE: "statement and computed value are listed side by side",
     NOT_BUILT: "what it needs is not built yet",
     NOT_TESTABLE: "no number to compare with, or one that no model here gives",
@@ -57,21 +61,35 @@ class Record:
 def judge(claim: Claim, found: Values) -> Record:
     """Judge a claim of which {name: value} were found, and return its record; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    missed = []
-    for condition in claim.conditions:
-        value = found.get(condition.name)
-        if not holds(condition, value):
-            missed.append(f"{computed(condition, value)}, expected {expected(condition)}")
+    missed = _missed(claim.common, found)
+    readings = {name: _missed(conditions, found) for name, conditions in claim.readings.items()}
+    turned = [name for name, of in readings.items() if of]
     verdict = REPRODUCED
     if claim.incomparable:
         verdict = NOT_COMPARABLE
-    elif missed:
+    elif claim.double:
+        verdict = DOUBLE
+    elif not missed and 0 < len(turned) < len(readings):
+        verdict = OPEN
+        missed = [f"{name}: {line}" for name in turned for line in readings[name]]
+    elif missed or turned:
+        missed += [line for name in turned for line in readings[name]]
         verdict = MISSED
     elif claim.against:
         verdict = WRONG
     elif claim.data:
         verdict = DATA
     return Record(claim.id, verdict, found, "; ".join(missed))
+
+
+def _missed(conditions, found):
+    """The conditions that do not hold, in words."""
+    missed = []
+    for condition in conditions:
+        value = found.get(condition.name)
+        if not holds(condition, value):
+            missed.append(f"{computed(condition, value)}, expected {expected(condition)}")
+    return missed
 
 
 def changed(claim: Claim, verdict: str) -> bool:

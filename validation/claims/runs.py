@@ -328,13 +328,26 @@ class PathColumns(SimpleNamespace):
         return getattr(self, name)
 
 
-def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None) -> PathColumns:
+def stretched(
+    fabric: str,
+    *,
+    ratio: Sequence[float],
+    reach: float | None = None,
+    fibre_fraction: str = "mesh",
+) -> PathColumns:
     """Follow a biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the
-    thickness of the yarns."""
+    thickness of the yarns.
+
+    `fibre_fraction` is that of `unitcell3d.material.numerics.Numerics`.
+    """
     from unitcell3d.cases import biaxial_and_platens
+    from unitcell3d.material.numerics import Numerics
 
     mesh, given = _meshed(fabric)
-    found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
+    numerics = Numerics(fibre_fraction=fibre_fraction)
+    found = biaxial_and_platens.biaxial(
+        mesh, given, ratio, max_displacement=reach, numerics=numerics
+    )
     x = mesh.points + found.last["u"]
     lines = []
     for axis, (grid, sign) in enumerate(zip(mesh.grids, (1, -1))):

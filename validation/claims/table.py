@@ -17,7 +17,9 @@ def rows(claims: Sequence[Claim], records: Sequence[Record]) -> list[Values]:
 
 
 def _row(claim, record):
-    why = claim.against or claim.data or claim.incomparable or record.note
+    why = claim.against or claim.data or claim.incomparable or claim.undecided or record.note
+    if claim.double:
+        why = f"counted as {claim.double}"
     if record.verdict == MISSED:
         why = claim.cause or record.note
     elif record.verdict == REPRODUCED:

@@ -39,16 +39,24 @@ def pressure_law() -> dict[str, float]:
 
 
 @cache
-def stiffness(name: str, plies: int = 1) -> float:
-    """Compute K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
-    curve = PlateCurve.pressure_law(catalogue.load(name).areal_density_measured, plies)
+def stiffness(name: str, plies: int = 1, table: str = "2-1") -> float:
+    """Compute K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve.
+
+    `table` of the thesis has the areal density: 2-1 measured, 5-1 of its model.
+    """
+    fabric = catalogue.load(name)
+    density = fabric.areal_density_measured
+    if table == "5-1":
+        # E-07: the table has that of the yarns whose linear density its runs imply
+        density = fabric.with_effective_density().weave.areal_density
+    curve = PlateCurve.pressure_law(density, plies)
     P = curve.pressure
     return float((curve.closure[-1] / (P[0] ** (-1 / 3) - P[-1] ** (-1 / 3))) ** 3)
 
 
-def packs(fabric: str, plies: Sequence[int]) -> FloatArray:
+def packs(fabric: str, plies: Sequence[int], table: str = "2-1") -> FloatArray:
     """Compute K'' (n,) [Pa m3] of packs of each number of plies (erratum E-02)."""
-    return np.array([stiffness(fabric, n) for n in plies])
+    return np.array([stiffness(fabric, n, table) for n in plies])
 
 
 def closures(K: FloatArray, start: float) -> FloatArray:
@@ -58,9 +66,9 @@ def closures(K: FloatArray, start: float) -> FloatArray:
     return np.cbrt(K) * (P[0] ** (-1 / 3) - P[1] ** (-1 / 3))
 
 
-def gap(fabric: str, start: float, plies: int = 4) -> float:
-    """Compute what an interface in a pack closes by [m] (eqs. 5-1 to 5-4)."""
-    one, many = closures(packs(fabric, (1, plies)), start)
+def gap(fabric: str, start: float, plies: int = 4, table: str = "2-1") -> float:
+    """Compute what an interface in a pack closes by [m] (eqs. 5-1 to 5-4); `table` as of `stiffness`."""
+    one, many = closures(packs(fabric, (1, plies), table), start)
     return (many - one) / (plies - 1)
 
 
