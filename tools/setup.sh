@@ -71,5 +71,11 @@ import sys, numpy
 if sys.prefix in numpy.__file__:
     sys.exit("setup: numpy was replaced inside the environment; remove it and run again")
 CHECK
+  # what the first shot of a user would wait for
+  if [ "$extras" != app,docs ]; then
+    echo "setup: compiling the kernels of a ply and of packs, once: about a minute"
+    OMP_NUM_THREADS=1 "$venv/bin/python" tools/compile_kernels.py 2>/dev/null ||
+      echo "setup: the kernels were not compiled; the first run compiles them" >&2
+  fi
   echo "$wanted" >"$stamp"
 fi

@@ -19,29 +19,38 @@ from shellfabric.panel import quality_kernels
 from shellfabric.solver import loop
 
 OF_A_PLY = "shellfabric.panel", "shellfabric.cloth", "shellfabric.projectile", "shellfabric.solver"
-OF_A_PACK = "shellfabric.plies"
+OF_A_PACK = ("shellfabric.plies",)
 ENTRIES = loop.advance, quality_kernels.sample  # their files know all units
 _CHILD = "from shellfabric.solver.compile_ahead import cells; [cell.fill() for cell in cells({}, {})[::-1]]"
 
 
 def cells(grid: int, several: bool) -> list[Cell]:
-    """The cells of the units that each run calls of a ply, or of several, on a uniform or a graded
-    grid."""
-    folders: tuple[str, ...] = OF_A_PLY
+    """List the cells of the units that each run calls of a ply, or of several, on a uniform or a
+    graded grid."""
+    found = _cells_in(OF_A_PLY, grid)
     if several:
-        folders += (OF_A_PACK,)
+        found += _cells_in(OF_A_PACK, grid)
+    return found
+
+
+def _cells_in(folders, grid):
+    """List the cells of the units of some folders that each run calls."""
     usual = [unit for unit in UNITS if not unit.later]
     return [unit.cell(grid) for unit in usual if unit.py_func.__module__.startswith(folders)]
 
 
 def fill(grid: int, several: bool) -> None:
-    """Compile what `cells` has, beside a child process; nothing where the first of them is in the
-    cache."""
-    first, *others = cells(grid, several)
-    if one_compiler_a_node.cache_info().currsize or not first.fill():
+    """Compile what `cells` has, beside a child process; nothing if the first unit of a ply, and of
+    several the first of a pack, is in the cache."""
+    if one_compiler_a_node.cache_info().currsize:
+        return
+    is_missing = _cells_in(OF_A_PLY, grid)[0].fill()
+    if several:
+        is_missing = _cells_in(OF_A_PACK, grid)[0].fill() or is_missing
+    if not is_missing:
         return
     with _child(_CHILD.format(grid, several)):
-        for cell in others:
+        for cell in cells(grid, several):
             cell.fill()
 
 
