@@ -29,7 +29,19 @@ IN_BACKTICKS = re.compile(r"`+([^`\n]+)`+")
 DOTTED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\(\))?")
 SOURCE_FILE = re.compile(r"[\w./-]+\.(py|md|toml|csv|sh|ipynb)")
 # files that users write and runs make
-USERS_FILES = (".toml", ".csv", ".json", ".h5", ".vtu", ".png", ".html", ".k", ".inp")
+USERS_FILES = (
+    ".toml",
+    ".csv",
+    ".json",
+    ".h5",
+    ".vtu",
+    ".png",
+    ".html",
+    ".k",
+    ".inp",
+    ".geo",
+    ".msh",
+)
 # "`SHAPES` of `shellfabric/projectile/shapes.py`"
 NAME_OF_FILE = re.compile(
     r"`(\w+)`\s+(?:of|in)\s+`((?:fabrics|meshing|unitcell3d|shellfabric|validation|weavecell)/[\w/]+\.py)`"

@@ -170,8 +170,8 @@ def explain_keywords(*kinds: type) -> Callable[[Function], Function]:
 
 
 def tables() -> dict[str, str]:
-    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has
-    them."""
+    """Return {keyword: the table of the input file that holds it, "" of a whole table}, as the
+    schema has them."""
     from weavecell.scenes.impact import Scene
 
     found = {}
@@ -211,7 +211,7 @@ def _field(table, key):
 def scene(
     fabric: str | None, velocity: object, options: Mapping[str, Any], function: str
 ) -> tuple[Scene, dict[str, Any]]:
-    """The checked scene of a call, and its table.
+    """Check the keywords of a call: the scene, and its table.
 
     Parameters
     ----------
@@ -264,8 +264,8 @@ def scene(
 
 
 def plain(value: Any) -> Any:
-    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of
-    paths; objects as they are."""
+    """Convert a value of Python to what a file has: dicts without None, lists and plain numbers,
+    texts of paths; objects as they are."""
     if isinstance(value, Mapping):
         return {key: plain(part) for key, part in value.items() if part is not None}
     if isinstance(value, (list, tuple)):
@@ -276,8 +276,8 @@ def plain(value: Any) -> Any:
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:
-    """The input file of a table of `scene`; "" if it has objects in it, or `fabric` is one, which
-    no file can hold.
+    """Write the input file of a table of `scene`; "" if it has objects in it, or `fabric` is one,
+    which no file can hold.
 
     Parameters
     ----------
@@ -315,8 +315,8 @@ def _has_object(table):
 
 @contextmanager
 def name_as_keyword(group: str, values: Mapping[str, object]) -> Iterator[None]:
-    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the
-    value as given."""
+    """Name the keyword GROUP_KEY and the value as given in an InputError of this block that is
+    about a key of `values`."""
     try:
         yield
     except InputError as problem:
@@ -327,7 +327,7 @@ def name_as_keyword(group: str, values: Mapping[str, object]) -> Iterator[None]:
 
 
 def fields_of(model: Any, name: str) -> dict[str, Any]:
-    """{key: field} of the table `name` of an input file."""
+    """Return {key: field} of the table `name` of an input file."""
     return _fields(model.model_fields[name])
 
 
@@ -386,7 +386,7 @@ def _unknown(key, value, known, function):
 
 
 def name_as_keywords(problem: InputError, flat: Sequence[str] | None = None) -> InputError:
-    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the
+    """Name keywords in the InputErrors of a scene in place of the dotted keys of the file, of the
     tables `flat`; None: those that the schema of an impact gives as keywords."""
     if flat is None:
         flat = sorted(set(tables().values()))

@@ -11,7 +11,7 @@ from fabrics.base.units import si
 
 
 def number(value: Any, unit: str, key: str) -> float:
-    """A number in SI units: as it is, or of a text with a unit.
+    """Convert a number to SI units: as it is, or from a text with a unit.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def number(value: Any, unit: str, key: str) -> float:
 
 
 def read_positive(value: float | str, unit: str, key: str) -> float:
-    """`number`, which must be above 0."""
+    """Convert a `number`, which must be above 0."""
     result = number(value, unit, key)
     if not result > 0:
         raise InputError(key=key, value=value, allowed="above 0")
@@ -50,8 +50,8 @@ def read_positive(value: float | str, unit: str, key: str) -> float:
 
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:
-    """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or
-    texts."""
+    """Convert numbers to SI units: from a text such as "5 um, 9 um", from one number, or from
+    several numbers or texts."""
     parts: Iterable[Any] = (value,)
     if isinstance(value, str):
         parts = map(str.strip, value.split(","))
@@ -61,7 +61,7 @@ def numbers(value: Any, unit: str, key: str) -> list[float]:
 
 
 def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tuple[float, float]:
-    """`numbers`, of which there may be one, for both, or two: (first, second).
+    """Convert `numbers`, of which there may be one, for both, or two: (first, second).
 
     Raises
     ------

@@ -22,7 +22,7 @@ __all__ = ["fabric", "setup"]
 def fabric(
     name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective"
 ) -> Fabric:
-    """A fabric of the catalogue, or of a user's file.
+    """Load a fabric of the catalogue, or of a user's file.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def fabric(
 def setup(
     fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
 ) -> ImpactSetup:
-    """The set-up of one impact, for `sweep` or `shellfabric`.
+    """Build the set-up of one impact, for `sweep` or `shellfabric`.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from fabrics.base.checks import IntArray
 
 
 def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
-    """The comment line: each name at the right end of its field.
+    """Write the comment line: each name at the right end of its field.
 
     Parameters
     ----------
@@ -29,25 +29,27 @@ def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
 
 
 def card(mark: str, texts: Mapping[str, str]) -> str:
-    """One card: {name: text as wide as the field}."""
+    """Write one card: {name: text as wide as the field}."""
     return heading(mark, texts, map(len, texts.values())) + "".join(texts.values()) + "\n"
 
 
 def table(mark: str, template: str, names: str, *columns: ArrayLike) -> str:
-    """A card a row of the columns side by side, in a %-template; one comment line above all."""
+    """Write a card a row of the columns side by side, in a %-template; one comment line above
+    all."""
     return heading(mark, names.split(), map(int, re.findall(r"%(\d+)", template))) + lines(
         template, *columns
     )
 
 
 def numbers(mark: str, name: str, values: Sequence[int] | IntArray, per_line: int) -> str:
-    """Whole numbers in fields of 10 columns; their name is followed by the number of the field."""
+    """Write whole numbers in fields of 10 columns; their name is followed by the number of the
+    field."""
     names = (f"{name}{n}" for n in range(1, 1 + min(per_line, len(values))))
     return heading(mark, names, [10] * per_line) + wrap(values, per_line)
 
 
 def lines(template: str, *columns: ArrayLike) -> str:
-    """Text with one line of the %-template for each row of the columns side by side."""
+    """Write one line of the %-template for each row of the columns side by side."""
     arrays = [np.asarray(column) for column in columns]
     flat = [c.reshape(len(c), -1) for c in arrays]
     rows = zip(*(part for c in flat for part in c.T.tolist()))
@@ -55,7 +57,7 @@ def lines(template: str, *columns: ArrayLike) -> str:
 
 
 def wrap(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
-    """Numbers in lines of at most `per_line`."""
+    """Write numbers in lines of at most `per_line`."""
     texts = [template % n for n in numbers]
     return "".join(
         between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line)
@@ -63,5 +65,5 @@ def wrap(numbers: Iterable, per_line: int, template: str = "%10d", between: str 
 
 
 def fields(template: str, *values: float | str) -> str:
-    """One line of values, each in the format `template`, such as "{:10d}"."""
+    """Write one line of values, each in the format `template`, such as "{:10d}"."""
     return "".join(map(template.format, values)) + "\n"

@@ -94,12 +94,13 @@ class Cloth:
         return (1 + self.crimp) * (1 + np.array(strains))
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """(2, ...) [Pa] nominal along warp and weft."""
+        """Compute the nominal stress (2, ...) [Pa] along warp and weft."""
         force = self.model.solve(stretch1, stretch2)
         return np.stack([force["N1"] * self.smear[0], force["N2"] * self.smear[1]])
 
     def uniaxial(self, family: int) -> tuple[FloatArray, FloatArray]:
-        """(stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the strength.
+        """Compute (stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the
+        strength.
 
         Crossing yarns without tension press on nothing: the yarns are straight once their crimp is
         gone.
@@ -120,8 +121,8 @@ class Cloth:
         return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 
     def curve(self, family: int, match: str) -> FloatArray:
-        """(n, 2) engineering strain and nominal stress [Pa] of one direction, on beyond the
-        strength with the yarns' modulus.
+        """Compute the curve (n, 2), engineering strain and nominal stress [Pa], of one direction,
+        on beyond the strength with the yarns' modulus.
 
         match : "uniaxial" tension, or the mean over the stretches of the other direction in the
             biaxial `plane`, which is the nearest to it of all curves of one stretch; but for its
@@ -147,7 +148,8 @@ class Cloth:
         return np.vstack([points, [reach, end[1] + self.modulus[family] * (reach - end[0])]])
 
     def trellis(self) -> FloatArray:
-        """(n, 2) shear angle [rad] and stress [Pa], to 60 degrees or beyond locking."""
+        """Compute the curve (n, 2), shear angle [rad] and stress [Pa], to 60 degrees or beyond
+        locking."""
         law = self.shear
         last = min(max(np.pi / 3, 1.2 * law.gamma2), _STEEPEST)
         parts = [0.0], np.linspace(law.gamma1, law.gamma2, 41), np.linspace(law.gamma2, last, 9)

@@ -52,20 +52,20 @@ class UncoupledCurves:
 
     @classmethod
     def fit(cls, cloth: Cloth, match: str) -> UncoupledCurves:
-        """See `Cloth.curve`."""
+        """Fit the curves to a cloth, see `Cloth.curve`."""
         return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """(2, ...) [Pa] nominal along warp and weft."""
+        """Compute the nominal stress (2, ...) [Pa] along warp and weft."""
         pairs = zip(np.broadcast_arrays(stretch1, stretch2), (0, 1))
         return np.stack([self.uniaxial(stretch, family) for stretch, family in pairs])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """[Pa] nominal along one direction in uniaxial tension."""
+        """Compute the nominal stress [Pa] along one direction in uniaxial tension."""
         return np.interp(stretch - 1, *self.curves[family].T)
 
     def shear(self, gamma: FloatArray) -> FloatArray:
-        """[Pa] on the angle between the yarns."""
+        """Compute the shear stress [Pa] at the angle between the yarns."""
         return np.interp(gamma, *self.trellis.T)
 
 
@@ -92,9 +92,9 @@ class CrimpExchange:
 
     @classmethod
     def fit(cls, cloth: Cloth, match: str) -> CrimpExchange:
-        """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and
-        one factor on both moduli by least squares over the plane: softer yarns of less crimp stand
-        in for yarns that flatten."""
+        """Fit the law: crimps and yarn modulus as they are, which is exact in uniaxial tension; or
+        S1, S2 and one factor on both moduli by least squares over the plane, so that softer yarns
+        of less crimp stand in for yarns that flatten."""
         whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
 
         def scale_cloth(scales):
@@ -138,7 +138,7 @@ class CrimpExchange:
         return _root(lambda y: self._yarn(family, stretch, y)[0], -height, 1.0, stretch.shape)
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """(2, ...) [Pa] nominal along warp and weft, in equilibrium."""
+        """Compute the nominal stress (2, ...) [Pa] along warp and weft, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
         y1 = self._free_rise(0, L1)
         y2 = self._free_rise(1, L2)
@@ -155,8 +155,8 @@ class CrimpExchange:
         return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """[Pa] nominal along one direction in uniaxial tension: crossing yarns are pushed out of
-        the way."""
+        """Compute the nominal stress [Pa] along one direction in uniaxial tension: crossing yarns
+        are pushed out of the way."""
         return self._yarn(family, stretch, self._free_rise(family, stretch))[1]
 
     @property
@@ -171,7 +171,7 @@ class CrimpExchange:
         return np.vstack([-half[:0:-1], half])
 
     def shear(self, gamma: FloatArray) -> FloatArray:
-        """[Pa] on the angle between the yarns."""
+        """Compute the shear stress [Pa] at the angle between the yarns."""
         return np.interp(np.degrees(gamma), *self.table.T) * np.cos(gamma)
 
 

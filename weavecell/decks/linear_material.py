@@ -43,7 +43,8 @@ class RestMaterial:
 
 
 def linearise(fabric: Fabric, Vf0: Sequence[float]) -> tuple[RestMaterial, ...]:
-    """Materials of warp and weft, meshed with the fibre volume fractions `Vf0` : (2,)."""
+    """Linearise the materials of warp and weft, meshed with the fibre volume fractions `Vf0` :
+    (2,)."""
     # a fabric without a solid law has no mesh
     assert fabric.solid_laws is not None
     return tuple(map(_material, fabric.weave.yarns, fabric.solid_laws, Vf0))

@@ -26,7 +26,7 @@ SIDES = np.array(
 
 
 def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
-    """Parts of the text of the input file."""
+    """Write the parts of the text of the input file."""
     numbered = deck(mesh, fabric)
     yield "".join(f"** {line}\n" for line in numbered.header)
     yield f"*HEADING\n{numbered.header[0]}; SI units\n"

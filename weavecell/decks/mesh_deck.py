@@ -90,16 +90,16 @@ class Deck:
     materials: tuple
 
     def nodes(self, template: str) -> str:
-        """A line of a %-template for each node: its number and its place."""
+        """Write a line of a %-template for each node: its number and its place."""
         return lines(template, range(1, len(self.points) + 1), self.points)
 
     def select_parts(self, kind: str) -> list[Part]:
-        """The parts of one kind."""
+        """Return the parts of one kind."""
         return [part for part in self.parts if part.kind == kind]
 
 
 def material_number(family: int, kind: str) -> int:
-    """Number, from 1, of the material of a kind of parts of a family."""
+    """Return the number, from 1, of the material of a kind of parts of a family."""
     return 1 + len(MATERIALS) * family + MATERIALS.index(kind)
 
 
@@ -110,8 +110,8 @@ def set_lines(
     per_line: int,
     quads: Callable[[np.ndarray], str],
 ) -> Iterator[str]:
-    """Text of all sets, and of the unions of a family as sets of sets; numbered through, each kind
-    from 1.
+    """Write all sets, and the unions of a family as sets of sets; numbered through, each kind from
+    1.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ ELEMENTS = {"hex": "SOLID", "bar": "BEAM", "shell": "SHELL"}
 
 
 def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
-    """Parts of the text of the keyword file."""
+    """Write the parts of the text of the keyword file."""
     numbered = deck(mesh, fabric)
     yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header)
     yield f"*TITLE\n{numbered.header[0]}\n"

@@ -28,7 +28,7 @@ EDGE_12 = 20
 
 
 def texts(mesh: YarnMesh, fabric: Fabric) -> Iterator[str]:
-    """Parts of the text of the starter file."""
+    """Write the parts of the text of the starter file."""
     numbered = deck(mesh, fabric)
     yield "#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in numbered.header)
     yield f"/BEGIN\n{mesh.fabric}\n" + _ids(2022, 0) + 2 * _texts("kg", "m", "s")

@@ -67,7 +67,7 @@ class Mismatch:
         return max(self.largest, self.uniaxial, self.shear)
 
     def numbers(self) -> dict[str, float]:
-        """The four numbers, by name."""
+        """Return the four numbers, by name."""
         return {
             "rms": self.rms,
             "largest": self.largest,
@@ -77,8 +77,8 @@ class Mismatch:
 
 
 def plot(pyplot: Any, mismatch: Mismatch) -> Any:
-    """The figure of the differences along warp and weft, in percent of the strength, where no yarn
-    has reached it."""
+    """Draw the differences along warp and weft, in percent of the strength, where no yarn has
+    reached it."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 4.3), sharey=True)
     top = 100 * max(mismatch.largest, 0.01)
     x, y = (100 * (stretch - 1) for stretch in (mismatch.stretch1, mismatch.stretch2))

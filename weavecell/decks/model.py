@@ -109,15 +109,15 @@ class Units:
     s: float
 
     def density(self, value: Any) -> Any:
-        """From [kg/m3]."""
+        """Convert from [kg/m3]."""
         return value * self.kg / self.m**3
 
     def stress(self, value: Any) -> Any:
-        """From [Pa]."""
+        """Convert from [Pa]."""
         return value * self.kg / (self.m * self.s**2)
 
     def velocity(self, value: Any) -> Any:
-        """From [m/s]."""
+        """Convert from [m/s]."""
         return value * self.m / self.s
 
 
@@ -243,8 +243,8 @@ class Deck:
         return self.end_time / _PICTURES, self.end_time / _SAMPLES
 
     def list_held_nodes(self) -> dict[str, IntArray]:
-        """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are
-        left out."""
+        """Return {name: node numbers}: clamped, and on planes of symmetry without those; empty sets
+        are left out."""
         chosen = {}
         for name in self.plies[0].held:
             chosen[name] = np.concatenate([ply.held[name] for ply in self.plies])
@@ -253,8 +253,8 @@ class Deck:
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def list_watched_nodes(self) -> dict[str, int]:
-        """{name: node number} of what histories are written: the projectile, and the point of
-        impact of each ply."""
+        """Return {name: node number} of what histories are written: the projectile, and the point
+        of impact of each ply."""
         nodes = {"projectile": self.nose.reference}
         for ply in self.plies:
             nodes[ply.name] = int(ply.quads.min() + np.argmin(np.hypot(*ply.points[:, :2].T)))
@@ -264,7 +264,7 @@ class Deck:
 def build(
     setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title: str, source: str
 ) -> Deck:
-    """The deck of a set-up.
+    """Build the deck of a set-up.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ _TURNS = 145
 
 
 def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
-    """Points (n, 3) [m] about the nose, and quadrilaterals (m, 4) of their numbers from 0,
+    """Mesh the nose: points (n, 3) [m] about it, and quadrilaterals (m, 4) of their numbers from 0,
     anticlockwise from outside.
 
     Parameters

@@ -27,7 +27,7 @@ STRAINS = np.linspace(0.0, 0.032, 97)
 
 
 def fabric_card(fabric: Fabric) -> Card:
-    """Which fabric."""
+    """Write the card that says which fabric."""
     weave = fabric.weave
     written = fabric.sources.get("warp.linear_density", {}).get("value", "")
     for unit in ("denier", "dtex", "tex"):
@@ -52,7 +52,8 @@ def fabric_card(fabric: Fabric) -> Card:
 def law_card(
     law: CompressionLaw, published: CompressionLaw | None = None, source: str = ""
 ) -> Card:
-    """Which compression law, beside the published one; its constants if it was fitted."""
+    """Write the card that says which compression law, beside the published one; its constants if it
+    was fitted."""
     title = "Compression of the yarns"
     headline = source.partition(" (")[0]
     # decoupled yarns do not compress each other
@@ -68,8 +69,8 @@ def law_card(
 
 
 def law_cards(case: Any) -> tuple[Card, ...]:
-    """The card of the law of what was built from an input file; none of a response surface, or
-    without a file."""
+    """Write the card of the law of what was built from an input file; none of a response surface,
+    or without a file."""
     if case is None or getattr(case, "surface", None) is not None:
         return ()
     if not case.materials:
@@ -82,7 +83,7 @@ def law_cards(case: Any) -> tuple[Card, ...]:
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
-    """The meshed crossover."""
+    """Show the meshed crossover."""
     caption = "The whole crossover; by symmetry a quarter of it is solved."
     return Section(
         "mesh",
@@ -100,7 +101,7 @@ def cell(
     model: str = "compressible",
     paths: Mapping[str, tuple] | None = None,
 ) -> Section:
-    """The cell's biaxial response with each law, and the 3D crossover's if it is known.
+    """Show the cell's biaxial response with each law, and the 3D crossover's if it is known.
 
     Parameters
     ----------
@@ -155,7 +156,7 @@ def _with_tensions(paths):
 
 
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
-    """Targets and values: rows of (quantity, target, value, met)."""
+    """Compare targets and values: rows of (quantity, target, value, met)."""
     rows = tuple(rows)
     missed = [quantity for quantity, _, _, met in rows if met == "no"]
     lead = "All are met."
@@ -170,7 +171,7 @@ def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
 
 
 def sources(*fabrics: Fabric) -> Section:
-    """Where each number comes from."""
+    """Tabulate where each number comes from."""
     tables = []
     for fabric in fabrics:
         name = ""
@@ -195,7 +196,7 @@ def sources(*fabrics: Fabric) -> Section:
 def making(
     stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()
 ) -> Section:
-    """How the page was made: times, further tables, versions, machine and scene; folded."""
+    """Tell how the page was made: times, further tables, versions, machine and scene; folded."""
     tables = [*more]
     if timings:
         times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
@@ -211,7 +212,7 @@ def making(
 
 
 def describe_shot(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -> str:
-    """What is shot at, how it is held, what is behind it, and the projectile, in a sentence."""
+    """Say in a sentence what is shot at, how it is held, what is behind it, and the projectile."""
     plies = f"One ply of {setup.name}"
     if setup.plies > 1 and setup.lay_up:
         plies = f"{setup.plies} plies: {setup.name}"
@@ -240,8 +241,8 @@ def report(
     tone: str = "plain",
     more: tuple[Table, ...] = (),
 ) -> Report:
-    """The page of any result: the first card, those of its fabrics, the others; sources and the
-    making at the end.
+    """Build the page of any result: the first card, those of its fabrics, the others; sources and
+    the making at the end.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ _MEANS = "; for means their difference, to which their standard errors are added
 
 
 def summary(pair: Discretisation | None) -> dict[str, Any]:
-    """For summary.json."""
+    """Return the entries for summary.json."""
     if pair is None:
         return {}
     window = pair.windows[0]
@@ -65,7 +65,8 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
 
 
 def words(pair: Discretisation) -> str:
-    """Means over the window and uncertainties, one line a result, and whether the target is met."""
+    """Write means over the window and uncertainties, one line a result, and whether the target is
+    met."""
     lines = []
     window = pair.windows[0]
     mean = ""
@@ -141,7 +142,7 @@ def _compare_with_tests(pair):
 
 
 def section(pair: Discretisation) -> Section:
-    """For the report."""
+    """Build the section of the report."""
     from pandas import DataFrame
 
     window = pair.windows[0]

@@ -19,7 +19,7 @@ _SHOWN = 3
 
 
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
-    """{"checks": {"status", "indicators"}} for summary.json."""
+    """Return {"checks": {"status", "indicators"}} for summary.json."""
     return {
         "checks": {
             "status": status(indicators),
@@ -29,7 +29,8 @@ def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
 
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
-    """The worst indicators of a status, each with value and limit; "" if there is none."""
+    """Write the worst indicators of a status in a line, each with value and limit; "" if there is
+    none."""
     worst = [indicator for indicator in indicators if indicator.status == status]
     worst.sort(key=lambda indicator: indicator.excess, reverse=True)
     text = "; ".join(map(str, worst[:_SHOWN]))
@@ -39,7 +40,7 @@ def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
 
 
 def words(indicators: Sequence[Indicator]) -> str:
-    """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
+    """Write "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
     worst = status(indicators)
     if worst == OK:
         return worst
@@ -47,7 +48,7 @@ def words(indicators: Sequence[Indicator]) -> str:
 
 
 def describe_shot(shot: Shot) -> str:
-    """A shot in a few words, for the progress of a search."""
+    """Describe a shot in a few words, for the progress of a search."""
     words = f"{shot.outcome} at {shot.strike_velocity:.1f} m/s"
     if status(shot.checks) == DOUBTFUL:
         words += ", doubtful"
@@ -55,7 +56,8 @@ def describe_shot(shot: Shot) -> str:
 
 
 def judge_bracket(limit: Limit) -> str:
-    """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
+    """Write "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed
+    outcomes."""
     doubtful = []
     for shot in limit.ends:
         if status(shot.checks) == DOUBTFUL:
@@ -81,7 +83,7 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
 
 
 def section(indicators: Sequence[Indicator]) -> Section:
-    """The section of a report."""
+    """Build the section of a report."""
     sentences = []
     for level in (DOUBTFUL, NOTED):
         if text := line(indicators, level):

@@ -14,7 +14,7 @@ from fabrics.friction.pull_out import FRICTION_RANGE
 
 
 def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
-    """One yarn pulled straight."""
+    """Evaluate one yarn pulled straight."""
     taut, yarn = (
         record["T_taut"] > 0.1 * record["T_taut"].max(),
         fabric.weave.yarns[record.facts["yarn"]],
@@ -35,7 +35,7 @@ def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
-    """Plies between platens."""
+    """Evaluate plies between platens."""
     from unitcell3d.cases.stack import law_closure
 
     numbers = {
@@ -53,7 +53,7 @@ def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
-    """Biaxial stretch, or any path."""
+    """Evaluate biaxial stretch, or any path."""
     numbers = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
     numbers |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
     if np.any(record["broken"]):
@@ -62,7 +62,7 @@ def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
-    """Shear of the weave."""
+    """Evaluate shear of the weave."""
     from fabrics.trellis import touching_angle
     from unitcell3d.identify import shear_fit
 
@@ -105,7 +105,7 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
-    """One yarn pulled along its axis."""
+    """Evaluate one yarn pulled along its axis."""
     from unitcell3d.cases import pull_out as case
 
     F_c, T_f = case.thresholds(record)

@@ -8,7 +8,8 @@ from fabrics.fabric import Fabric
 
 
 def derive_rows(fabric: Fabric) -> list[tuple[str, str]]:
-    """(quantity, value) rows that follow from a fabric's data: geometry, mass, strength."""
+    """Compute the rows (quantity, value) that follow from a fabric's data: geometry, mass,
+    strength."""
     weave = fabric.weave
     pair = " / ".join
     rows = [
@@ -32,8 +33,8 @@ def derive_rows(fabric: Fabric) -> list[tuple[str, str]]:
 
 
 def density_kind(fabric: Fabric) -> str:
-    """ "effective" of a fabric that has the linear densities of the published runs, "nominal" of
-    the data sheet's."""
+    """Return "effective" of a fabric that has the linear densities of the published runs, "nominal"
+    of the data sheet's."""
     used = tuple(yarn.linear_density for yarn in fabric.weave.yarns)
     if used == tuple(fabric.effective_linear_density or ()):
         return "effective"

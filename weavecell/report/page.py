@@ -63,8 +63,8 @@ class Table:
 
     @classmethod
     def from_frame(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
-        """The table of a frame, numbers with four digits; `numeric` are columns of texts that are
-        numbers."""
+        """Make the table of a frame, numbers with four digits; `numeric` are columns of texts that
+        are numbers."""
         rows = frame.itertuples(index=False, name=None)
         texts = tuple(
             tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows
@@ -98,11 +98,11 @@ class Report:
     sections: tuple[Section, ...]
     footer: str = ""
     outcome: str = ""  # the result in one line
-    tone: str = "plain"  # as of Card
+    tone: str = "plain"  # as in Card
 
 
 def render(report: Report) -> str:
-    """The page as text."""
+    """Render the page as text."""
     import jinja2
 
     folder = resources.files("weavecell.report") / "templates"

@@ -36,11 +36,11 @@ def panel(
     *,
     front: bool = False,
 ) -> np.ndarray:
-    """The image (rows, columns, 3) of a panel in parallel projection.
+    """Draw a panel in parallel projection: the image (rows, columns, 3).
 
     Parameters
     ----------
-    grid, strength, mirrors : as of `colour_grid`
+    grid, strength, mirrors : as in `colour_grid`
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
@@ -70,7 +70,7 @@ def panel(
 
 
 def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
-    """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in
+    """Make the grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in
     vermilion.
 
     Elements without a yarn are left out.
@@ -101,5 +101,5 @@ def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any
 
 
 def width(nodes: FloatArray, mirrored: bool) -> float:
-    """[m] of a panel along x, from the nodes (n, 3) of what is modelled."""
+    """Measure the width [m] of a panel along x, from the nodes (n, 3) of what is modelled."""
     return float(np.ptp(nodes[:, 0])) * (2 if mirrored else 1)

@@ -18,8 +18,8 @@ _AT = 24e-3
 
 
 def bar(pyplot: Any, history: BarHistory) -> Any:
-    """Velocities of tip, tail and centre of mass, and how far tip and tail have moved against the
-    centre.
+    """Draw the velocities of tip, tail and centre of mass, and how far tip and tail have moved
+    against the centre.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def bar(pyplot: Any, history: BarHistory) -> Any:
 
 
 def crater(pyplot: Any, blocks: Any) -> Any:
-    """Blocks cut along the warp through the impact point, mirrored, coloured by effective plastic
-    strain.
+    """Draw blocks cut along the warp through the impact point, mirrored, coloured by effective
+    plastic strain.
 
     Parameters
     ----------

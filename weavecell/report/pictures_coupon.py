@@ -77,7 +77,7 @@ _SHEARS = (
 
 
 def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
-    """The coupon at the end: its elements by their shear, and its yarns by their tension."""
+    """Draw the coupon at the end: its elements by their shear, and its yarns by their tension."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -148,8 +148,8 @@ def _zones(axes, solved):
 
 
 def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any:
-    """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of
-    yarns that do not stretch) are dashed. The label of the axis is without its unit."""
+    """Draw columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C
+    of yarns that do not stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     prescribed = record.facts["prescribed_name"]
     unit, factor = choose_unit(COUPON_MEASURES[names[0]].unit)
@@ -177,8 +177,8 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
 
 
 def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
-    """Out-of-balance force over the reaction through all iterations; a line marks the end of each
-    step."""
+    """Draw the out-of-balance force over the reaction through all iterations; a line marks the end
+    of each step."""
     figure, axes = pyplot.subplots(figsize=(10.4, 3.6))
     out, reaction = np.concatenate([state.history for state in solved.states]).T
     ratio = out / np.maximum(reaction, solved.force_floor)
@@ -195,8 +195,8 @@ def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
 
 
 def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
-    """Load of a pulled yarn, and the crossovers that it slides through and has left, against the
-    displacement."""
+    """Draw the load of a pulled yarn, and the crossovers that it slides through and has left,
+    against the displacement."""
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1)
     )

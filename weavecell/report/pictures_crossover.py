@@ -24,7 +24,7 @@ WINDOW = (1500, 900)
 
 
 def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Tension against strain, with the closed form."""
+    """Draw tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
     strain = 100 * record["strain"]
     crimp = 100 * record.facts["crimp"]
@@ -56,7 +56,7 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Pressure against the closure of a ply, with the pressure law if it knows the pack."""
+    """Draw pressure against the closure of a ply, with the pressure law if it knows the pack."""
     from unitcell3d.cases.stack import law_closure
 
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
@@ -90,7 +90,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Tensions and contact force along the path."""
+    """Draw tensions and contact force along the path."""
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1)
     )
@@ -156,8 +156,8 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
-    """Axial force against the pull at each transverse load, and the thresholds against the contact
-    force."""
+    """Draw the axial force against the pull at each transverse load, and the thresholds against the
+    contact force."""
     from unitcell3d.cases import pull_out as case
 
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.6))
@@ -188,7 +188,7 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
 
 
 def plates(pyplot: Any, fit: Any) -> Any:
-    """Pressure against closure.
+    """Draw pressure against closure.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ _SETTINGS = {
 
 @contextmanager
 def plots() -> Iterator[Any]:
-    """Within the block figures get this project's look; yields this module, which draws as pyplot
+    """Give figures this project's look in this block; yield this module, which draws as pyplot
     does."""
     with rc_context(_SETTINGS):
         yield sys.modules[__name__]
@@ -68,7 +68,7 @@ class StyledFigure(Figure):
         FigureCanvasAgg(self)
 
     def draw(self, renderer: Any) -> None:
-        """As of Figure, which makes ticks and their labels only now."""
+        """Draw in this project's look: Figure makes ticks and their labels only now."""
         with plots():
             super().draw(renderer)
 
@@ -83,6 +83,6 @@ figure = StyledFigure
 def subplots(
     rows: int = 1, columns: int = 1, *, figsize: Any = None, layout: Any = None, **axes: Any
 ) -> Any:
-    """(figure, its axes) as of pyplot."""
+    """Make (figure, its axes), as pyplot does."""
     made = figure(figsize=figsize, layout=layout)
     return made, made.subplots(rows, columns, **axes)

@@ -23,7 +23,7 @@ _WAVES = {"longitudinal": INK, "transverse": RED}
 
 
 def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) -> Any:
-    """Tension and strain through time at places along yarns, one panel a yarn.
+    """Draw tension and strain through time at positions along yarns, one panel a yarn.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def _percent(EA):
 
 
 def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
-    """Tension over place and time, with the fronts and the lines through them, one panel a yarn.
+    """Draw tension over place and time, with the fronts and the lines through them, one panel a
+    yarn.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
 
 
 def name(yarn: YarnHistory) -> str:
-    """Which yarn, in words."""
+    """Name a yarn in words."""
     return f"{yarn.family}, {MM * yarn.offset:.1f} mm off centre"
 
 

@@ -65,7 +65,7 @@ def save(scene: Any, path: FilePath) -> None:
 
 
 def can_draw() -> bool:
-    """Whether there is a library that draws off screen: VTK ends a process in which it finds
+    """Tell whether there is a library that draws off screen: VTK ends a process in which it finds
     none."""
     if sys.platform != "linux":
         return True
@@ -76,7 +76,7 @@ def can_draw() -> bool:
 
 
 def plotter(window: Sequence[int], lights: Any = "light kit", off_screen: bool = True) -> Any:
-    """A scene on white, in a window or off screen.
+    """Make a scene on white, in a window or off screen.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def aim(
     foot: float = FOOT,
     margin: float = MARGIN,
 ) -> None:
-    """Parallel projection along a view; the points [mm] fill the window above a foot kept free.
+    """Set parallel projection along a view; the points [mm] fill the window above a foot kept free.
 
     Parameters
     ----------

@@ -30,12 +30,12 @@ DASHES = ("-", "--", "-.", ":")
 
 
 def legend_beside(axes: Any, **looks: Any) -> None:
-    """The legend of some axes at their right, outside of the curves."""
+    """Place the legend of some axes at their right, outside of the curves."""
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **looks)
 
 
 def tension_map() -> Any:
-    """The colour map of tensions."""
+    """Return the colour map of tensions."""
     from matplotlib.colors import LinearSegmentedColormap
 
     return LinearSegmentedColormap.from_list("tension", TENSIONS)

@@ -15,7 +15,8 @@ HEIGHTS = (("h1", "warp height"), ("h2", "weft height"))
 
 
 def surfaces(pyplot: Any, interpolant: Any) -> Any:
-    """The three forces above the (d1, d2) plane: interpolant as a surface, samples as lines."""
+    """Draw the three forces above the (d1, d2) plane: interpolant as a surface, samples as
+    lines."""
     surface = interpolant.surface
     x, y = (np.linspace(axis[0], axis[-1], 61) for axis in (surface.d1, surface.d2))
     figure = pyplot.figure(figsize=(10.4, 3.7))
@@ -51,7 +52,7 @@ def surfaces(pyplot: Any, interpolant: Any) -> Any:
 
 
 def contours(pyplot: Any, interpolant: Any) -> Any:
-    """Levels of the forces and heights over (d1, d2), with the samples."""
+    """Draw levels of the forces and heights over (d1, d2), with the samples."""
     from matplotlib.ticker import MaxNLocator
 
     surface = interpolant.surface
@@ -88,7 +89,7 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
 
 
 def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
-    """Cuts along d1 at three d2 and along d2 at three d1, with the shell's cell beside.
+    """Draw cuts along d1 at three d2 and along d2 at three d1, with the shell's cell beside.
 
     Parameters
     ----------
@@ -132,8 +133,8 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
 
 
 def draw_misses(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
-    """Largest miss on each grid line of the spline through the other lines, of the quantity's
-    largest value."""
+    """Draw the largest miss on each grid line of the spline through the other lines, over the
+    quantity's largest value."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 3.6), sharey=True)
     for number, (axes, axis) in enumerate(zip(pair, (surface.d1, surface.d2))):
         for (name, title), colour, dash in zip(FORCES, (WARP, WEFT, INK), DASHES):

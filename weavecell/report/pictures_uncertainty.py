@@ -22,8 +22,8 @@ _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
 def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
-    """Lowest and highest velocity over each assumed range alone, the widest on top, with its share;
-    all together."""
+    """Draw the lowest and highest velocity over each assumed range alone, the widest on top, with
+    its share; all together."""
     nominal = around.rows[0].velocity or 0.0
     y = np.arange(len(around.widths))
     low, high = np.array(list(around.widths.values())).T
@@ -41,8 +41,8 @@ def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
 
 
 def perforation(pyplot: Any, study: Study, title: str) -> Any:
-    """Fitted curves with the interval of the probit, shots, and limit without scatter; residual
-    velocities below."""
+    """Draw the fitted curves with the interval of the probit, shots, and limit without scatter;
+    residual velocities below."""
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
     curve = study.curves["probit"]
@@ -102,7 +102,8 @@ def sweep(
     others: Sequence[str],
     quantity: Quantity,
 ) -> Any:
-    """A quantity against the first key of a sweep, a line for each combination of the other keys.
+    """Draw a quantity against the first key of a sweep, a line for each combination of the other
+    keys.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def sweep(
 
 
 def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantity: Quantity) -> Any:
-    """A quantity of each row of a sweep, with what the row changes at its side; the first row
+    """Draw a quantity of each row of a sweep, with what the row changes at its side; the first row
     changes nothing."""
     figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(changes)))
     values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)

@@ -46,7 +46,8 @@ _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1
 
 
 def record(inputs: Any, solved: Result, **facts: Any) -> Record:
-    """The record of a test, a row a load step: first what is prescribed, then what is measured.
+    """Make the record of a test, a row a load step: first what is prescribed, then what is
+    measured.
 
     Parameters
     ----------
@@ -161,8 +162,8 @@ def _biaxial(inputs, solved):
 
 
 def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
-    """Quality indicators of a test; the load step in which a yarn fails may go beyond its
-    strength."""
+    """Compute the quality indicators of a test; the load step in which a yarn fails may go beyond
+    its strength."""
     from shellfabric.panel import quality
 
     coupon = solved.coupon
@@ -173,7 +174,7 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
 
 
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
-    """The record of a curve, a row a sample; `facts` come first."""
+    """Make the record of a curve, a row a sample; `facts` come first."""
     coupon = curve.coupon
     measures = {
         "displacement of the crosshead": curve.displacement,
@@ -199,7 +200,7 @@ def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
 
 
 def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
-    """Quality indicators of a pull-out."""
+    """Compute the quality indicators of a pull-out."""
     from shellfabric.panel import quality
 
     return quality.of_cell(curve.coupon.table, (curve.peak, curve.coupon.pre_tension))
@@ -258,7 +259,7 @@ def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[Stat
 
 
 def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
-    """The states that `write_states` wrote.
+    """Read the states that `write_states` wrote.
 
     Raises
     ------

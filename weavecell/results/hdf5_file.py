@@ -25,7 +25,7 @@ def put(file: Any, name: str, values: ArrayLike, unit: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """A number of numpy as one of Python."""
+    """Convert a number of numpy to one of Python."""
     if isinstance(value, np.generic):
         return value.item()
     return value
@@ -42,8 +42,8 @@ def write_group(group: Any, source: object, table: Iterable[Key]) -> None:
 
 
 def read_group(group: Any, kind: Any, table: str, **more: Any) -> Any:
-    """The object of a dataclass `kind` that `write_group` wrote by a table; `more` of its fields
-    are given."""
+    """Read the object of a dataclass `kind` that `write_group` wrote by a table; `more` of its
+    fields are given."""
     known = {entry.name for entry in fields(kind)}
     for key in TABLES[table]:
         if key.field in known:

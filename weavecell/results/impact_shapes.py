@@ -34,7 +34,7 @@ class Shape:
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
     failed : (m, 3) bool: warp failed, weft failed, element eroded
-    pressure, area, failed_segments : of the nodes, (k, ...), as of a Snapshot
+    pressure, area, failed_segments : of the nodes, (k, ...), as in a Snapshot
     """
 
     time: float
@@ -49,7 +49,7 @@ class Shape:
 
     @classmethod
     def from_snapshot(cls, shot: Snapshot) -> Shape:
-        """The shape of a `shellfabric.output.snapshots.Snapshot`."""
+        """Take the shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
         flat = {}
         for name, grid in grids.items():
@@ -74,8 +74,7 @@ class Cut:
 
     @classmethod
     def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
-        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at
-        rest."""
+        """Cut the plies' `shellfabric.output.snapshots.Snapshot` of one instant along x at rest."""
         lines = []
         for shot, panel in zip(shots, panels):
             j = panel.nearest_lines[1]

@@ -20,8 +20,8 @@ def write(path: FilePath, content: object) -> None:
 
 
 def finite(content: Any) -> Any:
-    """Content with numpy numbers and arrays as numbers and lists, and None for what is not
-    finite."""
+    """Convert numpy numbers and arrays in some content to numbers and lists, and what is not finite
+    to None."""
     if isinstance(content, Mapping):
         return {key: finite(value) for key, value in content.items()}
     if isinstance(content, (list, tuple)):
@@ -39,7 +39,7 @@ def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:
 
 
 def read_summary(path: FilePath) -> dict[str, Any]:
-    """The content of a summary.json.
+    """Read a summary.json.
 
     Raises
     ------

@@ -98,8 +98,8 @@ def write(line: str, file: Any) -> None:
 def run_with_bar(
     run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
 ) -> tuple[Any, UnstableError | None]:
-    """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or
-    None)."""
+    """Run an impact as run(hooks) under a progress bar: (its result, the UnstableError that ended
+    it or None)."""
     with bar(title) as advance:
 
         def show(solver):
@@ -116,8 +116,8 @@ def run_with_bar(
 
 
 def count_paths(advance: Callable[..., object], count: int) -> Callable[..., None]:
-    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one
-    bar."""
+    """Return a function that shows the progress of `count` paths, as
+    `unitcell3d.identify.calibrate` reports it, on one bar."""
     shares = {}
 
     def report_path(fabric, path, share):

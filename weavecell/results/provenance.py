@@ -39,9 +39,9 @@ PACKAGES = (
 def stamp(
     scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None
 ) -> dict[str, str]:
-    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a
-    set-up, which of their tables were assumed, and of a set-up its notes and what a projectile from
-    an STL file was."""
+    """Collect what a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those
+    of a set-up, which of their tables were assumed, and of a set-up its notes and what a projectile
+    from an STL file was."""
     if setup is not None:
         fabrics = (*fabrics, *setup.fabrics)
     lines = []
@@ -69,7 +69,7 @@ def stamp(
 
 
 def versions() -> dict[str, str]:
-    """Versions of the installed packages that results can depend on.
+    """List the versions of the installed packages that results can depend on.
 
     Debian names some distributions otherwise than their makers do, so the version of the module
     that is loaded, where it states one, goes before that of the distribution.
@@ -86,8 +86,8 @@ def versions() -> dict[str, str]:
 
 
 def commit() -> str:
-    """The git commit this package was run from, "+ changes" if the tree had been edited; "not a
-    checkout" otherwise."""
+    """Return the git commit this package was run from, "+ changes" if the tree had been edited;
+    "not a checkout" otherwise."""
     # installed from a wheel, the folder may lie inside the checkout of another project
     home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():
@@ -103,7 +103,7 @@ def commit() -> str:
 
 
 def threads() -> str:
-    """How many threads the numerical libraries may use."""
+    """Say how many threads the numerical libraries may use."""
     text = f"OMP_NUM_THREADS {os.environ.get('OMP_NUM_THREADS', 'unset')}"
     if "numba" in sys.modules:
         text += f", numba {sys.modules['numba'].get_num_threads()}"
@@ -117,7 +117,7 @@ def _git(folder, *words):
 
 
 def processor() -> str:
-    """The processor's name."""
+    """Return the processor's name."""
     # only Linux needs the file: there `platform.processor` knows the architecture at best
     with suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text().splitlines():

@@ -25,7 +25,7 @@ _FAILED = "failed_segments_warp", "failed_segments_weft"
 
 
 def grid(nodes: FloatArray, quads: IntArray) -> Any:
-    """A pyvista.UnstructuredGrid of quadrilaterals (m, 4) of nodes (n, 3) [m]."""
+    """Make a pyvista.UnstructuredGrid of quadrilaterals (m, 4) of nodes (n, 3) [m]."""
     import pyvista
 
     return pyvista.UnstructuredGrid(
@@ -34,7 +34,7 @@ def grid(nodes: FloatArray, quads: IntArray) -> Any:
 
 
 def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
-    """The grid of a panel at one instant, with the arrays that docs/reference.md lists.
+    """Make the grid of a panel at one instant, with the arrays that docs/reference.md lists.
 
     Parameters
     ----------
@@ -69,7 +69,8 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
 
 
 def count_failed_yarns(broken: np.ndarray) -> np.ndarray:
-    """(m,) how many yarns of each element have failed, 0 to 2; an eroded element has lost both.
+    """Count how many yarns of each element have failed, (m,), 0 to 2; an eroded element has lost
+    both.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def write_series(path: FilePath, times: Mapping[str, float]) -> None:
 
 
 def read_series(path: FilePath) -> list[tuple[Path, float]]:
-    """The files of a .pvd with their times, as [(path, time [s])].
+    """Read the files of a .pvd with their times, as [(path, time [s])].
 
     Raises
     ------

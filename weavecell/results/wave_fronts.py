@@ -59,7 +59,7 @@ class Front:
 
 
 def fronts(histories: Histories) -> tuple[Front, ...]:
-    """The fronts along the warp and the weft yarn nearest the impact point, where such were
+    """Find the fronts along the warp and the weft yarn nearest the impact point, if such were
     recorded."""
     yarns = [yarn for yarn in map(histories.through, FAMILIES) if yarn is not None]
     return tuple(front(yarn, histories.t) for yarn in yarns for front in (longitudinal, transverse))
@@ -72,7 +72,7 @@ def longitudinal(
     threshold: float | None = None,
     window: tuple[float, float] = WINDOW,
 ) -> Front:
-    """Arrivals of the longitudinal front.
+    """Find the arrivals of the longitudinal front.
 
     Parameters
     ----------
@@ -97,7 +97,8 @@ def longitudinal(
 
 
 def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] = WINDOW) -> Front:
-    """Feet of the deflected part; left out where its side is not spread over three elements."""
+    """Find the feet of the deflected part; left out if its side is not spread over three
+    elements."""
     spacing = yarn.X[1] - yarn.X[0]
     time = []
     place = []

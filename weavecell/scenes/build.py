@@ -125,7 +125,7 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
 def material(
     table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None
 ) -> Material:
-    """The Material of a table [fabric].
+    """Build the Material of a table [fabric].
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ def _laws(table, key, fabric, file, given):
 def laws_of(
     fabric: Fabric, law: Any = None, file: FilePath | None = None, key: str = "law"
 ) -> Laws:
-    """(warp, weft) compression laws.
+    """Choose the (warp, weft) compression laws.
 
     Parameters
     ----------
@@ -345,12 +345,12 @@ def _warn_of_change(fitted_data, fabric, name):
 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:
-    """Gap, model and form of the CellModel that a table [fabric] asks for."""
+    """Return gap, model and form of the CellModel that a table [fabric] asks for."""
     return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
-    """The impact's set-up for `shellfabric`. With a file, its notes are logged.
+    """Build the impact's set-up for `shellfabric`. With a file, its notes are logged.
 
     Raises
     ------
@@ -472,7 +472,7 @@ def _side(side):
 
 
 def may_be_of_file(problem: InputError) -> bool:
-    """Whether an InputError may be of a key of an input file, and not of a parameter of a
+    """Tell whether an InputError may be of a key of an input file, and not of a parameter of a
     command."""
     known = {key.rpartition(".")[2] for key in entries(Scene)}
     return problem.key is None or "." in problem.key or problem.key in known
@@ -481,7 +481,8 @@ def may_be_of_file(problem: InputError) -> bool:
 def name_file(
     problem: InputError, file: FilePath | None, of_scene: Mapping[str, type[Table]] | None = None
 ) -> InputError:
-    """An InputError of an object that does not know its file, with the scene's file and key in it.
+    """Return an InputError of an object that does not know its file, with the scene's file and key
+    in it.
 
     Parameters
     ----------

@@ -184,5 +184,5 @@ def yarn_tension(path: FilePath) -> YarnFit:
 
 
 def name_of(path: FilePath) -> str:
-    """The file as a source: its name without folders."""
+    """Return the file as a source: its name without folders."""
     return Path(path).name

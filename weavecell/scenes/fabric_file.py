@@ -66,7 +66,7 @@ class Draft:
     family: str | None = None
 
     def fabric(self) -> Fabric:
-        """The Fabric of these values.
+        """Build the Fabric of these values.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Draft:
         return catalogue.read(self.file or f"{self.name}.toml", self.text())
 
     def text(self) -> str:
-        """The TOML file."""
+        """Write the TOML file."""
         lines = [
             "# Made by `weavecell fabrics new`. Tables that are not given, [shear] and [solid], are assumed by fibre",
             "# family, with a range; [compression] comes from `weavecell calibrate`.",
@@ -117,14 +117,14 @@ class Draft:
 
 
 def check(key: str, text: str) -> str:
-    """The text of one value; InputError if it is not a quantity of a unit that the key may have, or
-    out of bounds."""
+    """Check the text of one value; InputError if it is not a quantity of a unit that the key may
+    have, or out of bounds."""
     ALL[key].read(text, key=key)
     return text.strip()
 
 
 def read_values(path: FilePath) -> dict[str, Value]:
-    """Values of a CSV file.
+    """Read the values of a CSV file.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def with_curves(
     bias: FilePath | None = None,
     strip: tuple[float, float] | None = None,
 ) -> tuple[Draft, list[str]]:
-    """The draft with values that are fitted to curves, and a line about each fit.
+    """Return the draft with values that are fitted to curves, and a line about each fit.
 
     Parameters
     ----------
@@ -303,8 +303,8 @@ def _with_shear(draft, fit, source, fitted):
 
 
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:
-    """A line about each number that disagrees with another, each table that will be assumed, and at
-    the end what is missing in the file at `path`."""
+    """Write a line about each number that disagrees with another, each table that will be assumed,
+    and at the end what is missing in the file at `path`."""
     missing = [f"missing: the compression law, which `weavecell calibrate {path}` computes"]
     try:
         fabric = assumed.with_solid_laws(assumed.with_shear(fabric))

@@ -218,7 +218,7 @@ class FabricTable(Table):
 
 
 def anchor_paths(scene: Any, file: FilePath) -> Any:
-    """The scene with its relative paths taken from the folder of the scene file.
+    """Return the scene with its relative paths taken from the folder of the scene file.
 
     Raises
     ------
@@ -288,7 +288,7 @@ def check_scene(
 
 
 def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:
-    """InputError unless exactly one of some keys of the table [name] is given."""
+    """Raise an InputError unless exactly one of some keys of the table [name] is given."""
     if sum(getattr(table, key) is not None for key in keys) != 1:
         paths = [f"{name}.{key}".lstrip(".") for key in keys]
         raise InputError(

@@ -24,7 +24,8 @@ Keys: TypeAlias = dict[str, str | None]
 
 
 def silent(table: str, names: str) -> Keys:
-    """Keys of a table, in one text, that mean nothing to a function."""
+    """List the keys of a table, in one text, that mean nothing to a function by its definition:
+    they are passed over in silence."""
     return dict.fromkeys(f"{table}.{name}".lstrip(".") for name in names.split())
 
 
@@ -52,7 +53,7 @@ COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from l
 
 
 def check(scene: Table, table: Mapping[str, Any], file: FilePath | None, refused: Keys) -> None:
-    """InputError of the first key that a scene sets and a function refuses.
+    """Raise an InputError for the first key that a scene sets and a function refuses.
 
     Parameters
     ----------
@@ -65,5 +66,5 @@ def check(scene: Table, table: Mapping[str, Any], file: FilePath | None, refused
 
 
 def with_tables(key: str) -> list[str]:
-    """The tables that a dotted key is in, from the outermost, and the key."""
+    """List the tables that a dotted key is in, from the outermost, and the key."""
     return list(accumulate(key.split("."), "{}.{}".format))

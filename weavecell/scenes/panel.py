@@ -385,7 +385,8 @@ class PanelTable(Table):
 
     @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
-        """As of Table; what is allowed of a key of yarns that slide, which the panel had."""
+        """Return the message of `Table.unknown`, and what is allowed of a key of yarns that slide,
+        which the panel had."""
         # earlier versions had sliding crossovers with a cohesion
         if key == "crossover_cohesion":
             return (

@@ -10,7 +10,7 @@ from weavecell.scenes.panel import PanelTable
 
 
 def shot_in_words(shot: ProjectileTable) -> str:
-    """The projectile and how it comes, for the reader."""
+    """Describe the projectile and how it comes, for the reader."""
     words = ""
     if shot.name:
         words = f"{shot.name}, "
@@ -27,7 +27,7 @@ def shot_in_words(shot: ProjectileTable) -> str:
 
 
 def backing_in_words(block: BackingTable) -> str:
-    """The block behind the last ply, for the reader."""
+    """Describe the block behind the last ply, for the reader."""
     size = ""
     if block.size is not None:
         size = f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
@@ -35,7 +35,7 @@ def backing_in_words(block: BackingTable) -> str:
 
 
 def panel_in_words(panel: PanelTable) -> str:
-    """The panel and how it is held, for the reader."""
+    """Describe the panel and how it is held, for the reader."""
     if isinstance(panel.opening, tuple):
         words = " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
     else:

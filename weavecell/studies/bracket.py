@@ -47,7 +47,7 @@ class Bracket:
         return not self.closed and (self.low >= self.highest or self.high <= self.lowest)
 
     def next(self) -> float:
-        """[m/s] velocity to try."""
+        """Return the velocity [m/s] to try."""
         if self.closed:
             return 0.5 * (self.low + self.high)
         if self.low > 0:
@@ -57,13 +57,13 @@ class Bracket:
         return self.guess
 
     def update(self, perforated: bool) -> Bracket:
-        """The bracket once the outcome of the next velocity is known."""
+        """Return the bracket once the outcome of the next velocity is known."""
         end = {"high" if perforated else "low": self.next()}
         stepping = not self.closed and (self.low > 0 or self.high < inf)
         return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
 
     def predict(self, count: int, tolerance: float) -> list[float]:
-        """The next velocity and those that may follow it, the most likely first; at most
+        """List the next velocity and those that may follow it, the most likely first; at most
         `count`."""
         wanted: list[float] = []
         open_ends = deque([self])

@@ -47,7 +47,7 @@ class Scatter:
         plausible.judge(self.numbers())
 
     def numbers(self) -> Iterator[plausible.Number]:
-        """The numbers that are compared with plausible ranges."""
+        """Return the numbers that are compared with plausible ranges."""
         # yarns that are all alike have no scatter
         if self.shape < inf:
             yield plausible.Number("weibull_shape", "weibull_shape", self.shape)
@@ -57,13 +57,14 @@ class Scatter:
 
 @cache
 def table(section: str) -> dict[str, families.Entry]:
-    """Entries of a section, by name."""
+    """Read the entries of a section, by name."""
     return families.entries(read_data(_PATH)[section])
 
 
 @cache
 def ranges() -> dict[str, families.Entry]:
-    """Entries of [assumed], of resolved yarns and of the area of packed fabric, by name."""
+    """Read the entries of [assumed], of resolved yarns and of the area of packed fabric, by
+    name."""
     from shellfabric.yarns.model import DATA
 
     of_sheet = data_sheet.entries()
@@ -75,13 +76,13 @@ def ranges() -> dict[str, families.Entry]:
 
 
 def read_scatter() -> Scatter:
-    """The scatter of inputs.toml."""
+    """Read the scatter of inputs.toml."""
     entries = table("weibull") | table("spread")
     return Scatter(**{name: entry.value for name, entry in entries.items()})
 
 
 def scale_fabric(fabric: Fabric, **factors: float) -> Fabric:
-    """A fabric with some of its numbers times a factor, by the names of [range] in inputs.toml.
+    """Multiply some numbers of a fabric by factors, by the names of [range] in inputs.toml.
 
     Raises
     ------
@@ -103,7 +104,7 @@ def scale_fabric(fabric: Fabric, **factors: float) -> Fabric:
 
 
 def use_one_thread(setup: ImpactSetup, **others: Any) -> ImpactSetup:
-    """The set-up on one thread, since others run beside it, that records nothing beside its
+    """Return the set-up on one thread, since others run beside it, that records nothing beside its
     samples; others change."""
     numerics = replace(setup.numerics, threads=1)
     return replace(
@@ -112,8 +113,8 @@ def use_one_thread(setup: ImpactSetup, **others: Any) -> ImpactSetup:
 
 
 def scale_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
-    """A set-up whose plies are of a fabric changed by `scale_fabric`, with the laws that it names
-    changed alike.
+    """Return a set-up whose plies are of a fabric changed by `scale_fabric`, with the laws that it
+    names changed alike.
 
     Raises
     ------

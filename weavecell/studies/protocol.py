@@ -52,7 +52,7 @@ class SixShots:
     reason: str = ""
 
     def words(self) -> str:
-        """V50 with its spread, or why there is none."""
+        """Write V50 with its spread, or why there is none."""
         name = (
             f"V50 of six shots (MIL-STD-662F: {PAIRS} fastest stops, {PAIRS} slowest perforations)"
         )
@@ -66,7 +66,7 @@ class SixShots:
         return f"{name} {self.velocity:.1f} m/s; their spread of {spread} {met} of the standard"
 
     def summary(self) -> dict[str, Any]:
-        """{name with unit: value}."""
+        """Return {name with unit: value}."""
         return {
             "six_shot_v50_m_s": self.velocity,
             "six_shot_spread_m_s": self.spread,
@@ -75,7 +75,7 @@ class SixShots:
 
 
 def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
-    """The V50 of six of some shots.
+    """Compute the V50 of six of some shots.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class Series:
     share: float
 
     def words(self) -> str:
-        """What they come to in a sentence."""
+        """Write what they come to in a sentence."""
         if not self.share:
             return "No short series of tests has a result: the zone of mixed outcomes is too wide."
         return (
@@ -151,7 +151,7 @@ def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
 
 
 def one_series(curve: Curve, random: np.random.Generator) -> tuple[float, int]:
-    """(V50 [m/s] of a series, NaN without a result, its number of shots)."""
+    """Simulate one series: (its V50 [m/s], NaN without a result, its number of shots)."""
     velocity = curve.V50 + random.uniform(-STEPS[0], STEPS[0])
     step = STEPS[0]
     stops: list[float] = []

@@ -26,7 +26,7 @@ DISAGREES = 0.25  # difference over the V50 of the line, from which the report s
 
 
 def velocity_scale(setup: ImpactSetup) -> float:
-    """U*^(1/3) [m/s], the mean of all yarns of the pack by mass."""
+    """Compute U*^(1/3) [m/s], the mean of all yarns of the pack by mass."""
     scales = []
     masses = []
     for ply in range(setup.plies):
@@ -38,22 +38,23 @@ def velocity_scale(setup: ImpactSetup) -> float:
 
 
 def mass_ratio(setup: ImpactSetup) -> float:
-    """X [-]: mass of the pack in the path of the projectile over the mass of the projectile."""
+    """Compute X [-]: mass of the pack in the path of the projectile over the mass of the
+    projectile."""
     projectile = setup.projectile
     area = pi * projectile.radius**2
     return setup.areal_density * area / (projectile.mass * cos(projectile.obliquity))
 
 
 def v50(setup: ImpactSetup) -> float:
-    """V50 of the line [m/s]."""
+    """Compute V50 of the line [m/s]."""
     line = inputs.table("regression_line")
     power = mass_ratio(setup) ** line["exponent"].value
     return line["factor"].value * power * velocity_scale(setup)
 
 
 def remarks(setup: ImpactSetup, computed: float) -> list[str]:
-    """A line with the V50 of the regression beside the computed one [m/s], for a pack of aramid or
-    UHMWPE without a block behind it; none for others."""
+    """Write a line with the V50 of the regression beside the computed one [m/s], for a pack of
+    aramid or UHMWPE without a block behind it; none for others."""
     families = [assumed.family_of(fabric) for fabric in setup.fabrics]
     known = all(family is not None and family.name in FAMILIES for family in families)
     if setup.plies == 1 or setup.backing is not None or not known:

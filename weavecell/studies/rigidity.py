@@ -81,7 +81,8 @@ def rigid_is_enough(
 
 
 def find_held_force(t: FloatArray, force: FloatArray, span: float) -> float:
-    """[N] largest mean over a span [s] of the force in a history (n,) [s], (n,) [N] of even steps.
+    """Compute the largest mean [N] over a span [s] of the force in a history (n,) [s], (n,) [N] of
+    even steps.
 
     A blow that is shorter than half a period does not reach the thin sections behind the tip as a
     force.
@@ -94,8 +95,8 @@ def find_held_force(t: FloatArray, force: FloatArray, span: float) -> float:
 
 
 def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
-    """[s] for which the largest mean force over a period of the bar would have to act to give the
-    impulse.
+    """Compute the time [s] for which the largest mean force over a period of the bar would have to
+    act to give the impulse.
 
     Parameters
     ----------
@@ -121,7 +122,7 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
 
 
 def check_shot(result: ImpactResult) -> Rigidity | None:
-    """What says whether a rigid projectile is enough.
+    """Judge whether a rigid projectile is enough.
 
     Its contact is compared with the period of the bar that it is, or would be if it were of steel.
     None for other shapes than a flat cylinder, and if the fabric was never touched.

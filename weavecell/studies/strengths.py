@@ -37,7 +37,7 @@ class Drawn:
 
 
 def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
-    """The panel or pack of a number.
+    """Draw the strengths of the panel or pack of a number.
 
     Raises
     ------
@@ -59,13 +59,14 @@ def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> 
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
-    """[m] impact point of a number, anywhere in a cell of the weave about that of the set-up."""
+    """Draw the impact point [m] of a number, anywhere in a cell of the weave about that of the
+    set-up."""
     x, y = aim(setup.fabric.weave, [seed, number])
     return setup.impact_point[0] + x, setup.impact_point[1] + y
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:
-    """InputError if the strengths of these plies cannot be drawn."""
+    """Raise an InputError if the strengths of these plies cannot be drawn."""
     if setup.strength is not None:
         raise InputError(key="strength", allowed="left out: a V50 draws the strengths itself")
     if not setup.yarn_failure:
@@ -84,8 +85,8 @@ def check(setup: ImpactSetup, scatter: Scatter) -> None:
 
 
 def draw_factors(scatter: Scatter, seed: int, number: int) -> dict[str, float]:
-    """{"modulus", "crimp_warp", "crimp_weft": factor} of a number, of log-normal distributions of
-    mean 1."""
+    """Draw {"modulus", "crimp_warp", "crimp_weft": factor} of a number, from log-normal
+    distributions of mean 1."""
     normal = np.random.default_rng([seed, number]).standard_normal(3)
     spreads = {
         "modulus": scatter.modulus,

@@ -40,7 +40,7 @@ QUANTITIES = {
 def row(
     setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: Any
 ) -> dict[str, Any]:
-    """The row of a set-up; one that cannot be computed says why in "outcome".
+    """Compute the row of a set-up; one that cannot be computed says why in "outcome".
 
     Parameters
     ----------
@@ -68,13 +68,13 @@ def row(
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
-    """The row of one shot."""
+    """Compute the row of one shot."""
     return row_of(*run_impact_or_partial(setup))
 
 
 def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
-    """Outcome, velocity, energy, deflection, tensions and checks of a result, and why it became
-    unstable or ""."""
+    """Return outcome, velocity, energy, deflection, tensions and checks of a result, and why it
+    became unstable or ""."""
     warp, weft = result.peak_tension
     return {
         "outcome": "unstable" if problem else result.outcome,
@@ -90,7 +90,8 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
 
 
 def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
-    """The critical velocity, in its bracket, or the zone of mixed outcomes where there is one."""
+    """Search the critical velocity, in its bracket, or the zone of mixed outcomes if there is
+    one."""
     limit = limits.search(setup, tolerance=tolerance, scan=ScanRange()).limit
     low, high = limit.mixed_zone or (limit.low, limit.high)
     return {

@@ -57,8 +57,8 @@ class Window:
         return Counter(shot["outcome"] for shot in self.shots)
 
     def mean(self, quantity: str) -> tuple[float, float]:
-        """(mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than three
-        shots."""
+        """Compute (mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than
+        three shots."""
         counted = [shot for shot in self.shots if shot["outcome"] != "unstable"]
         points = np.array(
             [(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted]
@@ -66,7 +66,7 @@ class Window:
         return fit_line_at(points[:, 0], points[:, 1], self.strike_velocity)
 
     def summary(self) -> dict[str, Any]:
-        """All of it as plain values."""
+        """Return all of it as plain values."""
         mean = {}
         error = {}
         for name, (key, *_) in QUANTITIES.items():
@@ -80,8 +80,8 @@ class Window:
 
 
 def fit_line_at(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
-    """(value, its standard error) at a place of the line through points (n,) by least squares; NaN
-    below n = 3."""
+    """Fit a line through points (n,) by least squares: (its value at a place, the standard error);
+    NaN below n = 3."""
     if x.size < 3:
         return nan, nan
     off = x - x.mean()
@@ -93,7 +93,7 @@ def fit_line_at(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
 
 
 def fire(setup: ImpactSetup) -> dict[str, Any]:
-    """The row of one shot of a window."""
+    """Fire one shot of a window and return its row."""
     return _row(*run_impact_or_partial(setup, table=setup.table(kept=True)))
 
 
@@ -102,7 +102,7 @@ def _row(result, problem=""):
 
 
 def fire_window(result: ImpactResult, **runs: Any) -> Window | None:
-    """The window about a shot that has been made; None of one that did not perforate.
+    """Fire the window about a shot that has been made; None of one that did not perforate.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ CUT_INSTANTS = (0.2, 0.5, 1.0)
 
 
 def outcome(record: ImpactRecord) -> str:
-    """The result of an impact in one line."""
+    """Say the result of an impact in one line."""
     strike = f"{record.strike_velocity:g} m/s"
     end = text(record.time[-1], "s", form=".0f")
     if record.outcome == "unstable":
@@ -56,7 +56,7 @@ def outcome(record: ImpactRecord) -> str:
 
 
 def residual(record: ImpactRecord) -> str:
-    """Velocity at the end, as text."""
+    """Write the velocity at the end, as text."""
     name = "residual velocity"
     if record.outcome in ("in flight", "unstable"):
         name = "velocity at the end"
@@ -64,7 +64,7 @@ def residual(record: ImpactRecord) -> str:
 
 
 def instant(record: ImpactRecord, t: float) -> str:
-    """Time and velocity of an instant [s]."""
+    """Write time and velocity of an instant [s]."""
     velocity = np.interp(t, record.time, record.velocity)
     return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
 
@@ -89,7 +89,7 @@ def _load(record):
 
 
 def cut(counts: Sequence[float]) -> str:
-    """Numbers of cut yarns, with what they count if one is not whole."""
+    """Write the numbers of cut yarns, with what they count if one is not whole."""
     numbers = [f"{count:.1f}".removesuffix(".0") for count in counts]
     words = f"{', '.join(numbers)} cut yarns of warp and weft"
     if all(float(count).is_integer() for count in counts):
@@ -98,7 +98,7 @@ def cut(counts: Sequence[float]) -> str:
 
 
 def card(record: ImpactRecord) -> Card:
-    """What one impact came to."""
+    """Write the card that says what one impact came to."""
     tone = headline = record.outcome
     if record.outcome == "in flight":
         tone = "plain"
@@ -109,7 +109,8 @@ def card(record: ImpactRecord) -> Card:
 
 
 def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
-    """Histories, energies, cuts, pictures of the panel and results of one impact."""
+    """Build the chapter of one impact: histories, energies, cuts, pictures of the panel and
+    results."""
     figures = (_histories(record), _energies(record), _cuts(record), *panel)
     tables = [results(record)]
     if record.count > 1:
@@ -118,7 +119,7 @@ def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
 
 
 def results(record: ImpactRecord) -> Table:
-    """Every number of the summary but the energies."""
+    """Tabulate every number of the summary but the energies."""
     facts = record.facts()
     rows = [("outcome", record.outcome)]
     for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
@@ -128,7 +129,7 @@ def results(record: ImpactRecord) -> Table:
 
 
 def ply_table(record: ImpactRecord) -> Table:
-    """One row a ply of a pack."""
+    """Tabulate the plies of a pack, one row each."""
     shares = record.peak_tension / record.strength
     table = display.frame(
         {
@@ -151,7 +152,7 @@ def ply_table(record: ImpactRecord) -> Table:
 
 
 def settings(setup: ImpactSetup) -> Table:
-    """Settings of the solver, for those who develop the code."""
+    """Tabulate settings of the solver, for those who develop the code."""
     values = {
         "cell model": setup.cell_model,
         "cell formulation": setup.cell_formulation,
@@ -200,7 +201,7 @@ def _energies(record):
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
-    """What `pictures_shot.cuts` draws of a cut of a record."""
+    """Return what `pictures_shot.cuts` draws of a cut of a record."""
     outline = pictures_shot.outline(record.projectile)
     outline[:, 0] += record.nose_place(cut.time)[0]
     return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
@@ -220,7 +221,7 @@ def _cut_views(record):
 def assumptions(
     setup: ImpactSetup, lines: Sequence[str], *, body: str = "", drawn: bool = False
 ) -> Section:
-    """What the model assumes in this run.
+    """Tabulate what the model assumes in this run.
 
     Parameters
     ----------
@@ -302,7 +303,7 @@ def _capitalise(sentence):
 
 
 def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
-    """The mesh, of a set-up with the mesh that was used."""
+    """Describe the mesh, of a set-up with the mesh that was used."""
     weave = setup.fabric.weave
     if setup.grading is None:
         side = 1 / setup.resolved_elements_per_crossover  # [crossovers]
@@ -331,7 +332,7 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
 
 
 def describe_assumed_range(around: AssumedRange) -> Section:
-    """The range of a velocity over assumed laws, and the runs that it consists of."""
+    """Show the range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
         f"{around.words().capitalize()}. The run was repeated with each end of each assumed range alone, then with all "
         "ends that lower the velocity, and with all that raise it. The range covers these runs; it is not a bound. A "
@@ -351,7 +352,7 @@ def describe_assumed_range(around: AssumedRange) -> Section:
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
-    """What was recorded along yarns.
+    """Show what was recorded along yarns.
 
     Parameters
     ----------
@@ -404,7 +405,8 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Sections of an elastic projectile and of a block behind the panel, if the run has them."""
+    """Build the sections of an elastic projectile and of a block behind the panel, if the run has
+    them."""
     sections = []
     if record.bar is not None:
         sections.append(_bar(record))
@@ -454,7 +456,8 @@ def _block(record):
 
 
 def dent(record: ImpactRecord) -> str:
-    """The back-face signature; of a block that still moves at the end, that there is none yet."""
+    """Write the back-face signature; of a block that still moves at the end, that there is none
+    yet."""
     if record.block_moves:
         moves = text(record.block_motion, "%", ".2g")
         return f"no back-face signature yet: the block moves with {moves} of the strike energy"

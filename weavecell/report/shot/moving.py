@@ -38,7 +38,7 @@ _CAPTION = (
 def section(
     record: ImpactRecord, instants: Sequence[tuple[Any, float]], figures: Sequence[Figure] = ()
 ) -> Section:
-    """The chapter with the view, and with pictures below it.
+    """Build the chapter with the view, and with pictures below it.
 
     Parameters
     ----------
@@ -52,12 +52,12 @@ def section(
 def collect_instants(
     record: ImpactRecord, shapes: Sequence[Sequence[Any]]
 ) -> list[tuple[Any, float]]:
-    """The instants of `section` from the shapes of the plies at each."""
+    """Make the instants of `section` from the shapes of the plies at each."""
     return [(vtk.panel(plies, record.quads), plies[0].time) for plies in shapes]
 
 
 def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
-    """A page of the view alone, in the form of a report."""
+    """Build a page of the view alone, in the form of a report."""
     outcome = chapters_shot.outcome(record)
     return Report(
         record.title, "", (), (section(record, instants),), outcome=outcome, tone=record.outcome
@@ -65,7 +65,8 @@ def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
 
 
 def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
-    """The arrays of the view as JSON; so many snapshots, evenly chosen, that they stay small."""
+    """Write the arrays of the view as JSON; so many snapshots, evenly chosen, that they stay
+    small."""
     from matplotlib.colors import to_rgb
 
     first = instants[0][0]

@@ -21,7 +21,7 @@ _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
-    """Velocity of the projectile, deflection of the back face and contact force over time, one
+    """Draw velocity of the projectile, deflection of the back face and contact force over time, one
     below the other."""
     figure, (top, middle, low) = pyplot.subplots(
         3, 1, figsize=(5.6, 12.4), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
@@ -63,8 +63,8 @@ class CutView:
 
 
 def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | None = None) -> Any:
-    """Cuts through the impact point, each whole and as a close-up, in which the lines are as thick
-    as the plies.
+    """Draw cuts through the impact point, each whole and as a close-up, in which the lines are as
+    thick as the plies.
 
     Parameters
     ----------
@@ -125,8 +125,8 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
 
 
 def outline(projectile: np.ndarray) -> np.ndarray:
-    """(n, 2) [m] convex outline of a surface (a, b, 3) as it is seen from the side, the foremost
-    point at height 0."""
+    """Compute the convex outline (n, 2) [m] of a surface (a, b, 3) as it is seen from the side, the
+    foremost point at height 0."""
     from scipy.spatial import ConvexHull
 
     points = projectile[..., [0, 2]].reshape(-1, 2)
@@ -136,7 +136,7 @@ def outline(projectile: np.ndarray) -> np.ndarray:
 
 
 def pieces(line: np.ndarray) -> list[np.ndarray]:
-    """The pieces of a line that is cut where it is not a number; a lone point is none."""
+    """Split a line that is cut where it is not a number into its pieces; a lone point is none."""
     ends = np.flatnonzero(np.isnan(line[:, 0]))
     cut = np.split(line, ends)
     cut = [part[~np.isnan(part[:, 0])] for part in cut]
@@ -156,7 +156,7 @@ def _images(line, mirrored):
 
 
 def foremost(cut: Cut) -> float:
-    """[m] highest point of the plies and the nose."""
+    """Find the highest point [m] of the plies and the nose."""
     return max(
         cut.nose_position, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line))
     )
@@ -172,8 +172,8 @@ def _band(line, thickness):
 
 
 def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
-    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all
-    friction; `recoil` [J] of cut yarns, by its own name, for the last of the viscous energy."""
+    """Add up energies as they are drawn: membrane with the work that no yarn stores; all contacts,
+    all friction; `recoil` [J] of cut yarns, by its own name, for the last of the viscous energy."""
     drawn = dict(energies)
     viscous = energies["viscous"]
     drawn["viscous"] = np.minimum(viscous, viscous[-1] - recoil)
@@ -187,8 +187,8 @@ def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
 
 
 def energies(pyplot: Any, record: ImpactRecord) -> Any:
-    """Where the strike energy is at every instant, stacked, and below it the energy error; parts
-    that are absent or zero throughout are left out."""
+    """Draw where the strike energy is at every instant, stacked, and below it the energy error;
+    parts that are absent or zero throughout are left out."""
     figure, (top, low) = pyplot.subplots(
         2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none"
     )
@@ -217,7 +217,7 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
 
 
 def shades(count: int) -> list:
-    """Colours of plies from the front to the rear, in even steps."""
+    """Choose colours of plies from the front to the rear, in even steps."""
     from matplotlib.colors import LinearSegmentedColormap
 
     ramp = LinearSegmentedColormap.from_list("plies", _STEPS)

@@ -66,24 +66,24 @@ class Panel:
         return self.record.mirror_x, self.record.mirror_y
 
     def body(self, grid: Any, t: float) -> FloatArray:
-        """(a, b, 3) [m] surface of the projectile at time t, the instant of a grid."""
+        """Compute the surface (a, b, 3) [m] of the projectile at time t, the instant of a grid."""
         surface = self.record.projectile
         height = grid.field_data["projectile_z_m"][0] - surface[..., 2].max()
         return surface + np.append(self.record.nose_place(t), height)
 
     def instants(self) -> list[tuple[Any, float]]:
-        """(grid, time [s]) of each snapshot."""
+        """Return (grid, time [s]) of each snapshot."""
         import pyvista
 
         return [(pyvista.read(file), t) for file, t in self.series]
 
     def time_of(self, file: Path) -> float:
-        """[s] of a snapshot."""
+        """Return the time [s] of a snapshot."""
         return dict(self.series).get(file, self.record.rear[-1].time)
 
     def image(self, grid: Any, t: float) -> np.ndarray:
-        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the
-        side where this is."""
+        """Draw the whole panel or pack and its projectile in a snapshot, from the side where this
+        is: (rows, columns, 3)."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         return pictures3d.panel(
             grid,
@@ -96,11 +96,11 @@ class Panel:
         )
 
     def headline(self) -> str:
-        """Title and outcome in one line."""
+        """Write title and outcome in one line."""
         return f"{textwrap.shorten(self.record.title, _TITLE, placeholder=' ...')}: {self.record.outcome}"
 
     def caption(self, t: float) -> str:
-        """Time and velocity of an instant."""
+        """Write time and velocity of an instant."""
         return chapters_shot.instant(self.record, t)
 
 
@@ -174,7 +174,7 @@ def _show_elements(file, panel, screenshot):
 
 
 def find(path: Path) -> Path:
-    """The .vtu file to show for a path: of a series the last one."""
+    """Find the .vtu file to show for a path: of a series the last one."""
     path = Path(path)
     if path.is_dir():
         for name in ("panel.pvd", "crossover.vtu"):
@@ -190,7 +190,7 @@ def find(path: Path) -> Path:
 
 
 def panel_of(path: Path, file: Path) -> Panel | None:
-    """The shot at one ply or pack that a path belongs to; None if it is none, or has no
+    """Find the shot at one ply or pack that a path belongs to; None if it is none, or has no
     histories.h5."""
     path = Path(path)
     folder = file.parent.parent
@@ -206,22 +206,22 @@ def panel_of(path: Path, file: Path) -> Panel | None:
 
 
 def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
-    """The figure of one .vtu of a series."""
+    """Draw one .vtu of a series."""
     import pyvista
 
     return compose(pyplot, panel, pyvista.read(file), panel.time_of(file))
 
 
 def end(pyplot: Any, record: ImpactRecord) -> Any:
-    """The figure of the last instant of a record, without the files of a run."""
+    """Draw the last instant of a record, without the files of a run."""
     return compose(
         pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time
     )
 
 
 def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
-    """The last instant of a record for a report; empty, with a warning, on a machine that cannot
-    draw it."""
+    """Draw the last instant of a record for a report; nothing, with a warning, on a machine that
+    cannot draw it."""
     if not pictures_mesh.can_draw():
         logging.getLogger("weavecell").warning(
             "the report has no picture of the panel: no OpenGL library was found, install libegl1"
@@ -232,7 +232,7 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
 
 
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
-    """The figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
+    """Compose the figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
     # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
@@ -253,8 +253,7 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 
 
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
-    """The figure of a cut of the record, by its number, with heights up to the highest of all
-    cuts."""
+    """Draw a cut of the record, by its number, with heights up to the highest of all cuts."""
     record = panel.record
     row = chapters_shot.cut_view(
         record, record.cuts[number], panel.caption(record.cuts[number].time)
@@ -270,8 +269,8 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
 
 
 def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of
-    every step-th cut."""
+    """Yield composed pictures (rows, columns, 3) of all snapshots, in the order of time; if wanted
+    of every step-th cut."""
     with plots() as pyplot:
         for figure in _figures(pyplot, panel, cut, step):
             figure.set_dpi(dpi)
@@ -353,13 +352,13 @@ def _write_movie(panel, movie, cut):
 
 
 def cut_in_motion(record: ImpactRecord) -> bytes:
-    """The section through the impact point as a GIF, of so few instants that a report is written
-    soon."""
+    """Make a GIF of the section through the impact point, of so few instants that a report is
+    written soon."""
     return gif(frames(Panel(record, []), 90, True, -(-len(record.cuts) // _INSTANTS)))
 
 
 def gif(images: Iterable[np.ndarray]) -> bytes:
-    """A GIF of pictures (rows, columns, 3), which repeats and stays at the last."""
+    """Make a GIF of pictures (rows, columns, 3), which repeats and stays at the last."""
     from matplotlib.colors import to_rgb
     from PIL import Image
 
