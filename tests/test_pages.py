@@ -26,6 +26,15 @@ TEXTS = {
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
+def test_the_first_two_commands_of_readme_set_up_a_bare_machine():
+    """Both depend on the set-up, in the Makefile too."""
+    first = re.search(r"```sh\n(.*?)```", TEXTS["README.md"], re.DOTALL)
+    assert first[1].split("\n")[:2] == ["make demo", "make test"]
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    assert re.search(r"^demo: setup\b", makefile, re.MULTILINE)
+    assert re.search(r"^test: setup\b", makefile, re.MULTILINE)
+
+
 def test_pages_and_numbers_made_from_code_and_data_are_up_to_date(tool):
     """Else: python tools/pages.py"""
     assert tool("pages").stale() == []
