@@ -6,11 +6,14 @@
     gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
     load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
 
-+, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop
-into vector instructions, which it gives up on where a loop has many arrays or a look-up in it. With
-this type a loop is written as it is to run: one pass with many inputs, no checks whether arrays
-overlap, and every element treated alike wherever it stands in a loop, so that results do not depend
-on how work is cut. Processors with narrower registers do the same in several instructions.
++, -, * and / take two of these or one and a float. So do the functions below that say so, and take
+floats alone too: a formula that is written with them is one for a point and for eight.
+
+numba leaves it to the compiler to turn a loop into vector instructions, which it gives up on where
+a loop has many arrays or a look-up in it. With this type a loop is written as it is to run: one
+pass with many inputs, no checks whether arrays overlap, and every element treated alike wherever it
+stands in a loop, so that results do not depend on how work is cut. Processors with narrower
+registers do the same in several instructions.
 """
 
 import operator
@@ -65,6 +68,13 @@ def _vectors(builder, arguments, signature):
         if kind == types.float64:
             found[number] = _splat(builder, found[number], _FLOAT64X8)
     return found
+
+
+def _alike(builder, arguments, signature):
+    """Arguments as vectors, unless there is none among arguments and result."""
+    if {FLOAT64X8, MASK} & {signature.return_type, *signature.args}:
+        return _vectors(builder, arguments, signature)
+    return arguments
 
 
 def _operator(symbol, instruction):
@@ -134,8 +144,8 @@ def fma(typing, a, b, c):
 
 @intrinsic
 def sqrt(typing, a):
-    """Square root."""
-    return FLOAT64X8(a), _function("sqrt", 1)
+    """Take the square root of a vector or of a float."""
+    return _signature(a), _function("sqrt", 1)
 
 
 @intrinsic
@@ -170,14 +180,14 @@ def rsqrt(typing, a):
 
 @intrinsic
 def floor(typing, a):
-    """Floor."""
-    return FLOAT64X8(a), _function("floor", 1)
+    """Round a vector or a float down."""
+    return _signature(a), _function("floor", 1)
 
 
 @intrinsic
 def fabs(typing, a):
-    """Absolute value."""
-    return FLOAT64X8(a), _function("fabs", 1)
+    """Take the absolute value of a vector or of a float."""
+    return _signature(a), _function("fabs", 1)
 
 
 @intrinsic
@@ -188,7 +198,7 @@ def copysign(typing, a, b):
 
 def _select(symbol):
     def codegen(context, builder, signature, arguments):
-        a, b = _vectors(builder, arguments, signature)
+        a, b = _alike(builder, arguments, signature)
         return builder.select(builder.fcmp_ordered(symbol, a, b), a, b)
 
     return codegen
@@ -196,25 +206,37 @@ def _select(symbol):
 
 @intrinsic
 def minimum(typing, a, b):
-    """Minimum of two, lane by lane."""
-    return FLOAT64X8(a, b), _select("<")
+    """Take the smaller of two vectors, lane by lane, or of two floats."""
+    return _signature(a, b), _select("<")
 
 
 @intrinsic
 def maximum(typing, a, b):
-    """Maximum of two, lane by lane."""
-    return FLOAT64X8(a, b), _select(">")
+    """Take the larger of two vectors, lane by lane, or of two floats."""
+    return _signature(a, b), _select(">")
 
 
 @intrinsic
 def greater(typing, a, b):
-    """Mask of a > b."""
+    """Compare two vectors, a > b: a mask; of two floats a boolean."""
 
     def codegen(context, builder, signature, arguments):
-        a, b = _vectors(builder, arguments, signature)
+        a, b = _alike(builder, arguments, signature)
         return builder.fcmp_ordered(">", a, b)
 
-    return MASK(a, b), codegen
+    if FLOAT64X8 in (a, b):
+        return MASK(a, b), codegen
+    return types.boolean(types.float64, types.float64), codegen
+
+
+@intrinsic
+def both(typing, a, b):
+    """Combine two masks, or two booleans: where a and b hold."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.and_(*arguments)
+
+    return a(a, b), codegen
 
 
 @intrinsic
@@ -277,11 +299,13 @@ def head_mask(typing, count):
 
 @intrinsic
 def where(typing, mask, a, b):
-    """a where the mask holds, else b."""
+    """Take a where the mask holds, else b; floats if it is a boolean."""
 
     def codegen(context, builder, signature, arguments):
-        return builder.select(*_vectors(builder, arguments, signature))
+        return builder.select(*_alike(builder, arguments, signature))
 
+    if isinstance(mask, types.Boolean):
+        return types.float64(types.boolean, types.float64, types.float64), codegen
     return FLOAT64X8(mask, a, b), codegen
 
 
@@ -399,12 +423,16 @@ def masked_store(array, k, value, count):
 
 @intrinsic
 def to_int32(typing, a):
-    """Convert doubles to int32."""
+    """Convert doubles, or one, to int32."""
 
     def codegen(context, builder, signature, arguments):
-        return builder.fptosi(arguments[0], _INT32X8)
+        if signature.return_type is INT32X8:
+            return builder.fptosi(arguments[0], _INT32X8)
+        return builder.fptosi(arguments[0], ir.IntType(32))
 
-    return INT32X8(a), codegen
+    if a == FLOAT64X8:
+        return INT32X8(a), codegen
+    return types.int32(types.float64), codegen
 
 
 @intrinsic
@@ -457,7 +485,18 @@ def gather(typing, array, cell):
 
 @intrinsic
 def gather_rows4(typing, table, cell):
-    """Gather the rows `cell` of a table (n, 4), transposed: four vectors."""
+    """Gather the rows `cell` of a table (n, 4), transposed: four vectors; four floats of one row."""
+
+    def one(context, builder, signature, arguments):
+        table, cell = arguments
+        data = context.make_array(signature.args[0])(context, builder, table).data
+        first = builder.mul(builder.sext(cell, _INT), ir.Constant(_INT, 4))
+        places = [builder.add(first, ir.Constant(_INT, column)) for column in range(4)]
+        found = [builder.load(builder.gep(data, [place])) for place in places]
+        return context.make_tuple(builder, signature.return_type, found)
+
+    if isinstance(cell, types.Integer):
+        return types.UniTuple(types.float64, 4)(table, types.int32), one
 
     def codegen(context, builder, signature, arguments):
         found = _table_rows(context, builder, signature.args[0], arguments, 4)
@@ -515,11 +554,14 @@ def _transposed(builder, rows, count):
 
 
 def _tree_reduction(combine):
-    """Eight lanes to one number: halves are combined, then halves of these."""
+    """Make a function from eight lanes to one number: halves are combined, then halves of these; of
+    a float that itself."""
 
     @intrinsic
     def reduced(typing, a):
         def codegen(context, builder, signature, arguments):
+            if signature.args[0] is not FLOAT64X8:
+                return arguments[0]
             numbers = (ir.Constant(ir.IntType(32), lane) for lane in range(WIDTH))
             parts = [builder.extract_element(arguments[0], number) for number in numbers]
             while len(parts) > 1:

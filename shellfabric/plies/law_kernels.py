@@ -18,16 +18,8 @@ from shellfabric.jit.simd import floor, gather_rows4, maximum, minimum, to_int32
 
 @kernel(_nrt=False, forceinline=True)
 def law_at(table, step, closure):
-    """(force [N], damping [N s/m], energy [J]) of a point at a closure [m], 0 or above."""
-    cell = int(min(closure / step, table.shape[0] - 1.0))
-    rest = closure - cell * step
-    row = table[cell]
-    return row[0] + row[1] * rest, row[2], row[3] + (row[0] + 0.5 * row[1] * rest) * rest
-
-
-@kernel(_nrt=False, forceinline=True)
-def law_at8(table, step, closure):
-    """`law_at` of eight points; a closure below 0 counts as 0."""
+    """Return (force [N], damping [N s/m], energy [J]) of a point, or of eight, at a closure [m]; one
+    below 0 counts as 0."""
     closure = maximum(closure, 0.0)
     cell = floor(minimum(closure / step, table.shape[0] - 1.0))
     force, stiffness, damping, energy = gather_rows4(table, to_int32(cell))

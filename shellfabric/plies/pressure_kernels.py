@@ -16,7 +16,7 @@ contract much below it (`cloth.packing_kernels`).
 
 Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
 come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
-a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`moved_closure`),
+a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`unearned`),
 until the point has left. It is the one thing that is remembered.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes
@@ -51,7 +51,6 @@ from shellfabric.cloth.surface_kernels import (
     vector_of,
 )
 from shellfabric.cloth.vector_kernels import (
-    add,
     add_scaled,
     cross,
     difference,
@@ -88,8 +87,18 @@ from shellfabric.plies.frame_kernels import (
     mean_thickness,
     nearest_place,
 )
-from shellfabric.plies.law_kernels import law_at, law_at8
+from shellfabric.plies.law_kernels import law_at
 from shellfabric.plies.near_kernels import tile_bounds
+from shellfabric.plies.point_kernels import (
+    friction_damping,
+    newton_matrix,
+    normal_equations,
+    normal_force,
+    offset_after,
+    sliding_velocity,
+    solve,
+    unearned,
+)
 from shellfabric.plies.state import unit
 
 SLOTS = 4  # rows of `Pressure.last_closure`: of the next ply, and of three behind it
@@ -97,7 +106,6 @@ _ITERATIONS = 8  # of Newton's method, of a point alone
 _LONGEST = 0.5  # [elements] a step of it
 _LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
 _BERTH = 1.1  # [thicknesses] from which on a point counts as clear: its closest point is followed to a few hundredths
-_JUMP = 0.01  # [thicknesses] in a step that no motion has made
 _FAR = 1e30
 
 
@@ -234,65 +242,21 @@ def place_of_point(contact, row, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def products(w, slopes):
-    """Products of the slopes y_a, y_b with each other, (aa, ab, bb), and with the offset w, (a, b);
-    of one point or of eight."""
-    y_a, y_b = slopes
-    return (dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b)), (dot(y_a, w), dot(y_b, w))
-
-
-@kernel(_nrt=False, forceinline=True)
-def determinant(plain):
-    """aa bb - ab^2: of the products of slopes the squared area between them."""
-    aa, ab, bb = plain
-    return aa * bb - ab * ab
-
-
-@kernel(_nrt=False, forceinline=True)
-def height_after(w, plain, along):
-    """Squared distance after a step of Gauss and Newton, times the squared area of the slopes."""
-    aa, ab, bb = plain
-    a, b = along
-    return dot(w, w) * determinant(plain) - (bb * a * a - 2.0 * (ab * a * b) + aa * b * b)
-
-
-@kernel(_nrt=False, forceinline=True)
-def curved_products(plain, w, second):
-    """Products of slopes less those of the offset with the second slopes aa, ab and bb."""
-    aa, ab, bb = plain
-    return aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
-
-
-@kernel(_nrt=False, forceinline=True)
-def solved(plain, along):
-    """The step (a, b) of the linear equations of these products."""
-    aa, ab, bb = plain
-    a, b = along
-    square = determinant(plain)
-    return (bb * a - ab * b) / square, (aa * b - ab * a) / square
-
-
-@kernel(_nrt=False, forceinline=True)
 def newton_step(w, slopes, second, thickness):
-    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of
-    Gauss and Newton beyond it, and where there is no other. Whether it is within.
+    """Compute the step (a, b) [elements] towards the closest point: Newton's within the thickness;
+    that of Gauss and Newton beyond it, and if there is no other. Return it, and whether it is
+    within.
 
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
         ab, bb
     """
-    plain, along = products(w, slopes)
-    square = determinant(plain)
-    if not square > 1e-12 * plain[0] * plain[2]:  # fabric that is drawn to a line
+    plain, along, solvable, near = normal_equations(w, slopes, thickness)
+    if not solvable:
         step = 0.0
         if plain[0] > 0.0:
             step = along[0] / plain[0]
         return step, 0.0, False
-    near = thickness * thickness * square > height_after(w, plain, along)
-    if near:
-        curved = curved_products(plain, w, second)
-        if determinant(curved) > 0.1 * square and curved[0] > 0.0:
-            plain = curved
-    a, b = solved(plain, along)
+    a, b = solve(newton_matrix(plain, w, second, near), along)
     return a, b, near
 
 
@@ -311,18 +275,6 @@ def bounded_step(w, slopes, step, place, room):
     elif b != step[1] and aa > 0.0:
         a = min(max((dot(y_a, w) - b * dot(y_a, y_b)) / aa, low[0] - place[0]), high[0] - place[0])
     return a, b
-
-
-@kernel(_nrt=False, forceinline=True)
-def offset_after(w, slopes, second, a, b):
-    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to
-    second order."""
-    y_a, y_b = slopes
-    y_aa, y_ab, y_bb = second
-    # eq. (3)
-    along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
-    along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
-    return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
 
 
 @unit("3 numbers", a="number", b="number")
@@ -485,7 +437,8 @@ def bounds(contact, p, torn, facet):
 
 @kernel(_nrt=False, forceinline=True)
 def push(contact, front, rear, area, n, closure, number):
-    """Force between a point of a ply and its closest point on one behind it.
+    """Add the force between a point of a ply and its closest point on one behind it to the nodes of
+    both.
 
     Parameters
     ----------
@@ -493,25 +446,23 @@ def push(contact, front, rear, area, n, closure, number):
     area : that the point stands for
     n : unit vector from the point to the closest one
     closure : [m]
-    number : of the point, of `given`
+    number : of the point, of what it remembers (`Pressure.last_closure`)
     """
     pressure = contact.pressure
     p, foot = front
     q, closest = rear
     v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
     closing = dot(n, v)
-    closure = moved_closure(contact, p, q, number, closure, closing)
-    spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
-    f = area * max(0.0, spring + damping * closing)  # eq. (1)
-    sliding = add_scaled(v, -closing, n)
-    speed = math.sqrt(dot(sliding, sliding))
-    rub = 0.0
-    if pressure.friction > 0.0 and speed > 0.0:  # eq. (2)
-        rub = min(pressure.friction * f / speed, area * pressure.stick_damping[p])
-    force = add_scaled(scaled(f, n), rub, sliding)
-    pressure.spring_energy[p] += area * energy
+    closure = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
+    f, energy = normal_force(pressure, p, area, closure, closing, True)
+    force = scaled(f, n)
+    if pressure.friction > 0.0:
+        sliding, speed = sliding_velocity(v, closing, n)
+        rub = friction_damping(pressure, p, area, f, speed, True)
+        force = add_scaled(force, rub, sliding)
+        pressure.friction_work[p] += contact.dt * rub * speed * speed
+    pressure.spring_energy[p] += energy
     pressure.max_closure[p] = max(pressure.max_closure[p], closure)
-    pressure.friction_work[p] += contact.dt * rub * speed * speed
     push_nodes(contact, p, BEHIND, foot, scaled(-1.0, force))
     push_nodes(contact, q, BEFORE, closest, force)
 
@@ -526,23 +477,20 @@ def push_nodes(contact, p, side, foot, force):
 
 
 @kernel(_nrt=False, forceinline=True)
-def moved_closure(contact, p, q, number, closure, closing):
-    """The closure [m] of a point less what no motion has made of it: what it had when first seen,
-    and what jumps."""
+def earned_closure(contact, thickness, number, closure, closing):
+    """Return the closure [m] of a point less its unearned part, and remember both."""
     pressure = contact.pressure
+    memory = (
+        pressure.last_contact_step[number],
+        pressure.last_closure[number],
+        pressure.unearned_closure[number],
+    )
     now = float(contact.step)
-    jump = closure - contact.dt * closing
-    given = 0.0
-    if pressure.last_contact_step[number] == now - 1.0:
-        jump = jump - pressure.last_closure[number]
-        given = pressure.unearned_closure[number]
-    if abs(jump) > _JUMP * mean_thickness(contact, p, q):
-        given = max(0.0, given + jump)
-    given = min(given, closure)
+    part = unearned(closure, contact.dt * closing, memory, now, thickness)
     pressure.last_contact_step[number] = now
     pressure.last_closure[number] = closure
-    pressure.unearned_closure[number] = given
-    return closure - given
+    pressure.unearned_closure[number] = part
+    return closure - part
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -554,21 +502,21 @@ def store_where(values, points, which, new):
 
 
 @kernel(_nrt=False, forceinline=True)
-def moved_closure8(contact, p, points, closure, closing, which):
-    """`moved_closure` on the next ply of those of eight points that are `which`."""
+def earned_closure8(contact, thickness, points, closure, closing, which):
+    """Do as `earned_closure` on the next ply for those of eight points that are `which`."""
     pressure = contact.pressure
     q, _ = points
+    memory = (
+        load(pressure.last_contact_step[0], q),
+        load(pressure.last_closure[0], q),
+        load(pressure.unearned_closure[0], q),
+    )
     now = float(contact.step)
-    long_ago = greater(fabs(load(pressure.last_contact_step[0], q) - (now - 1.0)), 0.5)
-    given = where(long_ago, 0.0, load(pressure.unearned_closure[0], q))
-    jump = closure - contact.dt * closing - where(long_ago, 0.0, load(pressure.last_closure[0], q))
-    most = _JUMP * mean_thickness(contact, p, p + 1)
-    given = where(greater(fabs(jump), most), maximum(given + jump, 0.0), given)
-    given = minimum(given, closure)
+    part = unearned(closure, contact.dt * closing, memory, now, thickness)
     store_where(pressure.last_contact_step[0], points, which, broadcast(now))
     store_where(pressure.last_closure[0], points, which, closure)
-    store_where(pressure.unearned_closure[0], points, which, given)
-    return closure - given
+    store_where(pressure.unearned_closure[0], points, which, part)
+    return closure - part
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -646,37 +594,22 @@ def press_points8(contact, p, row, j, q, count):
 
 @kernel(_nrt=False, forceinline=True)
 def newton_steps8(x, patch, w, slopes, thickness, fit):
-    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes
-    of the surface, which points are near, as bits, and which are fit still.
+    """Do as `newton_step` for those of eight points that are `fit`: the steps along a and b, second
+    slopes of the surface, which points are near, as bits, and which are fit still.
 
     patch : of the surface, for `surface_kernels.second_slopes8`
     """
     at, weights = patch
-    plain, along = products(w, slopes)
-    square = determinant(plain)
+    matrix, along, solvable, near = normal_equations(w, slopes, thickness)
+    fit &= movemask(solvable)
+    near = fit & movemask(near)
     none = broadcast(0.0)
-    fit &= movemask(greater(square, 1e-12 * (plain[0] * plain[2])))
-    height = height_after(w, plain, along)
-    near = fit & movemask(greater(thickness * thickness * square, height))
     second = (none, none, none), (none, none, none), (none, none, none)
     if near:
         second = second_slopes8(x, at, weights)
-        curved = curved_products(plain, w, second)
-        convex = movemask(greater(curved[0], 0.0))
-        sure = near & convex & movemask(greater(determinant(curved), 0.1 * square))
-        plain = where_all(mask_from_bits(sure), curved, plain)
-    a, b = solved(plain, along)
+        matrix = newton_matrix(matrix, w, second, mask_from_bits(near))
+    a, b = solve(matrix, along)
     return a, b, second, near, fit
-
-
-@kernel(_nrt=False, forceinline=True)
-def where_all(mask, one, other):
-    """Three values of eight points each where the mask is set, else three others."""
-    return (
-        where(mask, one[0], other[0]),
-        where(mask, one[1], other[1]),
-        where(mask, one[2], other[2]),
-    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -722,21 +655,16 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     v_p = point_vector8(contact.v, nodes, wa, wb)
     v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
     closing = dot(n, v)
-    closure = moved_closure8(contact, p, points, closure, closing, which)
-    spring, damping, energy = law_at8(pressure.laws[p], pressure.law_cell[p], closure)
-    # eq. (1)
-    f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
+    thickness = mean_thickness(contact, p, p + 1)
+    closure = earned_closure8(contact, thickness, points, closure, closing, which)
+    f, energy = normal_force(pressure, p, area, closure, closing, which)
     force = scaled(f, n)
-    if pressure.friction > 0.0:  # eq. (2)
-        sliding = subtract(v, scaled(closing, n))
-        speed = sqrt(dot(sliding, sliding))
-        rub = minimum(
-            pressure.friction * f / maximum(speed, 1e-60), pressure.stick_damping[p] * area
-        )
-        rub = where(which, rub, 0.0)
+    if pressure.friction > 0.0:
+        sliding, speed = sliding_velocity(v, closing, n)
+        rub = friction_damping(pressure, p, area, f, speed, which)
         force = add_scaled(force, rub, sliding)
         pressure.friction_work[p] += contact.dt * reduce_add(rub * speed * speed)
-    pressure.spring_energy[p] += reduce_add(where(which, area * energy, 0.0))
+    pressure.spring_energy[p] += reduce_add(energy)
     deepest = reduce_max(where(which, closure, 0.0))
     pressure.max_closure[p] = max(pressure.max_closure[p], deepest)
     if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):

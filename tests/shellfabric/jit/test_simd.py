@@ -68,6 +68,35 @@ def test_operations(count):
 
 
 @njit
+def operations_on_floats(a, b, out):
+    for k in range(N):
+        x = a[k]
+        y = b[k]
+        out[0, k] = simd.minimum(x, y)
+        out[1, k] = simd.maximum(x, 0.5)
+        out[2, k] = simd.where(simd.greater(x, y), x, 1.0)
+        out[3, k] = simd.fabs(x)
+        out[4, k] = simd.floor(x)
+        out[5, k] = simd.sqrt(simd.fabs(x))
+        out[6, k] = simd.where(simd.both(simd.greater(x, y), simd.greater(1.0, x)), 3.0, y)
+        out[7, k] = simd.reduce_add(x) + 2.0 * simd.reduce_max(y)
+    store(out[8], 0, load(a, 0))
+    x = load(a, 0)
+    y = load(b, 0)
+    store(out[9], 0, simd.where(simd.both(simd.greater(x, y), simd.greater(1.0, x)), 3.0, y))
+
+
+def test_operations_on_floats():
+    out, (a, b) = np.empty((10, N)), (A[:N], B[:N])
+    operations_on_floats(A, B, out)
+    where = np.where((a > b) & (a < 1.0), 3.0, b)
+    exact = [np.minimum(a, b), np.maximum(a, 0.5), np.where(a > b, a, 1.0), abs(a)]
+    exact += [np.floor(a), np.sqrt(abs(a)), where, a + 2.0 * b, a, where]
+    assert_array_equal(out, exact)
+    assert len(set(where == 3.0)) == 2
+
+
+@njit
 def roots(x, out):
     for j in range(0, x.size, 8):
         store(out, j, simd.rsqrt(load(x, j)))
@@ -103,6 +132,9 @@ def memory(table, narrow, row, flags, small, noted, masked, out):
     for m in range(4):
         store(out[8 + m], 0, four[m])
     store(out[12], 0, simd.gather(narrow[:, 0].copy(), which))
+    for m in range(8):
+        one = simd.gather_rows4(narrow, simd.to_int32(row[m]))
+        out[13, m], out[14, m], out[15, m], out[16, m] = one
     store(small, 20, x + 1e-3)
     for count in range(12):
         simd.masked_store(masked[count], 3, load(row, 0), count)
@@ -112,12 +144,12 @@ def memory(table, narrow, row, flags, small, noted, masked, out):
 def test_memory():
     """Rows are gathered as columns; what is stored, in single precision too, overruns nothing."""
     noted = np.full(16, -1, np.int32)
-    out = np.empty((13, N))
+    out = np.empty((17, N))
     masked = np.zeros((12, 16))
     small = RNG.normal(size=32).astype(np.float32)
     row = ROW.astype(float)
     bits = memory(TABLE, TABLE[:, :4].copy(), row, FLAGS, small, noted, masked, out)
-    assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(4), 0]])
+    assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(4), 0, *range(4)]])
     assert_array_equal(noted, [-1] * 3 + list(ROW) + [-1] * 5)
     assert_array_equal(small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32))
     for count, stored in enumerate(masked):

@@ -46,7 +46,7 @@ def stored_by_points(contact):
                 row, j = divmod(number - first, nj)
                 area = pressure.area_ratio[pressure.first_element[p] + row // each * nj + j]
                 closure = closures[number] - pressure.unearned_closure[slot, number]
-                total += area * law_kernels.law_at.py_func(laws, pressure.law_cell[p], closure)[2]
+                total += area * law_kernels.law_at(laws, pressure.law_cell[p], closure)[2]
     return total
 
 

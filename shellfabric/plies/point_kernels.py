@@ -1,0 +1,139 @@
+"""The formulas of a contact point between plies (`plies.pressure_kernels`), each for one point and for
+eight at once.
+
+A kernel here is compiled for floats, and for vectors of eight of them. What it compares is a
+boolean of one point, a mask of eight (`jit.simd`).
+"""
+
+from shellfabric.cloth.vector_kernels import add, add_scaled, dot, scaled, subtract
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import both, fabs, greater, maximum, minimum, sqrt, where
+from shellfabric.plies.law_kernels import law_at
+
+_JUMP = 0.01  # [thicknesses] in a step that no motion has made
+_FLAT = 1e-12  # squared sine between slopes below which fabric counts as drawn to a line
+_CONVEX = 0.1  # share of the squared area of the slopes that Newton's matrix has to have
+_LEAST_SPEED = 1e-60  # [m/s]
+
+
+@kernel(_nrt=False, forceinline=True)
+def products(w, slopes):
+    """Return the products of the slopes y_a, y_b with each other, (aa, ab, bb), and with the offset
+    w, (a, b)."""
+    y_a, y_b = slopes
+    return (dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b)), (dot(y_a, w), dot(y_b, w))
+
+
+@kernel(_nrt=False, forceinline=True)
+def determinant(plain):
+    """Compute aa bb - ab^2: of the products of slopes the squared area between them."""
+    aa, ab, bb = plain
+    return aa * bb - ab * ab
+
+
+@kernel(_nrt=False, forceinline=True)
+def height_after(w, plain, along):
+    """Compute the squared distance after a step of Gauss and Newton, times the squared area of the
+    slopes."""
+    aa, ab, bb = plain
+    a, b = along
+    return dot(w, w) * determinant(plain) - (bb * a * a - 2.0 * (ab * a * b) + aa * b * b)
+
+
+@kernel(_nrt=False, forceinline=True)
+def normal_equations(w, slopes, thickness):
+    """Set up the equations of a step of Gauss and Newton towards the closest point.
+
+    w : offset of the point; slopes : of the surface along a and b
+
+    Returns
+    -------
+    products of the slopes with each other and with the offset; whether there is a solution: fabric
+    is not drawn to a line; whether the point will be within the thickness
+    """
+    plain, along = products(w, slopes)
+    square = determinant(plain)
+    solvable = greater(square, _FLAT * (plain[0] * plain[2]))
+    near = greater(thickness * thickness * square, height_after(w, plain, along))
+    return plain, along, solvable, near
+
+
+@kernel(_nrt=False, forceinline=True)
+def newton_matrix(plain, w, second, near):
+    """Return the products of slopes less those of the offset with the second slopes aa, ab and bb,
+    if `near` and these are convex; else the products alone."""
+    aa, ab, bb = plain
+    curved = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+    area = greater(determinant(curved), _CONVEX * determinant(plain))
+    use = both(near, both(greater(curved[0], 0.0), area))
+    return where(use, curved[0], aa), where(use, curved[1], ab), where(use, curved[2], bb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def solve(matrix, along):
+    """Return the step (a, b) [elements] that solves the equations."""
+    aa, ab, bb = matrix
+    a, b = along
+    square = determinant(matrix)
+    return (bb * a - ab * b) / square, (aa * b - ab * a) / square
+
+
+@kernel(_nrt=False, forceinline=True)
+def offset_after(w, slopes, second, a, b):
+    """Return the offset w [m] of a point from the surface after a step of its closest point by
+    (a, b), to second order: eq. (3) of `plies.pressure_kernels`."""
+    y_a, y_b = slopes
+    y_aa, y_ab, y_bb = second
+    along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
+    along_b = add_scaled(y_b, 0.5, add(scaled(a, y_ab), scaled(b, y_bb)))
+    return subtract(subtract(w, scaled(a, along_a)), scaled(b, along_b))
+
+
+@kernel(_nrt=False, forceinline=True)
+def unearned(closure, motion, memory, step, thickness):
+    """Return the part [m] of a closure that no motion has made: what it had when the point first
+    touched, and what it jumps by.
+
+    Parameters
+    ----------
+    closure : [m]
+    motion : [m] that motion has added in this step
+    memory : step in which the point last touched, its closure and the unearned part then
+    step : the present one
+    thickness : [m] mean of both plies
+    """
+    last_step, last_closure, last_unearned = memory
+    touched = greater(0.5, fabs(last_step - (step - 1.0)))
+    jump = closure - motion - where(touched, last_closure, 0.0)
+    kept = where(touched, last_unearned, 0.0)
+    jumps = greater(fabs(jump), _JUMP * thickness)
+    return minimum(where(jumps, maximum(kept + jump, 0.0), kept), closure)
+
+
+@kernel(_nrt=False, forceinline=True)
+def normal_force(pressure, p, area, closure, closing, touching):
+    """Return the force [N] of a point of ply p along the normal, eq. (1), and the energy [J] in its
+    spring; 0 unless `touching`.
+
+    area : that it stands for; closure : [m]; closing : [m/s]
+    """
+    spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
+    force = area * maximum(spring + damping * closing, 0.0)
+    return where(touching, force, 0.0), where(touching, area * energy, 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def friction_damping(pressure, p, area, force, speed, touching):
+    """Return the damping g / |v_t| [N s/m] of a point of ply p that slides, eq. (2).
+
+    force : [N] along the normal; speed : [m/s] along the surface
+    """
+    limit = pressure.friction * force / maximum(speed, _LEAST_SPEED)
+    return where(touching, minimum(limit, pressure.stick_damping[p] * area), 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def sliding_velocity(v, closing, n):
+    """Return the velocity v less its part along the normal n, and its size [m/s]."""
+    along = subtract(v, scaled(closing, n))
+    return along, sqrt(dot(along, along))
