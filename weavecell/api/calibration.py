@@ -15,9 +15,10 @@ The folder of `weavecell calibrate`
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -48,6 +49,9 @@ __all__ = ["CalibrationResult", "calibrate"]
 # a fit of the solid takes about so many trials; the progress bar needs a number
 TRIALS = 20
 SOLID_RUNS = "solid-runs"
+# [-] to which fibre fractions of the mesh and of the fabric are the same
+FRACTIONS_ALIKE = 0.02
+WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
 
 @explain_keywords(ResumableKeywords)
@@ -58,6 +62,7 @@ def calibrate(
     platen_curve: FilePath | None = None,
     fit_solid: bool = False,
     friction: float = 0.0,
+    fibre_fraction: Literal["mesh", "stated"] = "mesh",
     assumed_range: bool = True,
     **options: Unpack[ResumableKeywords],
 ) -> CalibrationResult:
@@ -81,6 +86,8 @@ def calibrate(
         the fabric lacks of its solid law is assumed by fibre family
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
+    fibre_fraction : whose fibre fraction at rest enters the solid law, that of the mesh or the one
+        that the fabric states
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
         triples the cost
     **options : jobs, executor, out and resume
@@ -112,6 +119,11 @@ def calibrate(
     curve = None
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
+    if curve is not None and fibre_fraction == "stated":
+        allowed = (
+            "mesh if the solid is fitted: its V_c then belongs to the fibre fraction of the mesh"
+        )
+        raise InputError(key="fibre_fraction", value=fibre_fraction, allowed=allowed)
     choices = {"friction": friction, **how.solver_pool}
     place = out_folder.hold(how.out, how.resume, [(fabric, size, friction, curve)])
     with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
@@ -120,6 +132,12 @@ def calibrate(
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
         built = meshes.of_calibration(fabric, size)
+        fractions = fractions_note(built, fibre_fraction)
+        if fractions and solid is None:
+            other = {"mesh": "stated", "stated": "mesh"}[fibre_fraction]
+            fractions += f"; --fibre-fraction {other} shows what the others change"
+        if fractions:
+            logging.getLogger("weavecell").info(fractions)
         with progress.bar(f"Calibration of {fabric.name}") as advance:
             watch = progress.count_paths(advance, solver.CASES)
             done = solver.calibrate(
@@ -128,6 +146,7 @@ def calibrate(
                 out=folder,
                 laws=False,
                 resume=how.resume,
+                fibre_fraction=fibre_fraction,
                 on_progress=watch,
                 **choices,
             )
@@ -136,7 +155,12 @@ def calibrate(
             with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
                 watch = progress.count_paths(advance, 2 * solver.CASES)
                 done, failed = ends.with_assumed_range(
-                    fabric, done, size=size, on_progress=watch, **choices
+                    fabric,
+                    done,
+                    size=size,
+                    fibre_fraction=fibre_fraction,
+                    on_progress=watch,
+                    **choices,
                 )
         done = replace(done, law=replace(done.law, fitted_data=digest))
         interval = None
@@ -155,8 +179,36 @@ def calibrate(
             solid,
             interval,
             resumable=bool(folder),
+            fractions=fractions,
         )
         return save_to(result, folder)
+
+
+def fractions_note(built: meshes.MeshResult, used: str) -> str:
+    """Say that the fibre fractions of the mesh are not those that the fabric states.
+
+    Parameters
+    ----------
+    built : MeshResult
+    used : "mesh" or "stated", which enters the law of the solid
+
+    Returns
+    -------
+    note : "" where they differ by no more than FRACTIONS_ALIKE
+    """
+    meshed = built.mesh.Vf0
+    stated = [law.Vf0 for law in built.fabric.solid_laws or ()]
+    if all(abs(mesh / own - 1) <= FRACTIONS_ALIKE for mesh, own in zip(meshed, stated)):
+        return ""
+    return (
+        f"note: the sections of the mesh have fibre fractions of {_pair(meshed)}, the fabric states {_pair(stated)}: "
+        f"the solid law has those {WHOSE[used]}, and its V_c counts from there"
+    )
+
+
+def _pair(fractions):
+    """Fibre fractions of warp and weft as text."""
+    return " / ".join(f"{fraction:.3f}" for fraction in fractions)
 
 
 def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
@@ -235,6 +287,7 @@ class CalibrationResult(Result):
     solid : `unitcell3d.identify.solid_record.SolidFit` of the platen curve, or None
     interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception if its paths give
         no law; or None
+    fractions : note on fibre fractions of the mesh that are not those of the fabric, or ""
     resumable : whether the folder holds the histories of the paths already, with what `resume`
         needs
 
@@ -251,6 +304,7 @@ class CalibrationResult(Result):
     solid: SolidFit | None = None
     interval: Any = None
     resumable: bool = False
+    fractions: str = ""
 
     @property
     def law(self) -> CompressionLaw:
@@ -263,6 +317,7 @@ class CalibrationResult(Result):
         return (
             *self.mesh.fabric.notes,
             *assumed.lines(assumed.given(self.mesh.fabric, "failure_length")),
+            *filter(None, [self.fractions]),
         )
 
     def summary(self) -> dict[str, Any]:

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from equations import assert_model_tangent
 
+from fabrics import catalogue
+from fabrics.base.errors import InputError
+from meshing import crossover as mesher
 from unitcell3d.assembly import constraints
+from unitcell3d.material.numerics import Numerics
+from unitcell3d.model import crossover as crossover_model
 from unitcell3d.model.crossover import CrossoverModel, Load
 
 
@@ -79,3 +84,24 @@ def test_pattern_grows_only_where_contact_moves_far(s720, coarse):
     assert model.system(q, Load())
     assert len(model.pattern.values) > rows
     assert not model.system(q, Load())
+
+
+def test_the_fibre_fraction_of_the_law_is_the_one_that_is_chosen():
+    """S-726 states 0.70 and 0.62, its sections have room for 0.73 and 0.65: only V_c / Vf0 counts from rest on."""
+    fabric = catalogue.load("S-726")
+    mesh = mesher.build(fabric, size=(2, 2, 1))
+    family = np.asarray(mesh.families)[mesh.yarn]
+    for chosen, expected in (("mesh", mesh.Vf0), ("stated", (0.70, 0.62))):
+        model = CrossoverModel(mesh, fabric, Numerics(fibre_fraction=chosen))
+        assert crossover_model._cell_laws(mesh, fabric, chosen)[:, 3] == pytest.approx(
+            np.asarray(expected)[family]
+        )
+        squeezed = model.points * (1, 1, 0.9)
+        model._deform(squeezed)
+        forces = model._solids.residual()
+        if chosen == "mesh":
+            dense = abs(forces).max()
+    # the denser yarn is closer to packed, and stiffer
+    assert abs(forces).max() < 0.98 * dense
+    with pytest.raises(InputError, match="fibre_fraction = 'own': must be mesh or stated"):
+        Numerics(fibre_fraction="own")

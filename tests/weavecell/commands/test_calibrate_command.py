@@ -17,6 +17,7 @@ from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
 from validation.cases import solid
+from weavecell.api import calibration
 
 
 @pytest.fixture
@@ -152,3 +153,21 @@ def test_a_section_changed_in_gmsh_is_calibrated(succeed, command, monkeypatch, 
     assert code == 2
     assert "my.msh: " in err
     assert not (tmp_path / "again").exists()
+
+
+def test_fibre_fractions_that_differ_are_said():
+    """Conforming sections of S-726 are denser than it states, by 4 %; sines of S-720 are as it states."""
+    for name, numbers in (("S-726", ["0.730 / 0.647", "0.700 / 0.620"]), ("S-720", [])):
+        built = wc.mesh(name, mesh=(2, 2, 1))
+        for used, whose in (("mesh", "those of the mesh"), ("stated", "those that are stated")):
+            note = calibration.fractions_note(built, used)
+            assert bool(note) == bool(numbers)
+            assert all(words in note for words in (*numbers, whose)) == bool(numbers)
+
+
+def test_a_fitted_solid_belongs_to_the_fraction_of_the_mesh(command, tmp_path):
+    code, _, err = command("calibrate S-726 --fit-solid --fibre-fraction stated --out r")
+    assert code == 2
+    assert "fibre" in err
+    assert "must be mesh if the solid is fitted" in err
+    assert not (tmp_path / "r").exists()
