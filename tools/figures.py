@@ -1,8 +1,9 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
-Takes the pictures of a demonstration that has been run into the given folder, and computes the others: coupons and the
-pictures of README, of which chromium draws the report. `--only` makes some of them. They go to docs/figures/. Figures
-of reports are drawn by `make docs` from the CSVs of their studies.
+Takes the pictures of a demonstration that has been run into the given folder, and computes the others: coupons and
+the pictures of README, of which chromium draws the report. `--only` makes some of them. They go to docs/figures/.
+Charts of cost and maps of stability are drawn from the CSVs of their studies (`report_charts`); other figures of
+reports are drawn by `make docs`.
 """
 
 import argparse
@@ -11,6 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import hero
+import report_charts
 from PIL import Image
 
 import weavecell as wc
@@ -93,7 +95,18 @@ def shrink(path, width=1000, most=4e5):
             small.quantize(256).save(beside, format="PNG", optimize=True)
 
 
-MAKERS = {"demo": from_demo, "coupons": coupons, "impact": impact, "report": report}
+def reports(_):
+    """Draw the charts of cost against error and the maps of stability."""
+    report_charts.write(FIGURES)
+
+
+MAKERS = {
+    "demo": from_demo,
+    "coupons": coupons,
+    "impact": impact,
+    "report": report,
+    "reports": reports,
+}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(

@@ -1,0 +1,58 @@
+"""Charts of cost against error and maps of stability: of the CSVs as they are, with the front and the default right."""
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def charts(tool):
+    return tool("report_charts")
+
+
+def test_pictures_are_of_the_files_as_they_are(charts):
+    """Else: python tools/figures.py --only reports"""
+    for name in (*charts.COSTS, *charts.MAPS):
+        assert charts.digest_in(charts.FIGURES / f"{name}.png") == charts.digest_of(name), name
+
+
+def test_every_study_of_cost_and_every_map_has_its_chart(charts):
+    studies = {path.stem for path in charts.STUDIES.glob("*.toml")}
+    assert {name for name in studies if name.startswith("cost-")} <= set(charts.COSTS)
+    assert {name for name in studies if name.startswith("stability-")} == set(charts.MAPS)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_no_method_beats_one_of_the_front_and_one_beats_each_other(charts, seed):
+    """Also where costs or errors are equal."""
+    rng = np.random.default_rng(seed)
+    values = rng.integers(1, 12, (25, 2)) / 4
+    points = [charts.Point(cost, error, f"{n}") for n, (cost, error) in enumerate(values)]
+    best = charts.front(points)
+
+    def beaten(point):
+        return any(
+            other.cost <= point.cost
+            and other.error <= point.error
+            and (other.cost, other.error) != (point.cost, point.error)
+            for other in points
+        )
+
+    assert best == sorted(best, key=lambda point: point.cost)
+    assert not any(map(beaten, best))
+    kept = {(point.cost, point.error) for point in best}
+    assert all(beaten(point) for point in points if (point.cost, point.error) not in kept)
+
+
+def test_a_default_is_marked_wherever_there_is_one(charts):
+    for name in charts.COSTS:
+        own = charts.DEFAULTS.get(name, charts.DEFAULT)
+        for column in charts.errors_of(name):
+            points, _ = charts.points_of(name, column)
+            marked = [point.name for point in points if point.name == own]
+            assert len(marked) == (0 if name == "cost-struck-yarn" else 1), (name, column)
+    for name in charts.MAPS:
+        x, y, default = charts.map_of(name)
+        if default is not None:
+            rows = charts.read(name)[1]
+            at = [row for row in rows if row[y] == str(default[1])]
+            assert any(float(row[x]) == default[0] for row in at), name

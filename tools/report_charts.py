@@ -1,0 +1,358 @@
+"""Charts of the reports that a reader of the repository sees: cost against error, and maps of stability.
+
+Each is drawn from a CSV in docs/reports/data to a PNG in docs/figures: `python tools/figures.py --only reports`. The
+file says of which content it was made (`digest_of`), which a test compares with the CSV.
+
+Cost against error. Every method of a study is a point; the methods that none beats in cost and in the error of an
+axis are the front, numbered and named beside the chart. The default is marked, and the error of the reference, which
+an error below it cannot be told from, is a line.
+
+Maps. Every run of a study with a [map] is a mark over two parameters of the method. Its colour and its shape say
+whether the run was stable, wrong without a message, or ended with one. An open mark is flagged by a quality check.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, SymmetricalLogLocator
+from PIL import Image
+from study_pages import DATA, STUDIES, read
+
+from weavecell.report import pictures_figure
+from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
+
+FIGURES = Path(__file__).parents[1] / "docs" / "figures"
+COST = "CPU [s]"
+ERROR = "error of "
+METHOD = "method"
+DEFAULT = "default"
+REFERENCE = "reference"
+# what the study calls the default of the product; coupons and shots have a row of that name
+DEFAULTS = {"crossover": "16 x 12 x 4"}
+TITLES = {
+    "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
+    "cost-ply-perforated": "One ply of S-720, perforated at 160 to 220 m/s",
+    "cost-pack": "Four plies of S-728, 91 m/s",
+    "crossover": "3D crossover of S-720",
+    "cost-bias-extension": "Coupon: bias extension of S-728",
+    "cost-biaxial-coupon": "Coupon: biaxial tension",
+    "cost-struck-yarn": "One struck yarn",
+    "stability-newton": "Newton iteration of the thesis on two heights",
+    "stability-bracket": "The bracket of weavecell, same points",
+    "stability-printed-law": "The compression law as printed",
+    "stability-time-step": "Time step",
+    "stability-penalty": "Contact with the nose",
+    "stability-viscosity": "Viscosity of the yarns",
+    "stability-edge-radius": "Edge radius of the nose against the mesh",
+    "stability-plies": "Contact between plies",
+    "stability-load-step": "Load step of the 3D crossover",
+    "stability-bars": "Fibre bars in the solid yarn",
+    "stability-bias": "Bias extension with a softer trellis",
+}
+COSTS = tuple(name for name in TITLES if not name.startswith("stability-"))
+MAPS = tuple(name for name in TITLES if name.startswith("stability-"))
+# mark and colour of each outcome, and what it says
+OUTCOMES = {
+    "stable": ("o", GREEN, "stable: the answer is right"),
+    "failed": ("s", ORANGE, "failed: ends with a message"),
+    "wrong": ("X", RED, "wrong: ends with a wrong answer"),
+}
+PER_LINE = 46  # characters of a name beside a chart
+# lengths of an axis are shown in micrometres if all of them are below a millimetre
+SMALL = 1e-3
+
+
+@dataclass(frozen=True)
+class Point:
+    """One method: its cost [s], its error [%], its name."""
+
+    cost: float
+    error: float
+    name: str
+
+
+def digest_of(name: str) -> str:
+    """Compute the digest of a CSV, without its first line, which says how it was made."""
+    content = (DATA / f"{name}.csv").read_bytes().split(b"\n", 1)[1]
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def digest_in(path: Path) -> str:
+    """Read the digest of the CSV that a picture was made of."""
+    with Image.open(path) as image:
+        return str(image.info.get("Source", ""))
+
+
+def write(folder: Path = FIGURES) -> None:
+    """Draw all charts to a folder, each a PNG."""
+    for name in (*COSTS, *MAPS):
+        figure = draw(name)
+        figure.savefig(
+            folder / f"{name}.png", dpi=110, metadata={"Source": digest_of(name), "Software": None}
+        )
+
+
+def draw(name: str) -> Any:
+    """Draw the chart of a study."""
+    with pictures_figure.plots():
+        if name in COSTS:
+            return _draw_cost(name)
+        return _draw_map(name)
+
+
+def front(points: list[Point]) -> list[Point]:
+    """Select the methods that none beats: no other is both cheaper and closer. From cheap to dear."""
+    found: list[Point] = []
+    for point in sorted(points, key=lambda point: (point.cost, point.error)):
+        if not found or point.error < found[-1].error:
+            found.append(point)
+    return found
+
+
+def errors_of(name: str) -> list[str]:
+    """List the columns of errors of a study of cost."""
+    rows = read(name)[1]
+    return [column for column in rows[0] if column.startswith(ERROR)]
+
+
+def points_of(name: str, column: str) -> tuple[list[Point], float | None]:
+    """Read the methods of a study that have a cost and this error, and the error of the reference itself."""
+    points = []
+    reference = None
+    for row in read(name)[1]:
+        if not row[column]:
+            continue
+        if row[METHOD] == REFERENCE:
+            reference = float(row[column])
+        elif row[COST]:
+            points.append(Point(float(row[COST]), float(row[column]), row[METHOD]))
+    return points, reference
+
+
+def _draw_cost(name):
+    columns = errors_of(name)
+    figure = Figure(figsize=(9, 4.6 * len(columns) + 0.3), layout="constrained")
+    for axes, column in zip(np.atleast_1d(figure.subplots(len(columns), 1)), columns):
+        points, reference = points_of(name, column)
+        best = front(points)
+        axes.set(xscale="log", yscale="log", xlabel="CPU time [s]", ylabel=column)
+        axes.plot(
+            [point.cost for point in points],
+            [point.error for point in points],
+            "o",
+            ms=5,
+            color="#b9c0c8",
+            label="other methods",
+        )
+        axes.step(
+            [point.cost for point in best],
+            [point.error for point in best],
+            "o-",
+            where="post",
+            lw=1.6,
+            color=BLUE,
+            label="front: none is cheaper and closer",
+        )
+        # a method can be its own reference, and then has no error
+        if reference is not None and reference > 0:
+            axes.axhline(
+                reference, color=INK, ls=":", lw=1.6, label=f"reference itself: {reference:.2g} %"
+            )
+            low, high = axes.get_ylim()
+            low = min(low, 0.7 * reference)
+            axes.axhspan(low, reference, color="#eef0f3", zorder=0)
+            axes.set_ylim(low, high)
+        for point in points:
+            if point.name == DEFAULTS.get(name, DEFAULT):
+                label = "default"
+                if name in DEFAULTS:
+                    label = f"default, {point.name}"
+                axes.plot(point.cost, point.error, "*", ms=17, color=RED, mec="white", label=label)
+        lines = []
+        for number, point in enumerate(best, 1):
+            # neighbours on both sides of the line, so that their numbers do not meet
+            offset = (5, 6) if number % 2 else (-11, -15)
+            axes.annotate(
+                f"{number}",
+                (point.cost, point.error),
+                offset,
+                textcoords="offset points",
+                color=BLUE,
+            )
+            error = float(f"{point.error:.2g}")
+            lines.append(f"{number}  {_short(point.name)}: {point.cost:.3g} s, {error:g} %")
+        axes.text(
+            1.02,
+            0.0,
+            "\n".join(lines),
+            transform=axes.transAxes,
+            va="bottom",
+            fontsize=9,
+            color=BLUE,
+        )
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=9, borderaxespad=0.0)
+        _plain_decades(axes)
+    figure.suptitle(TITLES[name], x=0.01, ha="left", fontweight="bold", fontsize=13)
+    return figure
+
+
+def _short(name):
+    """A name cut to its line."""
+    if len(name) <= PER_LINE:
+        return name
+    return f"{name[: PER_LINE - 1]}…"
+
+
+def _plain_decades(axes):
+    """Write 0.1, 0.2, 0.5, 1 ... on logarithmic axes."""
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        steps = (1.0, 2.0, 5.0)
+        if high / low > 300:
+            steps = (1.0,)
+        axis.set_major_locator(LogLocator(subs=steps))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def map_of(name: str) -> tuple[str, str, list[Any] | None]:
+    """Read of which columns a map is, and the default; from the study's [map]."""
+    content = tomllib.loads((STUDIES / f"{name}.toml").read_text("utf-8"))
+    asked = content["map"]
+    headings = content.get("columns", {})
+    x, y = (headings.get(asked[key], asked[key].replace("_", " ")) for key in ("x", "y"))
+    return x, y, asked.get("default")
+
+
+def _draw_map(name):
+    x, y, default = map_of(name)
+    rows = [row for row in read(name)[1] if row["outcome"] in OUTCOMES]
+    across = _Axis.of(x, [row[x] for row in rows])
+    up = _Axis.of(y, [row[y] for row in rows])
+    height = 4.6
+    if up.names:
+        height = 1.9 + 0.36 * len(up.names)
+    elif len(rows) > 200:
+        height = 6.6
+    figure = Figure(figsize=(9, height), layout="constrained")
+    axes = figure.subplots()
+    size = 70 if len(rows) < 200 else 34
+    for outcome, (marker, colour, label) in OUTCOMES.items():
+        for flagged, chosen in _by_flag(rows, outcome):
+            face = colour
+            text = f"{label} ({len(chosen)})"
+            if flagged:
+                face = "white"
+                text = f"{label}, flagged by a check ({len(chosen)})"
+            axes.scatter(
+                [across.place(row[x]) for row in chosen],
+                [up.place(row[y]) for row in chosen],
+                marker=marker,
+                s=size,
+                color=face,
+                edgecolors=colour,
+                linewidths=1.3,
+                label=text,
+                zorder=3,
+            )
+    if default is not None:
+        place = across.place(str(default[0])), up.place(str(default[1]))
+        axes.scatter(
+            *place,
+            marker="o",
+            s=5 * size,
+            color="none",
+            edgecolors=INK,
+            linewidths=1.6,
+            label="default",
+        )
+    for axis, given in ((axes.xaxis, across), (axes.yaxis, up)):
+        given.dress(axis)
+    figure.suptitle(TITLES[name], x=0.01, ha="left", fontweight="bold", fontsize=13)
+    figure.legend(loc="outside lower left", ncols=2, fontsize=9, labelspacing=0.9)
+    return figure
+
+
+def _by_flag(rows, outcome) -> Iterator[tuple[bool, list[dict[str, str]]]]:
+    """(flagged or not, rows) of an outcome, where there are any."""
+    for flagged in (False, True):
+        chosen = [
+            row for row in rows if row["outcome"] == outcome and bool(row.get("flags")) == flagged
+        ]
+        if chosen:
+            yield flagged, chosen
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """An axis of a map: numbers, linear or logarithmic, or names in the order of the file."""
+
+    label: str
+    names: tuple[str, ...]
+    factor: float
+    logarithmic: bool
+    least: float = 1.0
+
+    @classmethod
+    def of(cls, label: str, texts: list[str]) -> _Axis:
+        """Choose the axis for the values of a column."""
+        try:
+            values = np.array(texts, float)
+        except ValueError:
+            # the first name on top
+            return cls(label, tuple(dict.fromkeys(texts))[::-1], 1.0, False)
+        positive = values[values > 0]
+        least = positive.min(initial=1.0)
+        wide = positive.max(initial=0.0) > 20 * least and values.min() >= 0
+        if label.endswith("[m]") and abs(values).max() < 2 * SMALL:
+            return cls(label.replace("[m]", "[µm]"), (), 1e6, wide, 1e6 * least)
+        return cls(label, (), 1.0, wide, least)
+
+    def place(self, text: str) -> float:
+        """Return where a value stands."""
+        if self.names:
+            return float(self.names.index(text))
+        return self.factor * float(text)
+
+    def _named(self, value, _):
+        """Text of a tick; none between zero and the least value, where there is no room."""
+        if 0 < value < self.least:
+            return ""
+        return f"{value:g}"
+
+    def dress(self, axis: Any) -> None:
+        """Set scale, ticks and label of a matplotlib axis."""
+        axis.set_label_text(self.label)
+        if self.names:
+            axis.set_ticks(range(len(self.names)), self.names)
+            axis.axes.set_ylim(-0.6, len(self.names) - 0.4)
+        elif self.logarithmic:
+            # zero has its own place at the end of a symmetric logarithmic scale
+            least = self.least
+            axis._set_axes_scale("symlog", linthresh=least)
+            high = axis.get_data_interval()[1]
+            steps = (1, 2, 5) if high < 1000 * least else (1,)
+            axis.set_major_locator(SymmetricalLogLocator(base=10, linthresh=least, subs=steps))
+            axis.set_major_formatter(FuncFormatter(self._named))
+        axis.axes.grid(color="#e6e9ed")
+
+
+__all__ = [
+    "COSTS",
+    "FAINT",
+    "MAPS",
+    "digest_in",
+    "digest_of",
+    "draw",
+    "front",
+    "points_of",
+    "write",
+]
