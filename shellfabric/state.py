@@ -82,15 +82,18 @@ class Surface(Row):
 class Scratch(Row):
     """Room for one call of the contact of a ply with the projectile."""
 
-    nose = array("3, 3", "m, m/s, N", "place and velocity of the nose, force on it")
-    sums = array("2", "J", "work that the contact takes, energy in its springs")
+    nose_place = array("3", "m", "place of the nose")
+    nose_velocity = array("3", "m/s", "its velocity")
+    nose_force = array("3", "N", "force on it")
+    contact_work = total("J", "work that the contact takes")
+    spring_energy = total("J", "energy in its springs")
     axes = array("3, 3", "-", "axes of the projectile as rows, in the frame of the surface")
     bent = array("8 int64", "-", "of eight elements, see `cloth.torn_kernels`")
-    point_data = array(
-        "15, 8",
-        "m, m/s, N",
-        "of eight contact points: position, velocity, dv_other, dv_contact, force (3 each)",
-    )
+    place = array("3, 8", "m", "places of eight contact points, from the nose along its axes")
+    velocity = array("3, 8", "m/s", "their velocities relative to the nose")
+    dv_other = array("3, 8", "m/s", "`State.dv_other` at the points")
+    dv_contact = array("3, 8", "m/s", "`State.dv_contact` at the points")
+    force = array("3, 8", "N", "forces on the points")
 
 
 class Constants(Row):

@@ -13,7 +13,7 @@ are handed back to the nodes that they follow from. A turn is (c, s), cosine and
 from the first frame to that of a ply.
 """
 
-from shellfabric.cloth.nodal_force_kernels import clear_window, keep_symmetry
+from shellfabric.cloth.nodal_force_kernels import bounds, clear_window, keep_symmetry, set_window
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, load, masked_store
 from shellfabric.state import unit
@@ -106,8 +106,8 @@ def to_nodes(state, const, on_grid, on_nodes):
     force, window = on_nodes
     take_from_ghosts(const, f, grid_window)
     take_from_nodes(const, state.surface.turn, f, grid_window, force)
-    for m in range(4):
-        window[m] = grid_window[m]
+    first_row, end_row, first_column, end_column = bounds(grid_window)
+    set_window(window, first_row, end_row, first_column, end_column)
     clear_window(grid_window, const.ni, const.row_stride)
     keep_symmetry(const, force, window)
 
@@ -117,26 +117,28 @@ def take_from_ghosts(const, f, window):
     """Hand the forces on ghosts to the nodes that they follow from, and widen the window of the
     grid to these."""
     base, stride, ni, nj = grid_of(const)
-    if window[0] < 0:
-        for g in range(base + window[2], base + window[3]):
+    first_row, end_row, first_column, end_column = bounds(window)
+    if first_row < 0:
+        for g in range(base + first_column, base + end_column):
             take_from_ghost(f, g - stride, stride, const.mirror_x, 0)
-        window[0] = 0
-        window[1] = max(window[1], 2)
-    if window[1] > ni + 1:
-        for g in range(base + window[2], base + window[3]):
+        first_row = 0
+        end_row = max(end_row, 2)
+    if end_row > ni + 1:
+        for g in range(base + first_column, base + end_column):
             take_from_ghost(f, g + (ni + 1) * stride, -stride, False, 0)
-        window[0] = min(window[0], ni - 1)
-        window[1] = ni + 1
-    if window[2] < 0:
-        for i in range(window[0], window[1]):
+        first_row = min(first_row, ni - 1)
+        end_row = ni + 1
+    if first_column < 0:
+        for i in range(first_row, end_row):
             take_from_ghost(f, base + i * stride - 1, 1, const.mirror_y, 1)
-        window[2] = 0
-        window[3] = max(window[3], 2)
-    if window[3] > nj + 1:
-        for i in range(window[0], window[1]):
+        first_column = 0
+        end_column = max(end_column, 2)
+    if end_column > nj + 1:
+        for i in range(first_row, end_row):
             take_from_ghost(f, base + i * stride + nj + 1, -1, False, 1)
-        window[2] = min(window[2], nj - 1)
-        window[3] = nj + 1
+        first_column = min(first_column, nj - 1)
+        end_column = nj + 1
+    set_window(window, first_row, end_row, first_column, end_column)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -160,11 +162,12 @@ def take_from_nodes(const, turn, f, window, force):
     """Move the forces on the nodes of a window of the grid to the nodal forces of the ply."""
     base, stride, _, _ = grid_of(const)
     none = broadcast(0.0)
-    for i in range(window[0], window[1]):
-        for j in range(window[2], window[3], WIDTH):
+    first_row, end_row, first_column, end_column = bounds(window)
+    for i in range(first_row, end_row):
+        for j in range(first_column, end_column, WIDTH):
             k = i * const.row_stride + j
             g = base + i * stride + j
-            left = window[3] - j
+            left = end_column - j
             f_x, f_y = turned(turn, load(f[0], g), load(f[1], g))
             masked_store(force[0], k, f_x, left)
             masked_store(force[1], k, f_y, left)

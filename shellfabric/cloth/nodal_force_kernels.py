@@ -3,7 +3,8 @@
 They are given to the nodes as impulses at the beginning of a step (v += dt f / m), and their work
 is half a step's on the velocities before it and half a step's on those after it, so that nothing
 is left out where they change. Each has a window of nodes, (first row, row after the last, first
-column, column after the last); beyond it the forces are 0.
+column, column after the last); beyond it the forces are 0. A window is an array, since there is one
+for each ply and side of a pack; `bounds` and `set_window` alone know its order.
 """
 
 from shellfabric.jit.compile import kernel
@@ -19,22 +20,38 @@ from shellfabric.jit.simd import (
 )
 
 
+@kernel(forceinline=True)
+def bounds(window):
+    """Return first row, row after the last, first column and column after the last of a window."""
+    return window[0], window[1], window[2], window[3]
+
+
+@kernel(forceinline=True)
+def set_window(window, first_row, end_row, first_column, end_column):
+    """Set the four bounds of a window."""
+    window[0] = first_row
+    window[1] = end_row
+    window[2] = first_column
+    window[3] = end_column
+
+
 @kernel(_nrt=False, forceinline=True)
 def clear_window(window, ni, width):
     """Make a window of nodes one of none."""
-    window[0] = ni + 1
-    window[1] = 0
-    window[2] = width
-    window[3] = 0
+    set_window(window, ni + 1, 0, width, 0)
 
 
 @kernel(_nrt=False, forceinline=True)
 def extend_window(window, i0, i1, j0, j1):
     """Widen a window of nodes to the rows i0 .. i1 - 1 and the columns j0 .. j1 - 1."""
-    window[0] = min(window[0], i0)
-    window[1] = max(window[1], i1)
-    window[2] = min(window[2], j0)
-    window[3] = max(window[3], j1)
+    first_row, end_row, first_column, end_column = bounds(window)
+    set_window(
+        window,
+        min(first_row, i0),
+        max(end_row, i1),
+        min(first_column, j0),
+        max(end_column, j1),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -47,21 +64,23 @@ def include_rows(state, const, first, last):
 @kernel(_nrt=False)
 def keep_symmetry(const, force, window):
     """Take from nodes on a plane of symmetry the forces across it."""
-    if const.mirror_x and window[0] == 0:
-        for k in range(window[2], window[3]):
+    first_row, end_row, first_column, end_column = bounds(window)
+    if const.mirror_x and first_row == 0:
+        for k in range(first_column, end_column):
             force[0][k] = 0.0
-    if const.mirror_y and window[2] == 0:
-        for i in range(window[0], window[1]):
+    if const.mirror_y and first_column == 0:
+        for i in range(first_row, end_row):
             force[1][i * const.row_stride] = 0.0
 
 
 @kernel(_nrt=False, forceinline=True)
 def give_impulses(state, const, force, window):
     """v += dt f / m of the nodes of a window."""
-    for i in range(window[0], window[1]):
-        for j in range(window[2], window[3], WIDTH):
+    first_row, end_row, first_column, end_column = bounds(window)
+    for i in range(first_row, end_row):
+        for j in range(first_column, end_column, WIDTH):
             k = i * const.row_stride + j
-            left = window[3] - j
+            left = end_column - j
             kick = load(state.dt_over_mass, k)
             for c in range(3):
                 speed = fma(kick, load(force[c], k), load(state.v[c], k))
@@ -76,10 +95,11 @@ def half_step_work(state, const, force, window, over):
     """
     work = broadcast(0.0)
     none = broadcast(0.0)
-    for i in range(window[0], window[1]):
-        for j in range(window[2], window[3], WIDTH):
+    first_row, end_row, first_column, end_column = bounds(window)
+    for i in range(first_row, end_row):
+        for j in range(first_column, end_column, WIDTH):
             k = i * const.row_stride + j
-            left = window[3] - j
+            left = end_column - j
             power = load(force[0], k) * load(state.v[0], k)
             power = fma(load(force[1], k), load(state.v[1], k), power)
             power = fma(load(force[2], k), load(state.v[2], k), power)

@@ -160,8 +160,9 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
     ni = const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
-        state.first_row = max(state.contact_window[0] - 2, 0)
-        state.end_row = min(state.contact_window[1] + 2, ni)
+        first_row, end_row, _, _ = state.contact_window
+        state.first_row = max(first_row - 2, 0)
+        state.end_row = min(end_row + 2, ni)
     if np.any(const.slip_data[:, 0]):
         # edges with a prescribed pull-in move before any wave comes to them
         state.first_row = 0
@@ -198,9 +199,9 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["surface"] = make_surface(panel, const)
     found["projectile_position"] = panel.shot.start()
     found["projectile_velocity"] = strike_velocity * panel.shot.flight
-    i0, i1 = const.window_limits[:2]
-    found["first_row"][...] = max(i0 - 2, 0)
-    found["end_row"][...] = min(i1 + 2, const.ni)
+    first_row, end_row, _, _ = const.window_limits
+    found["first_row"][...] = max(first_row - 2, 0)
+    found["end_row"][...] = min(end_row + 2, const.ni)
     found["steps"][...] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)

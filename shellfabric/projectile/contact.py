@@ -38,9 +38,12 @@ def constants(
 
 
 def contact_state(near: Sequence[int], points: int, friction: float) -> dict[str, Any]:
-    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the
-    kernels know."""
-    count = (near[1] - near[0]) * (near[3] - near[2])
+    """Return what is kept from step to step of the elements of a window, by the names that kernels know.
+
+    near : first row of elements and the end, first column and the end
+    """
+    first_row, end_row, first_column, end_column = near
+    count = (end_row - first_row) * (end_column - first_column)
     rubbing = 0, 0
     if friction > 0:
         rubbing = count, points**2

@@ -30,7 +30,7 @@ import math
 import numpy as np
 
 from shellfabric.cloth.grid_kernels import grid_of, to_nodes, turned, turned_back
-from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
+from shellfabric.cloth.nodal_force_kernels import bounds, extend_window, half_step_work
 from shellfabric.cloth.surface_kernels import (
     foot_at,
     point_vector8,
@@ -67,16 +67,10 @@ from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
     erode,
     intact_at_point,
-    window_bounds,
 )
 from shellfabric.state import Scratch, unit
 
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
-# first rows of work.point_data, of vectors with three components
-PLACE, VELOCITY, AHEAD, PUSHED, FORCE = 0, 3, 6, 9, 12
-TAKEN, HELD = 0, 1  # of work.sums: work that the contact takes, energy in its springs
-# rows of work.nose
-NOSE_PLACE, NOSE_VELOCITY, NOSE_FORCE = 0, 1, 2
 
 
 @unit("2 numbers", work=Scratch)
@@ -94,7 +88,7 @@ def contact_forces(state, const, work):
     before = half_step_work(state, const, state.f_contact, state.nose_window, True)
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
     see_nose(state, const, work)
-    i0, i1, j0, j1 = window_bounds(state)
+    i0, i1, j0, j1 = bounds(state.contact_window)
     state.friction_spring_energy = 0.0
     taken = 0.0
     spring = 0.0
@@ -105,7 +99,7 @@ def contact_forces(state, const, work):
             spring += row_spring
     surface = state.surface
     to_nodes(state, const, (surface.f, surface.window), (state.f_contact, state.nose_window))
-    push = work.nose[NOSE_FORCE]
+    push = work.nose_force
     state.f_contact_nose[0], state.f_contact_nose[1] = turned(surface.turn, push[0], push[1])
     state.f_contact_nose[2] = push[2]
     return taken - before, spring
@@ -113,17 +107,18 @@ def contact_forces(state, const, work):
 
 @kernel(_nrt=False)
 def see_nose(state, const, work):
-    """Place, velocity and axes of the nose in the frame of the surface, into work.nose and
-    work.axes; no force on it yet."""
+    """Place, velocity and axes of the nose in the frame of the surface, into work.nose_place,
+    nose_velocity and axes; no force on it yet."""
     turn = state.surface.turn
     x = state.projectile_position
     v = state.projectile_velocity
-    nose = work.nose
-    nose[NOSE_PLACE, 0], nose[NOSE_PLACE, 1] = turned_back(turn, x[0], x[1])
-    nose[NOSE_PLACE, 2] = x[2] + state.surface.rest[2][grid_of(const)[0]]
-    nose[NOSE_VELOCITY, 0], nose[NOSE_VELOCITY, 1] = turned_back(turn, v[0], v[1])
-    nose[NOSE_VELOCITY, 2] = v[2]
-    nose[NOSE_FORCE] = 0.0
+    place = work.nose_place
+    velocity = work.nose_velocity
+    place[0], place[1] = turned_back(turn, x[0], x[1])
+    place[2] = x[2] + state.surface.rest[2][grid_of(const)[0]]
+    velocity[0], velocity[1] = turned_back(turn, v[0], v[1])
+    velocity[2] = v[2]
+    work.nose_force[:] = 0.0
     for row in range(3):
         axis = const.frame[row]
         work.axes[row, 0], work.axes[row, 1] = turned_back(turn, axis[0], axis[1])
@@ -143,15 +138,16 @@ def reset_element(state, const, e):
 @kernel(_nrt=False)
 def number_in_window(const, i, j):
     """Number of element (i, j) among those that the nose may touch."""
-    limits = const.window_limits
-    return (i - limits[0]) * (limits[3] - limits[2]) + j - limits[2]
+    first_row, _, first_column, end_column = const.window_limits
+    return (i - first_row) * (end_column - first_column) + j - first_column
 
 
 @kernel(_nrt=False)
 def near_elements(state, const, i, j, work):
     """Those of eight elements from (i, j) on, as bits, whose surface the nose may touch, or has
     touched a step ago. Those that no yarn holds any more erode."""
-    count = min(WIDTH, state.contact_window[3] - j)
+    _, _, _, end_column = bounds(state.contact_window)
+    count = min(WIDTH, end_column - j)
     e = number_in_window(const, i, j)
     near = ~beside_nose8(state, const, i, j, work)
     found = 0
@@ -173,7 +169,7 @@ def beside_nose8(state, const, i, j, work):
     base, stride, _, _ = grid_of(const)
     k = base + (i - 1) * stride + j - 1
     x = state.surface.x
-    nose = work.nose[NOSE_PLACE]
+    nose = work.nose_place
     low_x, high_x = range8(x[0], k, stride)
     low_y, high_y = range8(x[1], k, stride)
     low_z, high_z = range8(x[2], k, stride)
@@ -225,13 +221,14 @@ def contact_elements(state, const, i, j, work):
             state.in_contact[e + lane] = False
             work.bent[lane] = bent_corners(state, const, i, j + lane)
             torn |= int(work.bent[lane] != WHOLE) << lane
-    work.sums[:] = 0.0
+    work.contact_work = 0.0
+    work.spring_energy = 0.0
     for number in range(const.points_per_side**2):
         touch_together(state, const, (i, j, number), near & ~torn, work)
         for lane in range(WIDTH):
             if torn >> lane & 1:
                 touch_alone(state, const, (i, j + lane, number, lane), work)
-    return work.sums[TAKEN], work.sums[HELD]
+    return work.contact_work, work.spring_energy
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -241,11 +238,10 @@ def touch_together(state, const, points, whole, work):
     if whole == 0:
         return
     i, j, number = points
-    at = work.point_data
     surface = state.surface
     a, b = place_in_element(const, number)
     row, line, nodes, wa, wb = foot_at(grid_of(const), False, i + a, j + b)
-    x = subtract(point_vector8(surface.x, nodes, wa, wb), work.nose[NOSE_PLACE])
+    x = subtract(point_vector8(surface.x, nodes, wa, wb), work.nose_place)
     x = components(work.axes, x)
     last = load(state.last_contact_force[number], number_in_window(const, i, j))
     # below 0 within the cylinder's radius and behind the foremost point
@@ -255,18 +251,18 @@ def touch_together(state, const, points, whole, work):
     if touched == 0:
         return
     v = point_vector8(surface.v, nodes, wa, wb)
-    store_points(at, PLACE, x)
-    store_points(at, VELOCITY, subtract(v, work.nose[NOSE_VELOCITY]))
+    store_points(work.place, x)
+    store_points(work.velocity, subtract(v, work.nose_velocity))
     if const.point_law.implicit_factor > 0.0:
-        store_points(at, AHEAD, point_vector8(state.dv_other, nodes, wa, wb))
-        store_points(at, PUSHED, point_vector8(state.dv_contact, nodes, wa, wb))
+        store_points(work.dv_other, point_vector8(state.dv_other, nodes, wa, wb))
+        store_points(work.dv_contact, point_vector8(state.dv_contact, nodes, wa, wb))
     for lane in range(WIDTH):
         if touched >> lane & 1:
             contact_point(state, const, (i, j + lane, number, lane), work)
     extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     for c in range(3):
-        force = where(mask_from_bits(touched), load(at[FORCE + c], 0), 0.0)
+        force = where(mask_from_bits(touched), load(work.force[c], 0), 0.0)
         scatter_to_points8(surface.f[c], nodes, force, own)
 
 
@@ -274,22 +270,21 @@ def touch_together(state, const, points, whole, work):
 def touch_alone(state, const, point, work):
     """`contact_point` of a point beside failed yarns."""
     i, j, number, lane = point
-    at = work.point_data
     surface = state.surface
     foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
-    x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose[NOSE_PLACE]))
+    x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose_place))
     inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
     last = state.last_contact_force[number, number_in_window(const, i, j)]
     if not inside and last == 0.0:
         return
-    store_point(at, PLACE, lane, x)
-    v = subtract(vector_of(surface.v, foot), work.nose[NOSE_VELOCITY])
-    store_point(at, VELOCITY, lane, v)
+    store_point(work.place, lane, x)
+    v = subtract(vector_of(surface.v, foot), work.nose_velocity)
+    store_point(work.velocity, lane, v)
     if const.point_law.implicit_factor > 0.0:
-        store_point(at, AHEAD, lane, vector_of(state.dv_other, foot))
-        store_point(at, PUSHED, lane, vector_of(state.dv_contact, foot))
+        store_point(work.dv_other, lane, vector_of(state.dv_other, foot))
+        store_point(work.dv_contact, lane, vector_of(state.dv_contact, foot))
     contact_point(state, const, point, work)
-    share_out(surface.f, surface.window, foot, column(at, FORCE, lane))
+    share_out(surface.f, surface.window, foot, column(work.force, 0, lane))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -300,36 +295,36 @@ def place_in_element(const, number):
 
 
 @kernel(_nrt=False, forceinline=True)
-def store_points(at, row, vector):
+def store_points(rows, vector):
     """Store a vector of eight points in three rows."""
-    store(at[row], 0, vector[0])
-    store(at[row + 1], 0, vector[1])
-    store(at[row + 2], 0, vector[2])
+    store(rows[0], 0, vector[0])
+    store(rows[1], 0, vector[1])
+    store(rows[2], 0, vector[2])
 
 
 @kernel(_nrt=False, forceinline=True)
-def store_point(at, row, lane, vector):
+def store_point(rows, lane, vector):
     """Store a vector of one of eight points in three rows."""
-    at[row, lane] = vector[0]
-    at[row + 1, lane] = vector[1]
-    at[row + 2, lane] = vector[2]
+    rows[0, lane] = vector[0]
+    rows[1, lane] = vector[1]
+    rows[2, lane] = vector[2]
 
 
 @kernel(_nrt=False)
 def contact_point(state, const, point, work):
-    """Contact of a point (element (i, j), number in it, column of work.point_data).
+    """Contact of a point (element (i, j), number in it, lane of the arrays of `Scratch`).
 
-    Its force goes to work.point_data, what work it takes and its spring holds to work.sums.
+    Its force goes to work.force, what work it takes to work.contact_work, and what its spring holds to
+    work.spring_energy.
     """
-    at = work.point_data
     law = const.point_law
     i, j, number, lane = point
     e = number_in_window(const, i, j)
     k = np.uint64(i * const.row_stride + j)
     last = state.last_contact_force[number]
     before = last[e]
-    store_point(at, FORCE, lane, (0.0, 0.0, 0.0))
-    depth, normal = sdf_kernels.distance(const.nose, column(at, PLACE, lane))
+    store_point(work.force, lane, (0.0, 0.0, 0.0))
+    depth, normal = sdf_kernels.distance(const.nose, column(work.place, 0, lane))
     if depth >= 0.0 and before == 0.0:
         return
     part = 1.0
@@ -344,7 +339,7 @@ def contact_point(state, const, point, work):
     stiffness = part * law.stiffness
     damping = part * law.damping
     normal = combined(work.axes, normal)
-    v = column(at, VELOCITY, lane)
+    v = column(work.velocity, 0, lane)
     push = 0.0
     spring = 0.0
     if depth < 0.0:
@@ -352,8 +347,8 @@ def contact_point(state, const, point, work):
             # eq. (2); the damper keeps its ratio to critical
             hard = law.implicit_factor * stiffness
             drag = math.sqrt(law.implicit_factor) * damping
-            away = dot(normal, add(v, column(at, AHEAD, lane)))
-            gave = dot(normal, column(at, PUSHED, lane))
+            away = dot(normal, add(v, column(work.dv_other, 0, lane)))
+            gave = dot(normal, column(work.dv_contact, 0, lane))
             push = implicit_penalty_force(
                 const, (hard, drag), (depth, away), (before, gave), state.force_scale
             )
@@ -378,11 +373,11 @@ def contact_point(state, const, point, work):
         state.nose_friction_work += rubbed
         state.friction_spring_energy += held
         force = add(force, rub)
-    store_point(at, FORCE, lane, force)
+    store_point(work.force, lane, force)
     for c in range(3):
-        work.nose[NOSE_FORCE, c] -= force[c]
-    work.sums[TAKEN] -= 0.5 * const.dt * dot(force, v) + rubbed
-    work.sums[HELD] += spring
+        work.nose_force[c] -= force[c]
+    work.contact_work -= 0.5 * const.dt * dot(force, v) + rubbed
+    work.spring_energy += spring
 
 
 @kernel(forceinline=True)

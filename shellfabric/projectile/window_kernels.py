@@ -5,29 +5,20 @@ import numpy as np
 
 from shellfabric.cloth.grid_kernels import grid_of, place, turned
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.cloth.nodal_force_kernels import include_rows
+from shellfabric.cloth.nodal_force_kernels import bounds, include_rows, set_window
 from shellfabric.cloth.surface_kernels import facet_foot, vector_of
 from shellfabric.cloth.vector_kernels import components, subtract
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 
-
-@kernel()
-def window_bounds(state):
-    """Contact window: first and end row, and column, of elements."""
-    return (
-        state.contact_window[0],
-        state.contact_window[1],
-        state.contact_window[2],
-        state.contact_window[3],
-    )
+X, Y = 0, 1  # axes
 
 
 @kernel()
 def reachable_nodes(state, const):
     """First and last row, and column, of the nodes that contact forces can reach: one beyond those
     of the elements."""
-    i0, i1, j0, j1 = window_bounds(state)
+    i0, i1, j0, j1 = bounds(state.contact_window)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
@@ -61,23 +52,35 @@ def move_window(state, const):
         (state.projectile_position[2] + const.body_depth) / const.frame[2, 2],
         const.nose.length,
     )
-    for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
-        nose = state.projectile_position[c]
-        foot = state.projectile_position[c] - back * const.frame[2, c]
-        low = min(nose, foot) - start
-        high = max(nose, foot) - start
-        low = low - const.draw_in_reach[c] - slip
-        high = high + const.draw_in_reach[c] + slip
-        first = const.window_limits[2 * c]
-        last = const.window_limits[2 * c + 1]
-        begin = first
-        end = last
-        if not torn:
-            begin = min(max(int(low / step), first), last)
-            end = min(max(int(high / step) + 1, begin), last)
-        state.contact_window[2 * c] = begin
-        state.contact_window[2 * c + 1] = end
-    include_rows(state, const, state.contact_window[0] - 2, state.contact_window[1] + 2)
+    first_row, end_row, first_column, end_column = const.window_limits
+    if not torn:
+        lines = const.x0, const.dx, first_row, end_row
+        first_row, end_row = elements_in_reach(state, const, X, back, slip, lines)
+        lines = const.y0, const.dy, first_column, end_column
+        first_column, end_column = elements_in_reach(state, const, Y, back, slip, lines)
+    set_window(state.contact_window, first_row, end_row, first_column, end_column)
+    include_rows(state, const, first_row - 2, end_row + 2)
+
+
+@kernel()
+def elements_in_reach(state, const, axis, back, slip, lines):
+    """Return the first element along an axis that the body may touch, and the end.
+
+    back : [m] along the projectile's axis, from its nose to the place that is furthest behind
+    slip : [m] by which the edges have slipped
+    lines : first grid line and its distance to the next [m], first element and end of the widest
+        window
+    """
+    start, step, first, last = lines
+    nose = state.projectile_position[axis]
+    foot = state.projectile_position[axis] - back * const.frame[2, axis]
+    low = min(nose, foot) - start
+    high = max(nose, foot) - start
+    low = low - const.draw_in_reach[axis] - slip
+    high = high + const.draw_in_reach[axis] + slip
+    begin = min(max(int(low / step), first), last)
+    end = min(max(int(high / step) + 1, begin), last)
+    return begin, end
 
 
 @kernel()
@@ -142,7 +145,7 @@ def intact_at_point(state, const, k, place):
 def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
     radius."""
-    i0, i1, j0, j1 = window_bounds(state)
+    i0, i1, j0, j1 = bounds(state.contact_window)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
