@@ -30,7 +30,7 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.hex8 import Bricks
-from shellfabric.backing.state import BlockPoints, BlockRow
+from shellfabric.backing.state import BlockLaw, BlockPoints, BlockRow
 from shellfabric.projectile.projectile import Projectile
 
 ENERGIES = (
@@ -184,7 +184,7 @@ class Block:
     ----------
     row : state.BlockRow, what the kernels work on
     x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
-    mass, alpha, gone, energy : as in `row`
+    mass, alpha, gone : as in `row`
     """
 
     def __init__(self, backing: Backing, dt: float) -> None:
@@ -215,18 +215,18 @@ class Block:
             "edges": bricks.edges,
             "x": self.rest.copy(),
         }
-        found["law"][:] = (
-            material.bulk,
-            material.shear,
-            material.yield_stress,
-            material.hardening,
-            material.erosion_strain,
-            material.rate_exponent,
-            material.reference_rate,
-            backing.viscosity * material.density * material.wave_speed,
+        found["law"] = BlockLaw(
+            bulk_modulus=material.bulk,
+            shear_modulus=material.shear,
+            yield_stress=material.yield_stress,
+            hardening=material.hardening,
+            erosion_strain=material.erosion_strain,
+            rate_exponent=material.rate_exponent,
+            reference_rate=material.reference_rate,
+            bulk_viscosity=backing.viscosity * material.density * material.wave_speed,
         )
         found["metric"][:] = np.eye(3)
-        found["substeps"][0] = 1
+        found["substeps"][...] = 1
         self._set_boundaries(bricks, found)
         self.row = BlockRow(**found)
         self.x = self.row.x
@@ -234,7 +234,6 @@ class Block:
         self.mass = self.row.mass
         self.alpha = self.row.alpha
         self.gone = self.row.gone
-        self.energy = self.row.energy
         self.points: BlockPoints | None = None  # of `press`
 
     def _set_boundaries(self, bricks, found):
@@ -286,10 +285,8 @@ class Block:
         """
         position = np.asarray(position, float)
         touch.nose_forces(self.row, position, np.asarray(speed, float), projectile.nose)
-        push = self.row.shot[kernels.ELASTIC_FORCE : kernels.DAMPING_FORCE]
-        return self._take(
-            self.row.force_before, push + self.row.shot[kernels.DAMPING_FORCE :], speed
-        )
+        force = self.row.nose_force + self.row.nose_drag
+        return self._take(self.row.force_before, force, speed)
 
     def press(
         self,
@@ -328,7 +325,7 @@ class Block:
             column = np.searchsorted(self.backing.lines[axis], places[:, axis]) - 1
             points.columns[:, axis] = np.clip(column, 0, self.shape[axis] - 1)
         # as against the face at rest
-        points.memory[:, 0] = places[:, 2] + thickness - self.backing.standoff
+        points.inside[:] = places[:, 2] + thickness - self.backing.standoff
         return points
 
     def _take(self, before, force, speed):
@@ -346,13 +343,14 @@ class Block:
         ------
         UnstableError : a brick is turned inside out, or so flat that MAX_SUBSTEPS are too few
         """
-        count, since = self.row.substeps
-        if since % CHECK_INTERVAL == 0:
+        count = int(self.row.substeps)
+        if self.row.steps % CHECK_INTERVAL == 0:
             # at first a step may take all of its bound, which is that of the block at rest
             count = 1
-            if since:
+            if self.row.steps:
                 count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
-        self.row.substeps[:] = count, since + 1
+        self.row.substeps = count
+        self.row.steps += 1
         if count > MAX_SUBSTEPS:
             raise self._unstable(
                 f"a brick is flattened: the block needs {count} steps in one of the run"
@@ -376,7 +374,7 @@ class Block:
     def _step(self, dt):
         kick = float(self.row.kick)
         kernels.forces(self.row, kick)
-        inside_out = np.isnan(self.energy[:, kernels.ELASTIC])
+        inside_out = np.isnan(self.row.elastic_energy)
         if inside_out.any():
             raise self._unstable("a brick is turned inside out", int(np.argmax(inside_out)))
         kernels.move(self.row, 0.5 * (kick + dt), dt)
@@ -417,18 +415,17 @@ class Block:
         have taken and no spring stores: what damping takes, and what springs held that their face
         has left."""
         row = self.row
-        bricks = row.energy.sum(axis=0)
-        held = row.shot[kernels.CONTACT] + row.points[kernels.CONTACT]
+        held = row.nose_spring_energy + row.point_spring_energy
         values = (
-            row.work[:, 0].sum(),
-            bricks[kernels.ELASTIC],
-            bricks[kernels.PLASTIC],
-            bricks[kernels.HOURGLASS],
-            bricks[kernels.VISCOUS],
-            row.work[:, 1].sum(),
-            bricks[kernels.ERODED],
+            row.kinetic_energy.sum(),
+            row.elastic_energy.sum(),
+            row.plastic_work.sum(),
+            row.hourglass_energy.sum(),
+            row.viscous_work.sum(),
+            row.dashpot_work.sum(),
+            row.lost_by_erosion.sum(),
             held,
-            row.taken + (row.work[:, 2] - row.work[:, 3]).sum() - held,
+            row.taken + (row.contact_work - row.contact_work_ahead).sum() - held,
         )
         return dict(zip(ENERGIES, map(float, values)))
 

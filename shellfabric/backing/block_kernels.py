@@ -30,9 +30,6 @@ from numba import prange
 from shellfabric.backing.brick_kernels import brick_nodes, hourglass, mean_deformation
 from shellfabric.jit.compile import entry, kernel
 
-ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies of each brick [J]
-# of the sums of a contact: stored [J], forces [N] in three components each
-CONTACT, ELASTIC_FORCE, DAMPING_FORCE = 0, 1, 4
 SWEEPS = 12  # of Jacobi's rotations; three or four are enough
 # corners
 CORNER_OFFSETS = np.array(
@@ -116,16 +113,17 @@ def from_principal(values, n, b):
 
 
 @kernel()
-def flow_increment(q, G, hard, law, dt):
+def flow_increment(q, hard, law, dt):
     """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q
     [Pa] above `hard` [Pa]:
 
     q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
     above: from the increment without rate, or from the rate at which q itself is the flow stress.
     """
-    H = law[3]
-    m = law[5]
-    c = dt * law[6]
+    G = law.shear_modulus
+    H = law.hardening
+    m = law.rate_exponent
+    c = dt * law.reference_rate
     most = (q - hard) / (3.0 * G + H)
     if m == 0.0 or c == 0.0:
         return most
@@ -151,7 +149,7 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     F : (3, 3)
     C : (3, 3) inverse plastic metric, overwritten
     alpha : effective plastic strain before
-    law : (7,) K, G, sigma_y, H [Pa], erosion strain, rate exponent, reference rate [1/s]
+    law : BlockLaw
     viscous : [Pa] pressure to be added to the Kirchhoff stress, positive in tension
     dt : [s] since C and alpha were found
     P : (3, 3) [Pa] filled
@@ -161,10 +159,10 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     stored, work : [J/m3] elastic energy, and plastic work of this call
     alpha : after
     """
-    K = law[0]
-    G = law[1]
-    yields = law[2]
-    H = law[3]
+    K = law.bulk_modulus
+    G = law.shear_modulus
+    yields = law.yield_stress
+    H = law.hardening
     b = np.zeros((3, 3))
     n = np.empty((3, 3))
     Fi = np.empty((3, 3))
@@ -182,8 +180,8 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     work = 0.0
     inverse(F, Fi)
     if q > yields + H * alpha:
-        step = flow_increment(q, G, yields + H * alpha, law, dt)
-        if law[5] == 0.0:
+        step = flow_increment(q, yields + H * alpha, law, dt)
+        if law.rate_exponent == 0.0:
             work = (yields + H * (alpha + 0.5 * step)) * step
         else:
             work = (q - 3.0 * G * step) * step
@@ -239,8 +237,6 @@ def forces_slice(i, block, dt):
             m = (i * block.ny + j) * block.nz + k
             if block.gone[m]:
                 continue
-            energy = block.energy[m]
-            past = block.past[m]
             own = block.own[m]
             volume = block.volume[m]
             gradient = block.gradient[m]
@@ -252,36 +248,37 @@ def forces_slice(i, block, dt):
             mean_deformation(places, gradient, F)
             J = inverse(F, P)
             if not J > 0.0:
-                energy[ELASTIC] = np.nan
+                block.elastic_energy[m] = np.nan
                 continue
             swell = math.log(J)
-            rate = (swell - block.last[m]) * per_time
+            rate = (swell - block.last_swelling[m]) * per_time
             before = block.alpha[m]
-            viscous = law[7] * least_height(P, block.edges[m]) * rate
+            viscous = law.bulk_viscosity * least_height(P, block.edges[m]) * rate
             stored, work, alpha = hencky(F, block.metric[m], before, law, viscous, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
-            mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
+            distorting = max(stored - 0.5 * law.bulk_modulus * swell * swell, 0.0)
+            mises = math.sqrt(6.0 * law.shear_modulus * distorting)
             if alpha > before:
-                work = 0.5 * (min(past[1], mises) + mises) * (alpha - before)
-            damped = 0.5 * (past[0] + viscous) * rate * dt
+                work = 0.5 * (min(block.last_mises[m], mises) + mises) * (alpha - before)
+            damped = 0.5 * (block.last_pressure[m] + viscous) * rate * dt
             block.alpha[m] = alpha
-            block.last[m] = swell
-            past[0] = viscous
-            past[1] = mises
+            block.last_swelling[m] = swell
+            block.last_pressure[m] = viscous
+            block.last_mises[m] = mises
             held = hourglass(F, places, block.twist[m], block.control[m], H, D, own)
-            energy[PLASTIC] += volume * work
-            energy[VISCOUS] += volume * damped
-            if alpha >= law[4]:
+            block.plastic_work[m] += volume * work
+            block.viscous_work[m] += volume * damped
+            if alpha >= law.erosion_strain:
                 block.gone[m] = True
                 # its stress does no work any more, so half of the last step's was never done
                 rise = volume * (stored + work + damped) + held
-                rise = rise - energy[ELASTIC] - energy[HOURGLASS]
-                energy[ERODED] = volume * stored + held - 0.5 * rise
-                energy[ELASTIC] = energy[HOURGLASS] = 0.0
+                rise = rise - block.elastic_energy[m] - block.hourglass_energy[m]
+                block.lost_by_erosion[m] = volume * stored + held - 0.5 * rise
+                block.elastic_energy[m] = block.hourglass_energy[m] = 0.0
                 own[:] = 0.0
                 continue
-            energy[ELASTIC] = volume * stored
-            energy[HOURGLASS] = held
+            block.elastic_energy[m] = volume * stored
+            block.hourglass_energy[m] = held
             for a in range(8):
                 for c in range(3):
                     for r in range(3):
@@ -333,15 +330,15 @@ def move_slice(i, block, kick, dt):
                 ahead += 0.5 * pressed * after
                 block.v[n, c] = after
                 block.x[n, c] += dt * after
-    block.work[i, 0] = kinetic
-    block.work[i, 1] += lost
-    block.work[i, 2] += taken
-    block.work[i, 3] = ahead
+    block.kinetic_energy[i] = kinetic
+    block.dashpot_work[i] += lost
+    block.contact_work[i] += taken
+    block.contact_work_ahead[i] = ahead
 
 
 @entry(parallel=True)
 def move(block, kick, dt):
     """Velocities over `kick` [s], places over `dt` [s], by the forces of bricks and contacts; work
-    of these, into block.work."""
+    of these, by the sheets of nodes."""
     for i in prange(block.nx + 1):
         move_slice(i, block, kick, dt)

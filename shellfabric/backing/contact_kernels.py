@@ -28,7 +28,6 @@ import math
 import numpy as np
 from numba import prange
 
-from shellfabric.backing.block_kernels import CONTACT, DAMPING_FORCE, ELASTIC_FORCE
 from shellfabric.cloth.vector_kernels import dot, subtract
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
@@ -53,7 +52,7 @@ def node_active(i, j, k, block):
 def nose_forces(block, position, speed, nose):
     """Forces of a rigid projectile on the nodes of the block, added to block.outer and drags.
 
-    Energy and forces of the contact, into block.shot.
+    Energy and forces of the contact, into block.nose_spring_energy, nose_force and nose_drag.
 
     Parameters
     ----------
@@ -61,8 +60,9 @@ def nose_forces(block, position, speed, nose):
     nose : its shape
     """
     x = block.x
-    sums = block.shot
-    sums[:] = 0.0
+    block.nose_spring_energy = 0.0
+    block.nose_force[:] = 0.0
+    block.nose_drag[:] = 0.0
     widest = nose.radius * nose.radius
     for i in range(block.nx + 1):
         for j in range(block.ny + 1):
@@ -80,12 +80,12 @@ def nose_forces(block, position, speed, nose):
                 opening = dot(subtract(block.v[n], speed), normal)
                 push = -block.stiffness[n] * gap
                 drag = max(-block.damping[n] * opening, -push)
-                sums[CONTACT] += 0.5 * block.stiffness[n] * gap * gap
+                block.nose_spring_energy += 0.5 * block.stiffness[n] * gap * gap
                 for c in range(3):
                     block.outer[n, c] -= push * normal[c]
                     block.drags[n, c] -= drag * normal[c]
-                    sums[ELASTIC_FORCE + c] -= push * normal[c]
-                    sums[DAMPING_FORCE + c] -= drag * normal[c]
+                    block.nose_force[c] -= push * normal[c]
+                    block.nose_drag[c] -= drag * normal[c]
 
 
 @kernel()
@@ -329,24 +329,22 @@ def to_nodes(forces, weights, nj, found):
 @kernel()
 def find_contacts(ends, block, points, thickness, dt):
     """Contacts of the points from the first to before the last of `ends` with the face of the
-    block, into points.feet and points.contacts."""
+    block, into points.feet, depth, damping_force, normal and weights."""
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)
     A = np.empty(3)
     B = np.empty(3)
-    contacts = points.contacts
-    memory = points.memory
     for s in range(*ends):
-        contacts[s, 0] = contacts[s, 1] = 0.0
-        was = memory[s, 0]
-        offset = memory[s, 1]
+        points.depth[s] = points.damping_force[s] = 0.0
+        was = points.inside[s]
+        offset = points.offset[s]
         nodes = points.feet[s]
         at = points.x[s]
         below = locate(at, block, points.columns[s], place, nodes)
         if not (below and closest_point(at, block.x, nodes, place, A, B)):
-            memory[s, 0] = -1.0
-            memory[s, 1] = 0.0
+            points.inside[s] = -1.0
+            points.offset[s] = 0.0
             continue
         weights(place[0], place[1], w)
         outward_normal(A, B, normal)
@@ -358,19 +356,21 @@ def find_contacts(ends, block, points, thickness, dt):
             offset += step + opening * dt
         offset = min(max(offset, 0.0), max(inside, 0.0))
         depth = max(inside - offset, 0.0)
-        memory[s, 0] = inside
-        memory[s, 1] = offset
+        points.inside[s] = inside
+        points.offset[s] = offset
         if depth > 0.0:
-            contacts[s, 0] = depth
-            contacts[s, 1] = max(-points.damping[s] * opening, -points.stiffness[s] * depth)
-            contacts[s, 2:5] = normal
-            contacts[s, 5:] = w
+            push = points.stiffness[s] * depth
+            points.depth[s] = depth
+            points.damping_force[s] = max(-points.damping[s] * opening, -push)
+            points.normal[s] = normal
+            points.weights[s] = w
 
 
 @entry(parallel=True)
 def point_forces(block, points, thickness, dt):
     """Forces between points and the face of the block: into points.force and points.drag, and added
-    to block.outer and block.drags; the energy of the contact into block.points.
+    to block.outer and block.drags; the energy of the contact into
+    block.point_spring_energy.
 
     Parameters
     ----------
@@ -383,22 +383,22 @@ def point_forces(block, points, thickness, dt):
     for part in prange(SLICES):
         ends = part * size, min((part + 1) * size, count)
         find_contacts(ends, block, points, thickness, dt)
-    block.points[:] = 0.0
+    block.point_spring_energy = 0.0
     for s in range(count):
-        depth = points.contacts[s, 0]
-        drag = points.contacts[s, 1]
+        depth = points.depth[s]
+        drag = points.damping_force[s]
         points.force[s] = 0.0
         points.drag[s] = 0.0
         if depth == 0.0:
             continue
         push = points.stiffness[s] * depth
-        block.points[CONTACT] += 0.5 * push * depth
+        block.point_spring_energy += 0.5 * push * depth
         for c in range(3):
-            normal = points.contacts[s, 2 + c]
+            normal = points.normal[s, c]
             points.force[s, c] = push * normal
             points.drag[s, c] = drag * normal
             for m in range(4):
                 node = points.feet[s, m]
-                weight = points.contacts[s, 5 + m]
+                weight = points.weights[s, m]
                 block.outer[node, c] += push * weight * normal
                 block.drags[node, c] += drag * weight * normal

@@ -1,6 +1,19 @@
 """The arrays of a block behind the fabric, and of the points that touch its face."""
 
-from shellfabric.jit.table import Row, array, integer, total
+from shellfabric.jit.table import Row, array, integer, number, row, tally, total
+
+
+class BlockLaw(Row):
+    """The material of a block, and its bulk viscosity."""
+
+    bulk_modulus = number("Pa", "K")
+    shear_modulus = number("Pa", "G")
+    yield_stress = number("Pa", "stress at which it first yields; infinite of an elastic block")
+    hardening = number("Pa", "H, slope of the yield stress over the plastic strain")
+    erosion_strain = number("-", "effective plastic strain at which a brick is taken out")
+    rate_exponent = number("-", "m of the strength at strain rates; 0 without")
+    reference_rate = number("1/s", "rate of plastic strain of that law")
+    bulk_viscosity = number("Pa s/m", "of the linear bulk viscosity, over the length of a brick")
 
 
 class BlockRow(Row):
@@ -14,12 +27,7 @@ class BlockRow(Row):
     twist = array("bricks, 4, 3", "m", "hourglass patterns of the corners at rest")
     control = array("bricks, 4, 3", "N/m3", "stiffness of the hourglass control")
     edges = array("bricks, 3", "m", "lengths of the edges at rest")
-    law = array(
-        "8",
-        "Pa, -, 1/s, Pa s/m",
-        "K, G, sigma_y, H, erosion strain, rate exponent, reference rate, bulk viscosity over the "
-        "length of a brick",
-    )
+    law = row(BlockLaw, "its material")
     mass = array("nodes", "kg", "of the nodes")
     dashpot = array("nodes, 3", "N s/m", "of absorbing faces")
     free = array("nodes, 3", "-", "1 where a node may move, 0 where it is held")
@@ -29,36 +37,32 @@ class BlockRow(Row):
     v = array("nodes, 3", "m/s", "velocities, at half steps", kept=True)
     metric = array("bricks, 3, 3", "-", "inverse plastic metric", kept=True)
     alpha = array("bricks", "-", "effective plastic strain", kept=True)
-    last = array("bricks", "-", "ln J of the last call", kept=True)
-    past = array("bricks, 2", "Pa", "viscous pressure and stress q of the last call", kept=True)
+    last_swelling = array("bricks", "-", "ln J of the last call", kept=True)
+    last_pressure = array("bricks", "Pa", "viscous pressure of the last call", kept=True)
+    last_mises = array("bricks", "Pa", "stress q of the last call", kept=True)
     gone = array("bricks boolean", "-", "whether a brick has eroded", kept=True)
-    energy = array(
-        "bricks, 5",
-        "J",
-        "elastic, plastic, hourglass, viscous, lost by erosion",
-        kept=True,
-    )
+    elastic_energy = array("bricks", "J", "stored by the law", kept=True)
+    plastic_work = array("bricks", "J", "so far", kept=True)
+    hourglass_energy = array("bricks", "J", "stored by the hourglass control", kept=True)
+    viscous_work = array("bricks", "J", "of the bulk viscosity so far", kept=True)
+    lost_by_erosion = array("bricks", "J", "what a brick had stored when it eroded", kept=True)
     own = array("bricks, 8, 3", "N", "internal forces of each brick on its nodes", kept=True)
     outer = array("nodes, 3", "N", "forces of contacts, as internal forces", kept=True)
     drags = array("nodes, 3", "N", "those of their damping", kept=True)
-    work = array(
-        "sheets, 4",
-        "J",
-        "of the nodes of one i: kinetic energy; what dashpots, and what contacts have taken; what "
-        "of the last is after this instant",
-        kept=True,
-    )
-    shot = array(
-        "7", "J, N", "contact with a projectile: stored; elastic and damping force", kept=True
-    )
-    points = array("7", "J, N", "contact with points: stored", kept=True)
+    kinetic_energy = array("sheets", "J", "of the nodes of one i", kept=True)
+    dashpot_work = array("sheets", "J", "that their dashpots have taken", kept=True)
+    contact_work = array("sheets", "J", "that contacts have taken from them", kept=True)
+    contact_work_ahead = array("sheets", "J", "of this what is after this instant", kept=True)
+    nose_spring_energy = total("J", "stored in the contact with a projectile", kept=True)
+    nose_force = array("3", "N", "elastic force on the projectile", kept=True)
+    nose_drag = array("3", "N", "damping force on the projectile", kept=True)
+    point_spring_energy = total("J", "stored in the contact with points", kept=True)
     force_before = array("3", "N", "force of the projectile of a step ago", kept=True)
     time = total("s", "since the block was at rest", kept=True)
     kick = total("s", "length of the last step", kept=True)
     taken = total("J", "work that contacts have taken from projectile and points", kept=True)
-    substeps = array(
-        "2 int64", "-", "steps in one of the run, and steps since they were found", kept=True
-    )
+    substeps = tally("-", "steps in one of the run", kept=True)
+    steps = tally("-", "steps of the run so far", kept=True)
 
 
 class BlockPoints(Row):
@@ -69,18 +73,13 @@ class BlockPoints(Row):
     stiffness = array("points", "N/m", "contact spring of each")
     damping = array("points", "N s/m", "damper of each")
     columns = array("points, 2 int64", "-", "column of bricks that each was over", kept=True)
-    memory = array(
-        "points, 2",
-        "m",
-        "how far each was inside the face, negative outside; what of it no motion has made",
-        kept=True,
-    )
+    inside = array("points", "m", "how far each was inside the face, negative outside", kept=True)
+    offset = array("points", "m", "what of it no motion has made", kept=True)
     feet = array("points, 4 int64", "-", "nodes of the facet that each bears on")
-    contacts = array(
-        "points, 9",
-        "m, N, -",
-        "depth, 0 where there is none; damping force; normal; weights of the nodes",
-    )
+    depth = array("points", "m", "in the face; 0 where there is no contact")
+    damping_force = array("points", "N", "along the normal")
+    normal = array("points, 3", "-", "of the face, outwards")
+    weights = array("points, 4", "-", "weights of the nodes of the facet")
     force = array("points, 3", "N", "elastic force on each")
     drag = array("points, 3", "N", "damping force on each")
     force_before = array("points, 3", "N", "force on each a step ago", kept=True)

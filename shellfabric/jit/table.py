@@ -189,6 +189,7 @@ class RowType(types.Type):
     """numba type of the rows of a table on a uniform or a graded grid: a pointer to words."""
 
     def __init__(self, table: type[Row], grid: int) -> None:
+        self.table = table
         self.members: dict[str, tuple[Any, int]] = {}  # {name: (numba type, its first word)}
         self.words = 0
         for name, field in table.fields.items():
@@ -369,6 +370,8 @@ def _nothing(field):
     kind = field.kinds[UNIFORM]
     if isinstance(kind, TotalType):
         return _zero(kind)
+    if isinstance(kind, RowType):
+        return kind.table.empty()
     if kind == array_type(field.shape):
         return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):

@@ -313,7 +313,8 @@ def block(kind):
                 body.press(*contact)
                 # no depth is that of a step of the face
                 body.row.outer[:] = 0.0
-                body.points.memory[:] = (1.0, 0.0)
+                body.points.inside[:] = 1.0
+                body.points.offset[:] = 0.0
                 on_others = [body.press(*contact, damping=1e-3 * contact[2]).reshape(x[1].shape)]
             stored = sum(body.energies()[name] for name in ("elastic", "hourglass", "contact"))
             return [-(body.row.outer + body.row.drags).reshape(flat.shape), *on_others], stored
