@@ -28,9 +28,6 @@ from shellfabric.cloth.vector_kernels import (
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
-# of zone.contact: [N, J, m, N]; ONSET below 0 of a slack crossing
-FORCE, ENERGY, ONSET, DAMPING = 0, 1, 2, 3
-LAW_FORCE, LAW_ENERGY, LAW_STIFFNESS = 0, 1, 2  # of a row of zone.law
 MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment
 CLOSE = 5e-3  # of an index: a step that short is taken, and counts from the next time step on
 SLACK_LENGTH = 0.5  # of a tangent squared over that at rest: below, the yarn is slack
@@ -51,11 +48,11 @@ def crossing_forces(zone):
 @kernel(_nrt=False)
 def compression(zone, closure):
     """(force [N], energy [J]) of a crossing closed by `closure` [m]: the force is linear between samples and beyond."""
-    k = min(int(closure * zone.law_scale), zone.law.shape[0] - 1)
+    k = min(int(closure * zone.law_scale), zone.law_force.size - 1)
     beyond = closure - k / zone.law_scale
-    force = zone.law[k, LAW_FORCE]
-    slope = zone.law[k, LAW_STIFFNESS]
-    energy = zone.law[k, LAW_ENERGY] + beyond * (force + 0.5 * slope * beyond)
+    force = zone.law_force[k]
+    slope = zone.law_stiffness[k]
+    energy = zone.law_energy[k] + beyond * (force + 0.5 * slope * beyond)
     return force + slope * beyond, energy
 
 
@@ -121,7 +118,6 @@ def crossing_force(zone, i, j):
     found = common_perpendicular(zone, i, j)
     n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack = found
     pinned = zone.pinned[i, j]
-    contact = zone.contact[i, j]
     whole = zone.whole[n_a - 1] and zone.whole[n_a] and zone.whole[n_b - 1] and zone.whole[n_b]
     normal = cross(tangent_a, tangent_b)
     size = zone.sign[i, j] * math.sqrt(dot(normal, normal))
@@ -132,7 +128,7 @@ def crossing_force(zone, i, j):
     distance = dot(apart, normal)
     if whole and not slack and distance <= 0.0:
         # the yarns have changed sides: of slack ones no more than a loop, of taut ones the order is lost
-        slack = contact[ONSET] < zone.gap
+        slack = zone.contact_onset[i, j] < zone.gap
         if not slack:
             whole = False
             zone.tangled += 1.0
@@ -143,8 +139,8 @@ def crossing_force(zone, i, j):
         drop(zone, i, j, whole)
         return 0.0
     velocity = subtract(gather(zone.v, n_a, weights_a), gather(zone.v, n_b, weights_b))
-    push = normal_force(zone, contact, distance, dot(velocity, normal))
-    stored = contact[ENERGY] + slide(
+    push = normal_force(zone, i, j, distance, dot(velocity, normal))
+    stored = zone.contact_energy[i, j] + slide(
         zone, i, j, across(velocity, normal), normal, zone.friction * push
     )
     slider = three(zone.slider[i, j], 0)
@@ -157,34 +153,36 @@ def crossing_force(zone, i, j):
 @kernel(_nrt=False)
 def drop(zone, i, j, whole):
     """End the contact of a crossing, for good if a yarn of it is not whole, and book what it stored."""
-    contact = zone.contact[i, j]
     slider = zone.slider[i, j]
     square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2
-    dropped = contact[ENERGY] + 0.5 * zone.friction_stiffness * square
+    dropped = zone.contact_energy[i, j] + 0.5 * zone.friction_stiffness * square
     if whole:
         zone.lost_when_slack += dropped
     else:
         zone.touching[i, j] = False
         zone.lost_with_yarns += dropped
-    contact[FORCE] = contact[ENERGY] = contact[DAMPING] = 0.0
-    contact[ONSET] = -1.0
+    zone.contact_force[i, j] = 0.0
+    zone.contact_energy[i, j] = 0.0
+    zone.contact_damping[i, j] = 0.0
+    zone.contact_onset[i, j] = -1.0
     slider[0] = slider[1] = slider[2] = 0.0
 
 
 @kernel(_nrt=False)
-def normal_force(zone, contact, distance, opening):
+def normal_force(zone, i, j, distance, opening):
     """Normal force [N] with its damping, at a distance [m] that opens at the velocity `opening` [m/s]."""
-    contact[ONSET] = min(zone.gap, max(contact[ONSET], distance))
+    onset = min(zone.gap, max(zone.contact_onset[i, j], distance))
     force = 0.0
     energy = 0.0
     damping = 0.0
-    if distance < contact[ONSET]:
-        force, energy = compression(zone, contact[ONSET] - distance)
+    if distance < onset:
+        force, energy = compression(zone, onset - distance)
         damping = max(-zone.damping * opening, -force)
-    zone.damped -= 0.5 * zone.dt * (damping + contact[DAMPING]) * opening
-    contact[FORCE] = force
-    contact[ENERGY] = energy
-    contact[DAMPING] = damping
+    zone.damped -= 0.5 * zone.dt * (damping + zone.contact_damping[i, j]) * opening
+    zone.contact_onset[i, j] = onset
+    zone.contact_force[i, j] = force
+    zone.contact_energy[i, j] = energy
+    zone.contact_damping[i, j] = damping
     return force + damping
 
 

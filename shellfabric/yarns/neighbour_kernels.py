@@ -22,10 +22,6 @@ from shellfabric.jit.compile import kernel
 from shellfabric.yarns.crossing_kernels import CLOSE, moved
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 
-# of zone.foot: index on the next yarn (below 0: torn), energy [J], distance [m] at which contact begins (below 0:
-# slack), steps until it is looked at again
-PLACE, ENERGY, ONSET, WAIT = 0, 1, 2, 3
-TOUCH, SOFT, CLOSEST, HARD = 0, 1, 2, 3  # of zone.beside, of each family: w1 [m], k1 [N/m], w2, k2
 RUNS = 0.02  # of an index a step: the closest point runs along a loop
 FAR = 1.2  # w1^2, beyond which a foot is not sought to the end
 LONGEST_WAIT = 8.0  # steps
@@ -40,10 +36,10 @@ def neighbour_forces(zone):
         for yarn in range(zone.yarns[family] - 1):
             start = zone.first[family] + yarn * zone.nodes[family]
             for n in range(start + 2, start + zone.nodes[family] - 2, 2):
-                if zone.foot[n, PLACE] < 0.0:
+                if zone.foot[n] < 0.0:
                     continue
-                if zone.foot[n, WAIT] > 0.0:
-                    zone.foot[n, WAIT] -= 1.0
+                if zone.foot_wait[n] > 0.0:
+                    zone.foot_wait[n] -= 1.0
                     continue
                 stored += neighbour_force(zone, family, start, n)
     zone.stored_at_neighbours = stored
@@ -57,7 +53,7 @@ def closest_point(zone, family, start, n):
     """
     count = zone.nodes[family]
     point = gather(zone.x, n, FIXED)
-    s = zone.foot[n, PLACE]
+    s = zone.foot[n]
     for turn in range(4):
         k, weights, slopes = spline(s, count)
         m = start + count + k
@@ -66,10 +62,10 @@ def closest_point(zone, family, start, n):
         square = dot(d, d)
         step = -dot(d, tangent) / max(dot(tangent, tangent), 0.25 * zone.rest_length[m] ** 2)
         s = moved(s, step, count)
-        far = turn == 1 and square > FAR * zone.beside[family, TOUCH] ** 2
+        far = turn == 1 and square > FAR * zone.touch_distance[family] ** 2
         if far or abs(step) < CLOSE:
             break
-    zone.foot[n, PLACE] = s
+    zone.foot[n] = s
     if s == 0.5 or s == count - 1.5:  # at the end of the yarn it is as close as it gets
         step = 0.0
     return m, weights, d, square, step
@@ -78,41 +74,44 @@ def closest_point(zone, family, start, n):
 @kernel(_nrt=False)
 def neighbour_force(zone, family, start, n):
     """Force of one point on the next yarn; the energy [J] that it stores."""
-    foot = zone.foot[n]
-    touch = zone.beside[family, TOUCH]
+    touch = zone.touch_distance[family]
     m, weights, d, square, step = closest_point(zone, family, start, n)
     if not (zone.whole[n - 1] and zone.whole[n] and zone.whole[m - 1] and zone.whole[m]):
-        zone.lost_with_yarns += foot[ENERGY]
-        foot[PLACE] = -1.0
-        foot[ENERGY] = 0.0
+        zone.lost_with_yarns += zone.foot_energy[n]
+        zone.foot[n] = -1.0
+        zone.foot_energy[n] = 0.0
         return 0.0
     if abs(step) > RUNS:
-        zone.lost_when_slack += foot[ENERGY]
-        foot[ENERGY] = 0.0
-        foot[ONSET] = -1.0
+        zone.lost_when_slack += zone.foot_energy[n]
+        zone.foot_energy[n] = 0.0
+        zone.foot_onset[n] = -1.0
         return 0.0
     if square >= touch * touch:
-        foot[ENERGY] = 0.0
-        foot[ONSET] = touch
+        zone.foot_energy[n] = 0.0
+        zone.foot_onset[n] = touch
         velocity = subtract(gather(zone.v, m, weights), gather(zone.v, n, FIXED))
         way = FASTER * zone.dt * math.sqrt(dot(velocity, velocity))
-        foot[WAIT] = int(min((math.sqrt(square) - touch) / max(way, 1e-30), LONGEST_WAIT))
-        if foot[WAIT] > 0.0:
-            foot[ONSET] = -1.0
+        wait = int(min((math.sqrt(square) - touch) / max(way, 1e-30), LONGEST_WAIT))
+        zone.foot_wait[n] = wait
+        if wait > 0:
+            zone.foot_onset[n] = -1.0
         return 0.0
     distance = math.sqrt(square)
-    force = lateral_force(zone.beside[family], foot, distance)
+    force = lateral_force(zone, family, n, distance)
     push = scaled(force / distance, d)
     scatter(zone.f, n, FIXED, scaled(-1.0, push))
     scatter(zone.f, m, weights, push)
-    return foot[ENERGY]
+    return zone.foot_energy[n]
 
 
 @kernel(_nrt=False)
-def lateral_force(beside, foot, distance):
-    """Force [N] between neighbours at a distance [m]."""
-    foot[ONSET] = min(beside[TOUCH], max(foot[ONSET], distance))
-    near = foot[ONSET] - distance
-    nearest = max(min(foot[ONSET], beside[CLOSEST]) - distance, 0.0)
-    foot[ENERGY] = 0.5 * (beside[SOFT] * near * near + beside[HARD] * nearest * nearest)
-    return beside[SOFT] * near + beside[HARD] * nearest
+def lateral_force(zone, family, n, distance):
+    """Compute the force [N] of a point on the next yarn at a distance [m], and keep its energy."""
+    soft = zone.touch_stiffness[family]
+    hard = zone.closest_stiffness[family]
+    onset = min(zone.touch_distance[family], max(zone.foot_onset[n], distance))
+    near = onset - distance
+    nearest = max(min(onset, zone.closest_distance[family]) - distance, 0.0)
+    zone.foot_onset[n] = onset
+    zone.foot_energy[n] = 0.5 * (soft * near * near + hard * nearest * nearest)
+    return soft * near + hard * nearest

@@ -35,7 +35,6 @@ from fabrics import assumed
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import failure
-from shellfabric.yarns import crossing_kernels, neighbour_kernels
 from shellfabric.yarns.state import Zone
 
 CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0
@@ -115,7 +114,7 @@ class YarnPatch:
         return assumed.with_solid_laws(self.model.fabric).solid_laws
 
     def _beside(self, family):
-        """(w1, k1, w2, k2) of `neighbour_kernels`, of a family."""
+        """Return (w1 [m], k1 [N/m], w2, k2) of `neighbour_kernels`, of a family."""
         yarn = self.weave.yarns[family]
         law = self._solid_laws[family]
         apart = self.spacing[1 - family]
@@ -131,14 +130,15 @@ class YarnPatch:
         return width, soft, closest, HARD * self.unit_stiffness
 
     @cached_property
-    def beside(self) -> FloatArray:
-        """(2, 4) constants of neighbours of warp and weft."""
-        return np.array([self._beside(0), self._beside(1)])
+    def beside(self) -> dict[str, FloatArray]:
+        """{name in `Zone`: (2,) constant of neighbours of warp and weft}."""
+        names = "touch_distance", "touch_stiffness", "closest_distance", "closest_stiffness"
+        families = zip(self._beside(0), self._beside(1))
+        return {name: np.array(both) for name, both in zip(names, families)}
 
     @cached_property
-    def law(self) -> tuple[FloatArray, float]:
-        """((n, 3) force [N], energy [J] and stiffness [N/m] of a crossing at equal steps of its closure,
-        1 / step [1/m])."""
+    def law(self) -> dict[str, Any]:
+        """{name in `Zone`: value} of the law of a crossing."""
         laws = self.model.used_laws
         s = self.height_share
         hardest = CROSSING * self.unit_stiffness
@@ -152,7 +152,12 @@ class YarnPatch:
         forces = np.concatenate([[0.0], np.geomspace(1e-9, high, 4000)])
         closures = np.sum([np.maximum(law.d(forces), 0.0) for law in laws], axis=0)
         if not closures[-1] > 0:  # incompressible yarns
-            return np.array([[0.0, 0.0, hardest]]), 1.0
+            return {
+                "law_force": np.zeros(1),
+                "law_energy": np.zeros(1),
+                "law_stiffness": np.array([hardest]),
+                "law_scale": 1.0,
+            }
         closure = np.linspace(0.0, closures[-1], LAW_SAMPLES)
         force = np.interp(closure, closures, forces)
         closure *= s
@@ -160,7 +165,12 @@ class YarnPatch:
         step = closure[1]
         energy = np.concatenate([[0.0], np.cumsum(0.5 * step * (force[1:] + force[:-1]))])
         slope = np.append(np.diff(force) / step, hardest)
-        return np.column_stack([force, energy, slope]), 1 / step
+        return {
+            "law_force": force,
+            "law_energy": energy,
+            "law_stiffness": slope,
+            "law_scale": 1 / step,
+        }
 
     @cached_property
     def critical_step(self) -> float:
@@ -170,8 +180,8 @@ class YarnPatch:
         """
         chains = self._chains()
         unit = self.unit_stiffness
-        hardest = max(CROSSING * unit, self.law[0][:, crossing_kernels.LAW_STIFFNESS].max())
-        beside = self.beside[:, [neighbour_kernels.SOFT, neighbour_kernels.HARD]].sum(axis=1).max()
+        hardest = max(CROSSING * unit, self.law["law_stiffness"].max())
+        beside = (self.beside["touch_stiffness"] + self.beside["closest_stiffness"]).max()
         across = 1.2 * hardest + 2 * NOSE * unit + 2 * beside
         highest = 0.0
         for family, yarn in enumerate(self.weave.yarns):
@@ -298,21 +308,27 @@ class YarnPatch:
         if self.rim_rows:
             rows = self.rim_rows
             pinned[:rows] = pinned[-rows:] = pinned[:, :rows] = pinned[:, -rows:] = True
-        contact = np.zeros((*shape, 4))
-        contact[..., crossing_kernels.ONSET] = self.gap
-        foot = np.zeros((int(yarns @ nodes), 4))
+        size = int(yarns @ nodes)
+        foot = np.zeros(size)
+        foot_onset = np.zeros(size)
         for family in range(2):
             span = self._span(family)
-            foot[span, neighbour_kernels.PLACE] = np.tile(np.arange(nodes[family]), yarns[family])
-            foot[span, neighbour_kernels.ONSET] = self.beside[family, neighbour_kernels.TOUCH]
+            foot[span] = np.tile(np.arange(nodes[family]), yarns[family])
+            foot_onset[span] = self.beside["touch_distance"][family]
         return {
             "place": place,
             "slider": np.zeros((*shape, 3)),
             "touching": np.ones(shape, np.bool_),
             "pinned": pinned,
             "sign": self.up(0),
-            "contact": contact,
+            "contact_force": np.zeros(shape),
+            "contact_energy": np.zeros(shape),
+            "contact_onset": np.full(shape, self.gap),
+            "contact_damping": np.zeros(shape),
             "foot": foot,
+            "foot_energy": np.zeros(size),
+            "foot_onset": foot_onset,
+            "foot_wait": np.zeros(size),
             "gap": self.gap,
         }
 
@@ -338,7 +354,6 @@ class YarnPatch:
         chains = self._chains()
         size = chains["mass"].size
         unit = self.unit_stiffness
-        law, scale = self.law
         lightest = chains["mass"][chains["inverse_mass"] > 0].min()
         rows, columns = self.crossings
         column, row = np.arange(columns) + corner[1] + 1, np.arange(rows) + corner[0] + 1
@@ -367,12 +382,11 @@ class YarnPatch:
             ),
             tension=np.zeros(size),
             viscous_force=np.zeros(size),
-            law=law,
-            law_scale=scale,
+            **self.law,
             friction=0.0 if self.friction == inf else float(self.friction),
             friction_stiffness=FRICTION * unit,
             damping=CROSSING_DAMPING * sqrt(CROSSING * unit * lightest),
-            beside=self.beside,
+            **self.beside,
             rod=0.25 * self.weave.thickness,
             nose_stiffness=NOSE * unit,
             nose_energy=np.zeros((size, 2)),

@@ -58,33 +58,32 @@ class Zone(Row):
     )
     pinned = array("warp, weft boolean", "-", "whether nothing slips there")
     sign = array("warp, weft", "-", "1 with the warp on top, else -1")
-    contact = array(
-        "warp, weft, 4",
-        "N, J, m, N",
-        "force, energy, distance at which contact begins, damping",
-        kept=True,
+    contact_force = array("warp, weft", "N", "normal force of a crossing", kept=True)
+    contact_energy = array("warp, weft", "J", "that its normal contact stores", kept=True)
+    contact_onset = array(
+        "warp, weft", "m", "distance at which its contact begins; below 0 if slack", kept=True
     )
-    law = array(
-        "n, 3",
-        "N, J, N/m",
-        "force, energy and stiffness of a crossing at equal steps of its closure",
-    )
+    contact_damping = array("warp, weft", "N", "damping force of its normal contact", kept=True)
+    law_force = array("samples", "N", "force of a crossing at equal steps of its closure")
+    law_energy = array("samples", "J", "its energy there")
+    law_stiffness = array("samples", "N/m", "its stiffness from there on")
     law_scale = number("1/m", "steps of the law in a metre")
     gap = number("m", "distance of the yarns of a crossing at rest")
     friction = number("-", "coefficient of yarn on yarn")
     friction_stiffness = number("N/m", "of the friction springs")
     damping = number("N s/m", "of a crossing, along its normal")
     foot = array(
-        "all nodes, 4",
-        "-, J, m, -",
-        "point on the next yarn: index, energy, distance at which contact begins, steps to wait",
-        kept=True,
+        "all nodes", "-", "index of the closest point on the next yarn; below 0 if torn", kept=True
     )
-    beside = array(
-        "2, 4",
-        "m, N/m, m, N/m",
-        "width, lateral stiffness, closest distance and its stiffness, of warp and weft",
+    foot_energy = array("all nodes", "J", "that the contact with it stores", kept=True)
+    foot_onset = array(
+        "all nodes", "m", "distance at which that contact begins; below 0 if slack", kept=True
     )
+    foot_wait = array("all nodes", "-", "steps until it is looked at again", kept=True)
+    touch_distance = array("2", "m", "w1 of neighbours, of warp and weft")
+    touch_stiffness = array("2", "N/m", "k1")
+    closest_distance = array("2", "m", "w2")
+    closest_stiffness = array("2", "N/m", "k2")
     rod = number("m", "half thickness of a yarn under the nose")
     nose_stiffness = number("N/m", "penalty of a point")
     nose_energy = array(

@@ -5,7 +5,7 @@ import pytest
 from yarn_patches import energy, free_zone, march, patch
 
 from shellfabric.cell.model import CellModel
-from shellfabric.yarns import crossing_kernels, neighbour_kernels, zone_kernels
+from shellfabric.yarns import neighbour_kernels, zone_kernels
 from shellfabric.yarns.patch import slipped
 
 
@@ -65,11 +65,26 @@ def test_forces_are_the_gradient_of_the_energy():
     assert worst < 2e-4 * abs(forces).max()
 
 
+# what a call of `inner_forces` moves of a crossing and of a neighbour
+MOVED = (
+    "place",
+    "slider",
+    "contact_force",
+    "contact_energy",
+    "contact_onset",
+    "contact_damping",
+    "foot",
+    "foot_energy",
+    "foot_onset",
+    "foot_wait",
+)
+
+
 def highest_frequency(zone, step=1e-9):
     """[1/s] of a patch, from differences of its forces: 2 over it is the longest stable step."""
     size = zone.x.size
     stiffness = np.zeros((size, size))
-    kept = {name: getattr(zone, name).copy() for name in ("place", "foot", "contact", "slider")}
+    kept = {name: getattr(zone, name).copy() for name in MOVED}
     for column in range(size):
         n, c = divmod(column, 3)
         for way in (step, -step):
@@ -183,7 +198,7 @@ def test_a_yarn_is_pulled_through_at_the_coefficient_times_the_sum_of_contact_fo
     difference = []
 
     def watch(zone):
-        pressing.append(zone.contact[1, :, crossing_kernels.FORCE].sum())
+        pressing.append(zone.contact_force[1].sum())
         difference.append(zone.tension[last - 1] - zone.tension[first])
 
     march(zone, 10_000, watch)
@@ -194,7 +209,7 @@ def test_a_yarn_is_pulled_through_at_the_coefficient_times_the_sum_of_contact_fo
 def test_neighbours_touch_at_their_width_and_stand_off_at_the_closest():
     made = patch((4, 4))
     zone = made.arrays(made.critical_step)
-    touch = zone.beside[0, neighbour_kernels.TOUCH]
+    touch = zone.touch_distance[0]
     start = zone.first[0]
     n = start + 4
     zone.x[2, zone.first[0] : zone.first[1]] = 0.0
@@ -205,6 +220,6 @@ def test_neighbours_touch_at_their_width_and_stand_off_at_the_closest():
         zone.f[:] = 0.0
         neighbour_kernels.neighbour_force(zone, 0, start, n)
         force = zone.f[1, span].sum()
-        expected = -max(1 - share, 0.0) * touch * zone.beside[0, neighbour_kernels.SOFT]
+        expected = -max(1 - share, 0.0) * touch * zone.touch_stiffness[0]
         assert force == pytest.approx(expected, rel=1e-6)
-        zone.foot[:, neighbour_kernels.WAIT] = 0.0
+        zone.foot_wait[:] = 0.0
