@@ -228,21 +228,19 @@ class Constants(Row):
     friction = number("-", "Coulomb friction coefficient between fabric and projectile")
     slip_node = array("n int64", "-", "slots of the nodes that slip in the clamp")
     slip_axis = array("n int64", "-", "axis along which each of them moves")
-    slip_data = array(
-        "n, 5",
-        "m, s, s, N, kg",
-        "prescribed slip, its start and end; clamp friction; mass of the node",
-    )
+    slip_length = array("n", "m", "slip of each that is prescribed, along that axis")
+    slip_start = array("n", "s", "time at which it begins")
+    slip_end = array("n", "s", "time at which it ends")
+    slip_grip = array("n", "N", "friction of the clamp; 0 where the slip is prescribed")
+    slip_mass = array("n", "kg", "mass of the node")
     bending = per_family(
         "N m",
         "bending stiffness of a grid line over the element side, n EI / L, of warp "
         "and weft; 0 without",
     )
-    packing = array(
-        "2",
-        "N/m, -",
-        "stiffness of a ply in its plane as solid fibre; share of its area at rest "
-        "that packed fabric keeps (`cloth.packing_kernels`)",
+    packing_stiffness = number("N/m", "stiffness of a ply in its plane as solid fibre")
+    packed_area = number(
+        "-", "share of its area at rest that packed fabric keeps (`cloth.packing_kernels`)"
     )
     yarn_ends = array(
         "2, 2 int64",
@@ -394,10 +392,11 @@ class State(Row, kept=True):
     peak_step = array("2 int64", "-", "steps (of `steps`) in which they had it; 0 if none had")
     contact_window = array("4 int64", "-", "present contact window (i0, i1, j0, j1)")
     nose_window = array("4 int64", "-", "rows and columns of nodes with forces of `f_contact`")
-    friction_state = array(
-        "elements, points, 6",
-        "m, N",
-        "elastic slip and friction force of each contact point; empty without friction",
+    friction_slip = array(
+        "elements, points, 3", "m", "elastic slip of each contact point; empty without friction"
+    )
+    friction_force = array(
+        "elements, points, 3", "N", "last friction force of each contact point; likewise"
     )
     slip_force = array("n", "N", "force on the slipping nodes along their axis at the last step")
     boundary_work = total("J", "work of the boundary on prescribed nodes so far")

@@ -33,11 +33,11 @@ def update_slip_nodes(state, const, time):
     for m in range(const.slip_node.size):
         k = const.slip_node[m]
         c = const.slip_axis[m]
-        pull = const.slip_data[m, 0]
-        start = const.slip_data[m, 1]
-        end = const.slip_data[m, 2]
-        grip = const.slip_data[m, 3]
-        mass = const.slip_data[m, 4]
+        pull = const.slip_length[m]
+        start = const.slip_start[m]
+        end = const.slip_end[m]
+        grip = const.slip_grip[m]
+        mass = const.slip_mass[m]
         force = state.f_int[c][k] + state.f_int_above[c][k]
         before = state.v[c][k]
         if grip > 0.0:

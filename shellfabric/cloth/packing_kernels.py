@@ -30,9 +30,6 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
 from shellfabric.state import ModuleTable, unit
 
-# of const.packing
-STIFFNESS = 0
-SHARE = 1
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
 
@@ -44,7 +41,7 @@ def has_packed(state, const, work, first, last):
     s = const.row_stride
     A = work.A
     B = work.B
-    share = const.packing[SHARE]
+    share = const.packed_area
     end = scratch_slot(const, first, last)
     least = broadcast(16.0)
     for j in range(2 * s, end, WIDTH):
@@ -82,7 +79,7 @@ def packing_forces(state, const, own, first, last, acting):
 @kernel(_nrt=False)
 def packing_force(state, const, k, acting):
     """Energy [J] of the element at slot k; adds its forces to state.f_int if `acting`."""
-    share = const.packing[SHARE]
+    share = const.packed_area
     s = np.uint64(const.row_stride)
     a, b = mean_sides(state, const, k)
     n_x = a[1] * b[2] - a[2] * b[1]
@@ -93,7 +90,7 @@ def packing_force(state, const, k, acting):
         return 0.0
     dx = rest_length(const.dx, const.inv_dx, k)
     dy = rest_length(const.dy, const.inv_dy, k)
-    stiffness = const.packing[STIFFNESS] * dx * dy
+    stiffness = const.packing_stiffness * dx * dy
     missing = share - area
     if acting and area > _LEAST_AREA:
         push = 0.5 * stiffness * missing / (share * area)

@@ -59,13 +59,13 @@ def _constants(panel):
     mass = weave.areal_density * dx * dy
     x0, y0 = panel.origin
     shot = panel.shot
-    rim_node, rim_axis, rim = edges.rim(panel)
     warp_lines, weft_lines = failure.lines_of(panel)
     (bound1, bound_step1), (bound2, bound_step2) = packed_table.ceilings(table)
     coefficients, constant = packed_table.potential(table)
+    rim = edges.rim(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
     # first zone
-    roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
+    roaming = shot.roaming or (rim["slip_node"].size > 0 and panel.sides is None)
     cv1, cv2 = (numerics.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots: dict[str, Any] = {
         "inv_dx": 1 / dx,
@@ -139,11 +139,10 @@ def _constants(panel):
         foremost_offset=shot.top,
         shoulder=shot.shoulder,
         friction=shot.friction,
-        slip_node=rim_node,
-        slip_axis=rim_axis,
-        slip_data=rim,
+        **rim,
         bending=_bending(panel),
-        packing=np.array([packing_stiffness(panel.fabric), panel.packed_area]),
+        packing_stiffness=float(packing_stiffness(panel.fabric)),
+        packed_area=float(panel.packed_area),
         yarn_ends=edges.yarn_ends(panel),
         has_backing=panel.backing is not None,
     )
@@ -163,7 +162,7 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
         first_row, end_row, _, _ = state.contact_window
         state.first_row = max(first_row - 2, 0)
         state.end_row = min(end_row + 2, ni)
-    if np.any(const.slip_data[:, 0]):
+    if np.any(const.slip_length):
         # edges with a prescribed pull-in move before any wave comes to them
         state.first_row = 0
         state.end_row = ni

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
@@ -48,23 +50,23 @@ def ends(panel: PanelGrid) -> tuple[tuple[int, int], tuple[int, int]]:
     return (found[0], start[1]), (start[0], found[1])
 
 
-def rim(panel: PanelGrid) -> tuple[IntArray, IntArray, FloatArray]:
-    """What `boundary_kernels` needs of the sides that slip.
-
-    Returns
-    -------
-    nodes, axes : (n,) int, flat node number and the direction in which it moves
-    values : (n, 5) pull-in along that axis [m], start and end of it [s], grip [N], mass [kg]
-    """
+def rim(panel: PanelGrid) -> dict[str, Any]:
+    """Return {name in `Constants`: (n,) values} of the nodes of the sides that slip."""
+    found: dict[str, list[Any]] = {
+        "slip_node": [np.zeros(0, np.int64)],
+        "slip_axis": [np.zeros(0, np.int64)],
+        "slip_length": [np.zeros(0)],
+        "slip_start": [np.zeros(0)],
+        "slip_end": [np.zeros(0)],
+        "slip_grip": [np.zeros(0)],
+        "slip_mass": [np.zeros(0)],
+    }
     if not slips(panel.boundary):
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
+        return {name: parts[0] for name, parts in found.items()}
     given = panel.supports
     ni, nj = panel.counts
     mass = panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
-    nodes = []
-    axes = []
-    values = []
     for axis, pair in enumerate(given):
         count = (panel.weave.warp_count, panel.weave.weft_count)[axis]
         place = np.moveaxis(np.array(panel.coordinates()[1 - axis]), axis, 0)[0]
@@ -74,21 +76,24 @@ def rim(panel: PanelGrid) -> tuple[IntArray, IntArray, FloatArray]:
             keep = np.ones(place.size, bool)
             keep[0] = panel.mirrors[1 - axis] or given[1 - axis][0] == "free"
             keep[-1] = given[1 - axis][1] == "free"
-            row = np.zeros((place.size, 5))
-            row[:, 4] = np.moveaxis(mass, axis, 0)[end]
+            own = {name: np.zeros(place.size, parts[0].dtype) for name, parts in found.items()}
+            own["slip_node"][:] = np.moveaxis(numbers, axis, 0)[end]
+            own["slip_axis"][:] = axis
+            own["slip_mass"][:] = np.moveaxis(mass, axis, 0)[end]
             if isinstance(side, Grip):
-                row[:, 3] = side.force * (count * tributary(panel.element_sides[1 - axis]))
+                own["slip_grip"][:] = side.force * (
+                    count * tributary(panel.element_sides[1 - axis])
+                )
             else:
                 drawn = side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
                 if end == -1:
                     drawn = -drawn  # inwards
-                row[:, 0] = drawn
-                row[:, 1] = side.start
-                row[:, 2] = side.end
-            nodes.append(np.moveaxis(numbers, axis, 0)[end][keep])
-            axes.append(np.full(keep.sum(), axis))
-            values.append(row[keep])
-    return np.concatenate(nodes), np.concatenate(axes), np.concatenate(values)
+                own["slip_length"][:] = drawn
+                own["slip_start"][:] = side.start
+                own["slip_end"][:] = side.end
+            for name, values in own.items():
+                found[name].append(values[keep])
+    return {name: np.concatenate(parts) for name, parts in found.items()}
 
 
 def yarn_ends(panel: PanelGrid) -> IntArray:

@@ -60,8 +60,7 @@ def interpolate_tensions(state, const, block, first, last, damaged, work):
     n_weft = n
     if last == const.ni:
         n_weft += s  # the weft on the far side of the panel has no row of its own
-    reach1 = const.table_beyond[0]
-    reach2 = const.table_beyond[1]
+    reach1, reach2, _, _, _, _ = const.table_beyond
     most = state.block_max_tension[block]
     stretch1, stretch2 = work.stretch
     mean1, mean2 = work.mean_stretch

@@ -50,7 +50,8 @@ def contact_state(near: Sequence[int], points: int, friction: float) -> dict[str
     return {
         "last_contact_force": np.zeros((points**2, count + WIDTH)),
         "in_contact": np.zeros(count, np.bool_),
-        "friction_state": np.zeros((*rubbing, 6)),
+        "friction_slip": np.zeros((*rubbing, 3)),
+        "friction_force": np.zeros((*rubbing, 3)),
         "dv_other": tuple(np.zeros((3, 0))),
         "dv_contact": tuple(np.zeros((3, 0))),
         "force_scale": np.array(contact_kernels.MIN_FORCE_SCALE),

@@ -132,7 +132,8 @@ def reset_element(state, const, e):
     for forces in state.last_contact_force:
         forces[e] = 0.0
     if const.friction > 0.0:
-        state.friction_state[e] = 0.0
+        state.friction_slip[e] = 0.0
+        state.friction_force[e] = 0.0
 
 
 @kernel(_nrt=False)
@@ -334,7 +335,8 @@ def contact_point(state, const, point, work):
     if part == 0.0:
         last[e] = 0.0
         if const.friction > 0.0:
-            state.friction_state[e, number] = 0.0
+            state.friction_slip[e, number] = 0.0
+            state.friction_force[e, number] = 0.0
         return
     stiffness = part * law.stiffness
     damping = part * law.damping
@@ -365,10 +367,11 @@ def contact_point(state, const, point, work):
     last[e] = push
     rubbed = 0.0
     if const.friction > 0.0:
-        stuck = state.friction_state[e, number]
+        slip = state.friction_slip[e, number]
+        pull = state.friction_force[e, number]
         limit = const.friction * push
         rub, rubbed, held = friction_kernels.friction_force(
-            stuck, limit, (stiffness, damping), const.dt, normal, v
+            slip, pull, limit, (stiffness, damping), const.dt, normal, v
         )
         state.nose_friction_work += rubbed
         state.friction_spring_energy += held

@@ -19,12 +19,12 @@ from shellfabric.jit.compile import kernel
 
 
 @kernel()
-def friction_force(stuck, limit, spring, dt, normal, v):
+def friction_force(last_slip, last_force, limit, spring, dt, normal, v):
     """Friction at one point over one step.
 
     Parameters
     ----------
-    stuck : (6,) elastic slip [m] and last friction force [N], updated
+    last_slip, last_force : (3,) elastic slip [m] and friction force [N] of the last step, updated
     limit : [N] mu f
     spring : stiffness k [N/m], damping c [N s/m]
     normal : unit vector of the surface
@@ -36,10 +36,10 @@ def friction_force(stuck, limit, spring, dt, normal, v):
     holds
     """
     k, c = spring
-    taken = -0.5 * dt * dot(three(stuck, 3), v)
+    taken = -0.5 * dt * dot(three(last_force, 0), v)
     v = across(v, normal)
     # the surface may have turned since the last step
-    slip = across(add_scaled(three(stuck, 0), dt, v), normal)
+    slip = across(add_scaled(three(last_slip, 0), dt, v), normal)
     force = add_scaled(scaled(-k, slip), -c, v)  # eq. (1)
     size = math.sqrt(dot(force, force))
     if size > limit:  # eq. (2): it slides, and the spring keeps what the limit holds
@@ -47,6 +47,6 @@ def friction_force(stuck, limit, spring, dt, normal, v):
         slip = scaled(-1.0 / k, force)
     taken -= 0.5 * dt * dot(force, v)
     for axis in range(3):
-        stuck[axis] = slip[axis]
-        stuck[3 + axis] = force[axis]
+        last_slip[axis] = slip[axis]
+        last_force[axis] = force[axis]
     return force, taken, 0.5 * k * dot(slip, slip)

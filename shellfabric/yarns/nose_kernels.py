@@ -83,7 +83,8 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
     depth = zone.rod - distance
     if depth <= 0.0:
         if const.friction > 0.0:
-            zone.rubbed[n, kind] = 0.0
+            zone.friction_slip[n, kind] = 0.0
+            zone.friction_force[n, kind] = 0.0
         return
     normal = combined(const.frame, normal)
     push = zone.nose_stiffness * depth
@@ -105,8 +106,10 @@ def nose_friction(zone, state, const, n, kind, weights, normal, push):
     velocity = add_scaled(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
     spring = zone.nose_stiffness, 0.0
     limit = const.friction * push
+    slip = zone.friction_slip[n, kind]
+    pull = zone.friction_force[n, kind]
     force, taken, _ = friction_kernels.friction_force(
-        zone.rubbed[n, kind], limit, spring, zone.dt, normal, velocity
+        slip, pull, limit, spring, zone.dt, normal, velocity
     )
     zone.nose_friction_work += taken
     return force

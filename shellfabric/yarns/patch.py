@@ -354,6 +354,9 @@ class YarnPatch:
         chains = self._chains()
         size = chains["mass"].size
         unit = self.unit_stiffness
+        rubbing = 0
+        if nose_friction > 0:
+            rubbing = size
         lightest = chains["mass"][chains["inverse_mass"] > 0].min()
         rows, columns = self.crossings
         column, row = np.arange(columns) + corner[1] + 1, np.arange(rows) + corner[0] + 1
@@ -390,7 +393,8 @@ class YarnPatch:
             rod=0.25 * self.weave.thickness,
             nose_stiffness=NOSE * unit,
             nose_energy=np.zeros((size, 2)),
-            rubbed=np.zeros((size if nose_friction > 0 else 0, 2, 6)),
+            friction_slip=np.zeros((rubbing, 2, 3)),
+            friction_force=np.zeros((rubbing, 2, 3)),
             substeps=steps,
             outer_force=np.zeros((2, chains["tied_node"].size + 1, 3)),
             tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),

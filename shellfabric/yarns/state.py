@@ -89,12 +89,13 @@ class Zone(Row):
     nose_energy = array(
         "all nodes, 2", "J", "that the points at a node and behind it hold", kept=True
     )
-    rubbed = array(
-        "n, 2, 6",
-        "m, N",
-        "friction springs of these points, and their forces; empty without friction",
+    friction_slip = array(
+        "n, 2, 3",
+        "m",
+        "elastic slip of these points on the nose; empty without friction",
         kept=True,
     )
+    friction_force = array("n, 2, 3", "N", "last friction forces of these points", kept=True)
     substeps = integer("-", "steps in a step of the ply")
     points_ahead = tally("-", "points of whole yarns ahead of the nose", kept=True)
     segments_to_break = tally("-", "segments that break in the next step", kept=True)

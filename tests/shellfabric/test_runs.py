@@ -116,7 +116,7 @@ RUNS = {
     "nose friction": (
         PANEL
         | {"strike_velocity": 150.0, "projectile": Projectile(shape="hemisphere", friction=0.3)},
-        lambda run: spent(run, "friction") > 1e-3 and run.state.friction_state.any(),
+        lambda run: spent(run, "friction") > 1e-3 and run.state.friction_slip.any(),
     ),
     "grip": (
         PANEL | {"boundary": Grip(20.0), "strike_velocity": 120.0},

@@ -177,7 +177,8 @@ def test_peak_tension_has_its_time_and_place(shoot, plies):
 
 def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     """A block, at rest at first, on a belt that moves at `belt`, pulled by a force: velocities and energies."""
-    stuck = np.zeros(6)
+    slip = np.zeros(3)
+    last = np.zeros(3)
     v = 0.0
     taken = 0.0
     held = 0.0
@@ -186,7 +187,7 @@ def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     for _ in range(steps):
         v += dt * force / mass
         rub, work, held = friction_kernels.friction_force(
-            stuck, limit, (k, c), dt, (0.0, 0.0, 1.0), (v - belt, 0.0, 0.3)
+            slip, last, limit, (k, c), dt, (0.0, 0.0, 1.0), (v - belt, 0.0, 0.3)
         )
         taken = taken + work
         force = rub[0] + pull
@@ -230,12 +231,13 @@ def test_block_sticks_up_to_its_friction():
 
 def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
     rng = np.random.default_rng(0)
-    stuck = np.zeros(6)
+    slip = np.zeros(3)
+    last = np.zeros(3)
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
         t, _, held = friction_kernels.friction_force(
-            stuck, limit, (1e6, 1.0), 1e-6, n, rng.normal(size=3)
+            slip, last, limit, (1e6, 1.0), 1e-6, n, rng.normal(size=3)
         )
         assert np.linalg.norm(t) <= limit * (1 + 1e-12)
         assert abs(np.dot(t, n)) < 1e-12
@@ -245,7 +247,7 @@ def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
 def test_without_friction_nothing_is_rubbed(tables):
     panel = Panel(tables["equilibrium"], (0.03048, 0.03048), numerics=Numerics())
     run = fire(panel)
-    assert run.state.friction_state.size == 0
+    assert run.state.friction_slip.size == 0
     assert run.state.nose_friction_work == run.state.friction_spring_energy == 0.0
     tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
     assert_allclose(tiny.step_history, run.step_history, rtol=1e-6)

@@ -79,5 +79,5 @@ def test_friction_is_kept_of_each_contact_point(contact_points):
     state = panel.state(50.0)
     points = panel.constants().points_per_side ** 2
     assert points == contact_points**2
-    assert state.friction_state.shape == (state.in_contact.size, points, 6)
+    assert state.friction_slip.shape == (state.in_contact.size, points, 3)
     assert state.last_contact_force.shape == (points, state.in_contact.size + 8)

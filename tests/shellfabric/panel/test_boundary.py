@@ -88,11 +88,11 @@ def test_each_side_on_its_own():
     assert not loose[0].any()
     assert not loose[:, 0].any()
     assert loose[1:, 1:].all()
-    nodes, axes, values = edges.rim(panel)
-    assert set(axes) == {1}
+    rim = edges.rim(panel)
+    assert set(rim["slip_axis"]) == {1}
     # the corner at the clamp is held, the free one gripped
-    assert_array_equal(nodes, np.arange(1, 25) * 25)
-    assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
+    assert_array_equal(rim["slip_node"], np.arange(1, 25) * 25)
+    assert_allclose(rim["slip_grip"], [5.0] * 23 + [2.5])
     state, const, _ = fire(make_panel(boundary=("clamped", "free")), 100.0, 500)
     assert abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
 

@@ -74,7 +74,8 @@ def shot(stiffness=1.0):
     march = PackSolver(SHOT.target(), SHOT.strike_velocity, 50e-6, interval=1e-6)
     rows = []
     march.consts = tuple(
-        const._replace(packing=const.packing * [stiffness, 1.0]) for const in march.consts
+        const._replace(packing_stiffness=stiffness * const.packing_stiffness)
+        for const in march.consts
     )
     march._plies = march._plies[0], Rows(march.consts)
 
