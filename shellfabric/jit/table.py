@@ -65,6 +65,7 @@ class Field:
     unit, meaning : for the reader
     kinds : numba types, on a uniform and on a graded grid
     kept : whether a checkpoint has it
+    table : of a row in a row
     """
 
     shape: str
@@ -72,6 +73,7 @@ class Field:
     meaning: str
     kinds: tuple[Any, Any]
     kept: bool = False
+    table: type[Row] | None = None
 
 
 def number(unit: str, meaning: str) -> Any:
@@ -124,7 +126,7 @@ def per_family(unit: str, meaning: str) -> Any:
 
 def row(table: type[Row], meaning: str) -> Any:
     """Field of a row of another table."""
-    return Field(table.__name__, "-", meaning, (table.types[UNIFORM], table.types[GRADED]))
+    return Field(table.__name__, "-", meaning, table.types, table=table)
 
 
 def array_type(shape: str) -> Any:
@@ -189,7 +191,6 @@ class RowType(types.Type):
     """numba type of the rows of a table on a uniform or a graded grid: a pointer to words."""
 
     def __init__(self, table: type[Row], grid: int) -> None:
-        self.table = table
         self.members: dict[str, tuple[Any, int]] = {}  # {name: (numba type, its first word)}
         self.words = 0
         for name, field in table.fields.items():
@@ -370,8 +371,8 @@ def _nothing(field):
     kind = field.kinds[UNIFORM]
     if isinstance(kind, TotalType):
         return _zero(kind)
-    if isinstance(kind, RowType):
-        return kind.table.empty()
+    if field.table:
+        return field.table.empty()
     if kind == array_type(field.shape):
         return _zeros(field.shape, dict.fromkeys(parts_of(field.shape)[1], 0))
     if isinstance(kind, types.UniTuple):

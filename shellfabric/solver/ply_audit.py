@@ -40,7 +40,7 @@ def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
         "shear": out[kernels.SHEAR],
         "bending": 0.0,
         "packing": 0.0,
-        "viscous": sum(state.viscous_work),
+        "viscous": float(state.viscous_work.sum()),
         "contact": state.contact_work,
         "friction": state.nose_friction_work,
         "failure_dissipation": state.lost_with_yarns + state.lost_with_elements,
@@ -51,7 +51,9 @@ def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
     form = "formulation_residual"
     if const.variational:
         form = "yarn_snap"
-    found[form] = sum(state.edge_work) - (out[kernels.STORED] - rest) - state.lost_with_yarns
+    found[form] = (
+        float(state.edge_work.sum()) - (out[kernels.STORED] - rest) - state.lost_with_yarns
+    )
     modules = forces.modules_of(state.modules)
     for module, stored in zip(modules, out[kernels.BENDING :]):
         found[module.energy] = found.get(module.energy, 0.0) + stored
