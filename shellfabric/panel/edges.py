@@ -81,9 +81,8 @@ def rim(panel: PanelGrid) -> dict[str, Any]:
             own["slip_axis"][:] = axis
             own["slip_mass"][:] = np.moveaxis(mass, axis, 0)[end]
             if isinstance(side, Grip):
-                own["slip_grip"][:] = side.force * (
-                    count * tributary(panel.element_sides[1 - axis])
-                )
+                yarns = count * tributary(panel.element_sides[1 - axis])
+                own["slip_grip"][:] = side.force * yarns
             else:
                 drawn = side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
                 if end == -1:

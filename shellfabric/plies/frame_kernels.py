@@ -5,7 +5,12 @@ import numpy as np
 
 from shellfabric.cloth.grid_kernels import to_nodes
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.cloth.nodal_force_kernels import give_impulses, half_step_work, include_rows
+from shellfabric.cloth.nodal_force_kernels import (
+    bounds,
+    give_impulses,
+    half_step_work,
+    include_rows,
+)
 from shellfabric.cloth.packing_kernels import is_fabric
 from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
 from shellfabric.jit.compile import kernel
@@ -125,8 +130,9 @@ def hand_over(state, const, contact, p):
 def apply_impulses(state, const, force, window):
     """Give a ply the impulses of contact forces of others; widen its window of active rows to them.
     Whether there are any."""
-    if window[1] <= window[0]:
+    first_row, end_row, _, _ = bounds(window)
+    if end_row <= first_row:
         return False
     give_impulses(state, const, force, window)
-    include_rows(state, const, window[0] - 4, window[1] + 3)
+    include_rows(state, const, first_row - 4, end_row + 3)
     return True

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from shellfabric.cloth.grid_kernels import place, turned, turned_back
-from shellfabric.cloth.nodal_force_kernels import extend_window, half_step_work
+from shellfabric.cloth.nodal_force_kernels import bounds, extend_window, half_step_work
 from shellfabric.cloth.vector_kernels import add, add_scaled, column, nodal, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
@@ -65,11 +65,12 @@ def count_work(states, consts, contact, let_go):
     taken away."""
     guard = contact.guard
     for p in range(len(states)):
-        if guard.window[p, 0] < guard.window[p, 1]:
+        window = guard.window[p]
+        first_row, end_row, _, _ = bounds(window)
+        if first_row < end_row:
             state = row_of(states, p)
             const = row_of(consts, p)
             force = guard.force[p]
-            window = guard.window[p]
             guard.work -= half_step_work(state, const, force, window, let_go)
 
 

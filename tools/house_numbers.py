@@ -1,0 +1,106 @@
+"""Report how well the code can be read, as numbers with the places behind them. Fails nothing.
+
+    python tools/house_numbers.py
+
+Each function of MEASURES returns the places of one measure; the number is how many there are.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+from kernel_arrays import tables  # noqa: E402
+
+CONSTANT = re.compile(r"[A-Z][A-Z_0-9]+")
+# lengths of what has a value for each family of yarns, for each axis, for each of eight lanes or corners
+VECTOR = {"2", "3", "8"}
+
+
+def unlike() -> set[str]:
+    """Return the names of the fields of kernel tables that hold numbers which are not alike.
+
+    Such a field has a length that is neither of axes nor of families, or several units. A name that
+    other tables have for what is alike is left out.
+    """
+    found = set()
+    alike = set()
+    for table in tables():
+        for name, field in table.fields.items():
+            lengths = set(re.findall(r"(?<![+-] )\b\d+\b", field.shape))
+            if lengths - VECTOR or "," in field.unit:
+                found.add(name)
+            else:
+                alike.add(name)
+    return found - alike
+
+
+def is_fixed(index: ast.expr) -> bool:
+    """Tell whether an index is a digit or a constant, or one of several is; k + 1 is neither."""
+    if isinstance(index, ast.Constant):
+        return isinstance(index.value, int)
+    if isinstance(index, ast.Attribute):
+        return bool(CONSTANT.fullmatch(index.attr))
+    if isinstance(index, ast.Name):
+        return bool(CONSTANT.fullmatch(index.id))
+    if isinstance(index, ast.BinOp):
+        return is_fixed(index.left) and is_fixed(index.right)
+    if isinstance(index, ast.Tuple):
+        return any(is_fixed(part) for part in index.elts)
+    return False
+
+
+def indexed_rows(path: Path) -> list[ast.Subscript]:
+    """Return the places of a file that index such a field of a row by a digit or a constant.
+
+    In kernels a variable that has the name of such a field counts as one.
+    """
+    fields = unlike()
+    found = []
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if not isinstance(node, ast.Subscript) or not is_fixed(node.slice):
+            continue
+        array = node.value
+        if isinstance(array, ast.Attribute):
+            name = array.attr
+        elif isinstance(array, ast.Name) and path.name.endswith("_kernels.py"):
+            name = array.id
+        else:
+            continue
+        if name in fields and name != "shape":
+            found.append(node)
+    return found
+
+
+def numbers_by_slot() -> list[str]:
+    """Return the places of shellfabric that read or set a number of a row by its slot."""
+    found = []
+    for path in sorted((ROOT / "shellfabric").rglob("*.py")):
+        for node in sorted(indexed_rows(path), key=lambda node: node.lineno):
+            found.append(f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)}")
+    return found
+
+
+MEASURES = {"places that index an array of a row by a constant or a digit": numbers_by_slot}
+
+
+def main() -> None:
+    """Print each number, and its places by file."""
+    for title, measure in MEASURES.items():
+        places = measure()
+        print(f"{len(places):5d}  {title}")
+        files = Counter(place.split(":")[0] for place in places)
+        for name, count in files.most_common():
+            print(f"       {count:4d}  {name}")
+        for place in places:
+            print(f"             {place}")
+
+
+if __name__ == "__main__":
+    main()
