@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 from fabrics.base.checks import FilePath
@@ -52,6 +53,19 @@ CONSTANT = re.compile(r"^(([A-Z]\w*) = (?:[\d.e-]+|np\.uint64\(\d+\)))$", re.MUL
 PROSE = re.compile(rb'^[ \t]*(?:#[^\n]*|"""(?:[^"]|"(?!""))*"""[ \t]*|)\n', re.MULTILINE)
 # [s] after so long a pause without compiling, kernels of the same folder are announced again
 PAUSE = 3.0
+# what a pickle that was cut short, or has other bytes in it, raises
+DAMAGED = (
+    EOFError,
+    UnpicklingError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    IndexError,
+    KeyError,
+    ImportError,
+    MemoryError,
+    OverflowError,
+)
 # folders announced since the last pause
 _announced: set[str] = set()
 # [s] time at which something was compiled last
@@ -97,7 +111,9 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     (NUMBA_CACHE_DIR) is used as the root; otherwise the __pycache__ of the package.
     """
     import numba
+    from numba.core import caching as caching_of_numba
 
+    caching: Any = caching_of_numba
     file = Path(file).resolve()
     root = ROOT
     if not file.is_relative_to(ROOT):  # the folder that the outermost package of the file is in
@@ -108,11 +124,14 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
     config.CACHE_DIR = str(folder / f"kernels-{_kernel_digest(file, root)}")
     config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,UserWideCacheLocator"
+    files_of_numba = caching.IndexDataCacheFile
+    caching.IndexDataCacheFile = _files()
     try:
         yield
     finally:
         config.CACHE_DIR = before
         config.CACHE_LOCATOR_CLASSES = locators
+        caching.IndexDataCacheFile = files_of_numba
 
 
 class KernelFolder:
@@ -155,6 +174,29 @@ class KernelFolder:
     def get_disambiguator(self) -> str:
         """Return nothing: the names of kernels differ within their file."""
         return ""
+
+
+@cache
+def _files():
+    """numba's files of a kernel, of which one that was cut short is one that is not there: the
+    kernel is compiled again."""
+    from numba.core import caching
+
+    class Files(caching.IndexDataCacheFile):
+        def _load_index(self):
+            try:
+                return super()._load_index()
+            except DAMAGED:
+                return {}
+
+        def _load_data(self, name):
+            try:
+                return super()._load_data(name)
+            except DAMAGED:
+                # what numba takes for a kernel that is not there
+                raise FileNotFoundError(name) from None
+
+    return Files
 
 
 @cache

@@ -17,20 +17,20 @@ old result. diskcache has no rule for keys, and keeps a data base, which hides t
 from __future__ import annotations
 
 import hashlib
-import pickle
-import shutil
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields, is_dataclass
-from functools import cache, partial
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fabrics import __version__
-from fabrics.base import executors
+from fabrics.base import executors, store
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import write_whole
@@ -46,6 +46,8 @@ SUFFIXES = (".py", ".toml", ".json", ".csv", ".geo")
 # enough to tell two versions of the code apart by eye
 # a message shows so many digits of the code's digest
 _SHORT = 12
+# names of the files of results: keys with a suffix
+_OURS = re.compile(r"[0-9a-f]{32}\.(npz|npy|pickle)")
 
 
 @cache
@@ -146,52 +148,50 @@ def _mark(hasher, kind, text):
     hasher.update(f"{kind} {len(content)} ".encode() + content)
 
 
-@dataclass(frozen=True)
-class Format:
-    """How results are written: suffix of their files, write(content, file) and read(file) ->
-    content of open files."""
-
-    suffix: str
-    write: Callable
-    read: Callable
-
-
-# what is read was written in the user's own folder
-PICKLE = Format("pickle", partial(pickle.dump, protocol=pickle.HIGHEST_PROTOCOL), pickle.load)
-
-
 class RunCache:
-    """Results in a folder by their keys.
+    """Results in a folder by their keys, as `fabrics.base.store` has them on disk. A file that is
+    damaged is one that is not there.
 
     Parameters
     ----------
     folder : made with the first result
-    form : Format of the files
     """
 
-    def __init__(self, folder: FilePath, form: Format = PICKLE) -> None:
+    def __init__(self, folder: FilePath) -> None:
         self.folder = Path(folder)
-        self._form = form
 
     def file(self, key: str) -> Path:
         """Return the file of a result."""
-        return self.folder / f"{key}.{self._form.suffix}"
+        return self.folder / f"{key}.{store.SUFFIX}"
+
+    def files(self) -> list[Path]:
+        """Return the files of all results, of earlier versions too."""
+        return [file for file in self.folder.glob("*") if _OURS.fullmatch(file.name)]
 
     def clear(self) -> None:
-        """Remove the folder with all that it holds."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Remove the results, and the folder if nothing else is in it."""
+        for file in self.files():
+            file.unlink(missing_ok=True)
+        with suppress(OSError):
+            self.folder.rmdir()
 
     def __contains__(self, key: str) -> bool:
-        return self.file(key).exists()
+        with suppress(KeyError):
+            self[key]
+            return True
+        return False
 
     def __getitem__(self, key: str) -> Any:
-        with open(self.file(key), "rb") as file:
-            return self._form.read(file)
+        try:
+            with open(self.file(key), "rb") as file:
+                return store.read(file)
+        except (OSError, store.UnreadableResult):
+            raise KeyError(key) from None
 
     def __setitem__(self, key: str, content: Any) -> None:
         # several processes write to one folder, and any of them may be killed
         with write_whole(self.file(key), "wb") as file:
-            self._form.write(content, file)
+            store.write(content, file)
 
 
 def results(
@@ -227,7 +227,11 @@ def results(
     kept = RunCache(folder)
     if not resume:
         kept.clear()
-    missing = [k for k, name in enumerate(names) if name not in kept]
+    found = {}
+    for name in names:
+        with suppress(KeyError):
+            found[name] = kept[name]
+    missing = [k for k, name in enumerate(names) if name not in found]
     report = report or (lambda done, total: None)
     report(len(names) - len(missing), len(names))
     if missing:
@@ -235,9 +239,12 @@ def results(
             finished = executors.as_done(pool, function, [arguments[k] for k in missing])
             for done, (k, content) in enumerate(finished, 1):
                 # kept at once, so that an interrupted study has lost only what was under way
-                kept[names[missing[k]]] = content
+                name = names[missing[k]]
+                kept[name] = content
+                # as a resumed study finds it
+                found[name] = kept[name]
                 report(len(names) - len(missing) + done, len(names))
-    return [kept[name] for name in names]
+    return [found[name] for name in names]
 
 
 def stamp(inputs: object, *modules: str) -> dict[str, str]:

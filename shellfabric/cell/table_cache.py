@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from fabrics.base.run_cache import Format, RunCache, key
+from fabrics.base.run_cache import RunCache, key
 from shellfabric.cell.model import COLUMNS, CellModel, CellTable
 
 MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB
@@ -43,9 +42,9 @@ def table(model: CellModel, n: int = 201) -> CellTable:
     place = folder()
     if place is None:
         return model.table(n)
-    kept = RunCache(place, ARRAYS)
+    kept = RunCache(place)
     name = key((model, int(n)), "shellfabric.cell.table_cache")
-    with suppress(OSError, ValueError, EOFError):
+    with suppress(OSError, KeyError, ValueError):
         x, y, out = _split(kept[name])
         os.utime(kept.file(name))
         return CellTable.of_values(model, x, y, dict(zip(COLUMNS, out)))
@@ -61,7 +60,7 @@ def trim(place: Path, most: float) -> None:
     bytes."""
     files = sorted(
         (file.stat().st_mtime, file.stat().st_size, file)
-        for file in place.glob(f"*.{ARRAYS.suffix}")
+        for file in RunCache(place).files()
     )
     excess = sum(size for _, size, _ in files) - most
     for _, size, file in files:
@@ -83,8 +82,3 @@ def _split(array):
     if array.shape != (len(COLUMNS) * n + 2, n) or array.dtype != float:
         raise ValueError("is not a table")
     return array[0].copy(), array[1].copy(), array[2:].reshape(len(COLUMNS), n, n)
-
-
-ARRAYS = Format(
-    "npy", lambda content, file: np.save(file, content), partial(np.load, allow_pickle=False)
-)

@@ -108,7 +108,7 @@ def test_results_come_back(tmp_path):
     assert "k" not in kept
     kept["k"] = {"a": [1.0, "b"]}
     assert run_cache.RunCache(tmp_path)["k"] == {"a": [1.0, "b"]}
-    assert [path.name for path in tmp_path.iterdir()] == ["k.pickle"]
+    assert [path.name for path in tmp_path.iterdir()] == ["k.npz"]
 
 
 def test_a_stamp_tells_other_inputs_from_other_code(monkeypatch, tmp_path):
