@@ -22,6 +22,21 @@ class WeavecellError(Exception):
     exit_code = 1
 
 
+@contextmanager
+def interrupts() -> Iterator[None]:
+    """Raise KeyboardInterrupt in this block also where it came while numba was calling a kernel,
+    which makes a SystemError of it."""
+    try:
+        yield
+    except SystemError as problem:
+        cause: BaseException | None = problem
+        while cause is not None:
+            if isinstance(cause, KeyboardInterrupt):
+                raise KeyboardInterrupt from None
+            cause = cause.__cause__ or cause.__context__
+        raise
+
+
 class InputError(WeavecellError, ValueError):
     """Bad input, one line a problem: the file, the key, its value and what is allowed.
 

@@ -24,8 +24,9 @@ import os
 import re
 import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from io import BytesIO
 from math import isfinite, nan
 from pathlib import Path
@@ -42,6 +43,37 @@ ROOM = 65536
 # a number with decimal marks, and a unit of up to two words
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+# called as watcher(path, finished file beside it) before each file is renamed to its path
+watchers: list[Callable[[Path, Path], None]] = []
+_read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
+
+
+@contextmanager
+def noting_reads() -> Iterator[set[Path]]:
+    """Yield the set of files that are read in this block, or in the block of this kind around
+    it."""
+    noted = _read.get()
+    if noted is not None:
+        yield noted
+        return
+    noted = set()
+    token = _read.set(noted)
+    try:
+        yield noted
+    finally:
+        _read.reset(token)
+
+
+def note_read(path: FilePath) -> None:
+    """Add a file that another library is about to read to the set of `noting_reads`."""
+    noted = _read.get()
+    if noted is not None:
+        noted.add(Path(path).resolve())
+
+
+def noted_reads() -> frozenset[Path]:
+    """Return the files that were read in the block of `noting_reads`; none outside of one."""
+    return frozenset(_read.get() or ())
 
 
 @contextmanager
@@ -76,6 +108,8 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
             os.fsync(file.fileno())
         # mkstemp makes files that only their owner reads
         beside.chmod(0o666 & ~_umask())
+        for watcher in watchers:
+            watcher(path, beside)
         os.replace(beside, path)
     except OSError as problem:
         # an error without a number has a text of its own, which a file name would hide
@@ -144,6 +178,7 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
     """
     import h5py
 
+    note_read(path)
     try:
         with h5py.File(path, "r") as file:
             stated = file.attrs.get("format")
@@ -169,7 +204,7 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
     InputError : no such file, not JSON, or another format
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+        content = json.loads(read_bytes(path).decode("utf-8-sig"))
     except OSError as problem:
         raise InputError(
             "cannot be read", file=path, allowed=f"{what} ({problem.strerror})"
@@ -189,6 +224,12 @@ def read_data(path: FilePath) -> dict[str, Any]:
     return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
+def read_bytes(path: FilePath) -> bytes:
+    """Return the bytes of a user's file."""
+    note_read(path)
+    return Path(path).read_bytes()
+
+
 def read_text(path: FilePath) -> str:
     """Read a user's file: its text without byte order mark, with "\n" at the end of each line.
 
@@ -197,7 +238,7 @@ def read_text(path: FilePath) -> str:
     InputError : neither UTF-8 nor UTF-16
     OSError : no such file
     """
-    content = Path(path).read_bytes()
+    content = read_bytes(path)
     # Notepad calls UTF-16 with its mark "Unicode"
     utf_16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     good = content

@@ -25,11 +25,13 @@ if TYPE_CHECKING:
     from shellfabric.driver.solver import ExplicitSolver
 
 FORMAT = "weavecell checkpoint 3"
+MOST_WALL = 30.0  # [s] after which a checkpoint is written wherever the run stands
 LEAST_WALL = 10.0  # [s] between checkpoints of a command: what it saves of a shorter run takes as long to compute again
 
 
 class Checkpoints(Every):
-    """Write a checkpoint every interval [s] of the run's time, over the last one.
+    """Write a checkpoint every interval [s] of the run's time, and after `MOST_WALL` of wall time,
+    over the last one.
 
     Parameters
     ----------
@@ -42,14 +44,16 @@ class Checkpoints(Every):
         super().__init__(interval)
         self.path = path
         self.least_wall = least_wall
-        self._next: float | None = None  # [s] of the clock
+        self._written: float | None = None  # [s] of the clock
 
     def __call__(self, solver: ExplicitSolver) -> None:
-        if self._next is None:
-            self._next = time.monotonic() + self.least_wall
-        if self.due(solver) and time.monotonic() >= self._next:
+        now = time.monotonic()
+        if self._written is None:
+            self._written = now
+        passed = now - self._written
+        if (self.due(solver) and passed >= self.least_wall) or passed >= MOST_WALL:
             write(solver, self.path)
-            self._next = time.monotonic() + self.least_wall
+            self._written = time.monotonic()
 
 
 def stamp(solver: ExplicitSolver) -> dict[str, Any]:

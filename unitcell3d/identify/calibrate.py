@@ -80,7 +80,17 @@ class Job:
 
     def file(self, folder: FilePath) -> Path:
         """Return the job's file in the folder of its fabric."""
-        return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
+        return Path(folder) / file_of(self.name)
+
+
+def file_of(path: str) -> str:
+    """Return the name of the file with the history of a path."""
+    return f"{path.replace(' ', '-')}.h5"
+
+
+def names() -> list[str]:
+    """Return the names of the files with the histories of the default paths."""
+    return [file_of(path) for path in (*PATHS, BOTH, PLATES)]
 
 
 def path_jobs(

@@ -47,8 +47,10 @@ COLUMNS = {
     "h2": "weft height [m]",
     "W": "stored energy [J]",
 }
+NAMES = ("biaxial.csv", "biaxial.json", "pictures/cell.svg", "report.html")
 
 
+@out_folder.reading
 def biaxial(
     fabric: Fabric | FilePath,
     *,
@@ -114,13 +116,23 @@ def biaxial(
         raise InputError(key="law", allowed=allowed)
     model = CellModel(fabric)
     began = time.perf_counter()
-    with out_folder.hold(out) as folder:
+    with out_folder.hold(out, _names(wanted if compare_3d is not None else ())) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
         solved = {}
         if compare_3d is not None:
             solved = _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
         return save_to(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
+
+
+def _names(solved):
+    """The names of the files, also of the 3D crossover along paths with these ratios."""
+    return (*NAMES, *(f"{_stem(text)}.h5" for text in solved))
+
+
+def _stem(ratio):
+    # a colon is not allowed in names of files on all systems
+    return ratio.replace(":", "-")
 
 
 def _ratio(text):
@@ -237,16 +249,18 @@ class BiaxialResult(Result):
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
+        with out_folder.hold(out, _names(self.solved)):
+            self._write(Path(out))
+
+    def _write(self, folder):
         from weavecell.report import chapters, page
         from weavecell.results import provenance
 
-        folder = Path(out)
         stamp = provenance.stamp("", self.fabric)
         table = self.to_dataframe().to_csv(index=False, float_format="%.8g")
         files.write(folder / "biaxial.csv", table)
-        # a colon is not allowed in names of files on all systems
         for text, history in self.solved.items():
-            history.write(folder / f"{text.replace(':', '-')}.h5")
+            history.write(folder / f"{_stem(text)}.h5")
         json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], folder / "pictures")

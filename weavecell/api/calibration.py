@@ -54,6 +54,20 @@ FRACTIONS_ALIKE = 0.02
 WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
 
+NAMES = (
+    "law.json",
+    "law-warp.json",
+    "law-weft.json",
+    "calibration.json",
+    "provenance.json",
+    "solid.json",
+    "law-interval.json",
+    "report.html",
+    *meshes.names_of("crossover", meshes.MeshResult.formats),
+)
+
+
+@out_folder.reading
 @explain_keywords(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
@@ -125,7 +139,8 @@ def calibrate(
         )
         raise InputError(key="fibre_fraction", value=fibre_fraction, allowed=allowed)
     choices = {"friction": friction, **how.solver_pool}
-    place = out_folder.hold(how.out, how.resume, [(fabric, size, friction, curve)])
+    names = (*NAMES, *solver.names())
+    place = out_folder.hold(how.out, names, how.resume, [(fabric, size, friction, curve)])
     with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
         # first the solid from the platens, then the law from the crossover of that solid
         if curve is not None:
@@ -470,12 +485,18 @@ class CalibrationResult(Result):
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
+        from unitcell3d.identify.calibrate import file_of
+
+        with out_folder.hold(out, (*NAMES, *map(file_of, self.calibration.histories))):
+            self._write(Path(out))
+
+    def _write(self, folder):
+        from unitcell3d.identify.calibrate import file_of
         from weavecell.report import chapters
         from weavecell.results import provenance
 
         done = self.calibration
         fabric = self.mesh.fabric
-        folder = Path(out)
         if self.solid is not None:
             self.solid.write(folder / "solid.json")
         around = self._propagate_intervals()
@@ -483,7 +504,7 @@ class CalibrationResult(Result):
             json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
         if not self.resumable:
             for name, path in done.histories.items():
-                path.write(folder / f"{name.replace(' ', '-')}.h5")
+                path.write(folder / file_of(name))
         self.mesh.save(folder)
         stamp = provenance.stamp("", fabric)
         json_file.write(folder / "provenance.json", stamp)

@@ -44,6 +44,11 @@ if TYPE_CHECKING:
 __all__ = ["ComparisonResult", "TestsResult", "compare"]
 
 
+OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
+NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report.html")
+
+
+@out_folder.reading
 @explain_keywords(SearchKeywords, Keywords)
 def compare(
     tests: FilePath,
@@ -105,11 +110,11 @@ def compare(
     if target is None:
         for key in keys:
             raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.hold(how.out) as folder:
+        with out_folder.hold(how.out, OF_TESTS) as folder:
             return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
     panel = resolve_target(target, keys, honoured.LIMITS, function="compare")
     with (
-        out_folder.hold(how.out) as folder,
+        out_folder.hold(how.out, NAMES) as folder,
         limits.keep_shots(panel, folder) as ended,
         panel.name_problems(),
     ):
@@ -171,6 +176,7 @@ class TestsResult(DrawnResult):
 
         return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
 
+    @out_folder.saving(*OF_TESTS)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
         from weavecell.results import provenance

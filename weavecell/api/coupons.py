@@ -31,7 +31,7 @@ import numpy as np
 from fabrics import assumed
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
@@ -56,9 +56,18 @@ if TYPE_CHECKING:
 
 __all__ = ["CouponResult", "coupon"]
 
+NAMES = (
+    "scene.toml",
+    "histories.h5",
+    "summary.json",
+    "load.csv",
+    "pictures/*",
+    "report.html",
+)
 _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
 
+@out_folder.reading
 def coupon(
     target: Fabric | FilePath,
     test: str | None = None,
@@ -113,20 +122,21 @@ def coupon(
         text = ""
         file = None
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
-    if out is not None and resume and (before := run_folder.find_finished(Path(out), key)):
+    if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key)):
         return before  # type: ignore[return-value]
     inputs = (
         case.fabric,
         case.laws,
         case.scene.model_dump(exclude={"title": True, "run": {"outputs"}}),
     )
-    with out_folder.hold(out, resume, [inputs]) as folder:
+    names = (*NAMES, out_folder.CHECKPOINTS)
+    with out_folder.hold(out, names, resume, [inputs], lambda: key) as folder:
         checkpoint = folder and folder / "checkpoint.h5"
         try:
             run = _relax
             if case.scene.test == "pull_out":
                 run = _pull_out
-            result, failure = run(case, text, key, checkpoint, resume)
+            result, failure = run(case, text, checkpoint, resume)
         except InputError as problem:
             if file is None:
                 raise
@@ -178,7 +188,7 @@ def _case(target, test, options):
     return Case(fabric, laws, laws[0].provenance, scene=scene)
 
 
-def _pull_out(case, text, key, *_):
+def _pull_out(case, text, *_):
     """(PullOutResult, None: it never ends early)."""
     began = time.perf_counter()
     scene = case.scene
@@ -186,10 +196,10 @@ def _pull_out(case, text, key, *_):
     facts = _facts(case, None, began) | {"outcome": "complete"}
     record = coupon_results.pull_out_record(curve, **facts)
     checks = coupon_results.pull_out_indicators(curve)
-    return PullOutResult(record, curve, case, checks, text, key), None
+    return PullOutResult(record, curve, case, checks, text), None
 
 
-def _relax(case, text, key, checkpoint, resume):
+def _relax(case, text, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
     from shellfabric.coupon import quasistatic
 
@@ -217,7 +227,8 @@ def _relax(case, text, key, checkpoint, resume):
 
         try:
             relax = getattr(quasistatic, scene.test)
-            solved = relax(table, **dict(inputs), **options, progress=keep, done=tuple(states))
+            with interrupts():
+                solved = relax(table, **dict(inputs), **options, progress=keep, done=tuple(states))
         except UnstableError as problem:
             failure = problem
             solved = problem.result
@@ -228,7 +239,7 @@ def _relax(case, text, key, checkpoint, resume):
             raise run_folder.Interrupted(message) from None
     record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
     checks = coupon_results.indicators(solved, scene.run.tolerance)
-    return CouponResult(record, solved, case, checks, text, key), failure
+    return CouponResult(record, solved, case, checks, text), failure
 
 
 def _title(case):
@@ -273,7 +284,6 @@ class CouponResult(Result):
     case : `weavecell.scenes.build.Case` of the test
     checks : quality checks
     text : of the input file, "" if there is none
-    key : of the run, by which it is not repeated
 
     Examples
     --------
@@ -287,7 +297,6 @@ class CouponResult(Result):
     case: Case
     checks: tuple[Indicator, ...] = ()
     text: str = ""
-    key: str = ""
 
     @property
     def outcome(self) -> str:
@@ -410,15 +419,15 @@ class CouponResult(Result):
 
         folder = Path(folder)
         times = {}
-        folder.mkdir(parents=True, exist_ok=True)
-        for step, state in enumerate(self.solved.states):
-            nodes = np.column_stack([state.x, np.zeros(len(state.x))])
-            name = f"coupon-{step:04d}.vtu"
-            fabric = vtk.grid(nodes, self.solved.coupon.quads)
-            fabric.cell_data["shear_angle_rad"] = self.solved.shear(step)
-            vtk.write_grid(folder / name, fabric)
-            times[name] = float(step + 1)
-        vtk.write_series(folder / "coupon.pvd", times)
+        with out_folder.hold(folder, ("coupon.pvd", "coupon-*.vtu")):
+            for step, state in enumerate(self.solved.states):
+                nodes = np.column_stack([state.x, np.zeros(len(state.x))])
+                name = f"coupon-{step:04d}.vtu"
+                fabric = vtk.grid(nodes, self.solved.coupon.quads)
+                fabric.cell_data["shear_angle_rad"] = self.solved.shear(step)
+                vtk.write_grid(folder / name, fabric)
+                times[name] = float(step + 1)
+            vtk.write_series(folder / "coupon.pvd", times)
         return folder / "coupon.pvd"
 
     def _write_record(self, out):
@@ -431,6 +440,7 @@ class CouponResult(Result):
             last[name] = row | self._what_is_assumed()
         return {"at_end": last}
 
+    @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint."""
         from weavecell.report import checks, page
@@ -442,7 +452,7 @@ class CouponResult(Result):
             files.write(folder / "scene.toml", self.text)
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed()
-        content |= {"run_key": self.key, "provenance": stamp}
+        content |= {"provenance": stamp}
         json_file.write_summary(folder / "summary.json", content)
         outputs = self.case.scene.run.outputs
         if not outputs:
@@ -509,7 +519,7 @@ class PullOutResult(CouponResult):
     ----------
     record : `fabrics.base.record.Record`, a row a sample of the load
     solved : `shellfabric.coupon.pull_out.PullOutCurve`
-    case, checks, text, key : as of `CouponResult`
+    case, checks, text : as of `CouponResult`
     """
 
     to_vtk = None  # type: ignore[assignment]  # its states are not kept

@@ -24,7 +24,7 @@ from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
 from weavecell.api import meshes, quantities
-from weavecell.api.crossover_result import CASES, CrossoverResult
+from weavecell.api.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.meshes import Sections
 from weavecell.api.result import save_to
@@ -51,6 +51,7 @@ class CaseKeywords(Sections, total=False):
     out: FilePath | None
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def yarn(
     fabric: Fabric | FilePath,
@@ -90,6 +91,7 @@ def yarn(
     return _solve_and_save("yarn", single_yarn.pull, options, fabric, domain, shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def platens(
     fabric: Fabric | FilePath,
@@ -116,6 +118,7 @@ def platens(
     return _press_plies("platens", 1, fabric, pressure, friction, shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def stack(
     fabric: Fabric | FilePath,
@@ -155,6 +158,7 @@ def _press_plies(case, plies, fabric, pressure, friction, shared):
     return _solve_and_save(case, stack.stack_compression, options, fabric, "quarter", shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def biaxial(
     fabric: Fabric | FilePath,
@@ -193,6 +197,7 @@ def biaxial(
     return _solve_and_save("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def path(
     fabric: Fabric | FilePath,
@@ -228,6 +233,7 @@ def path(
     return _solve_and_save("path", load_path.along, options, fabric, domain, shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def shear(
     fabric: Fabric | FilePath,
@@ -274,6 +280,7 @@ def shear(
     return _solve_and_save("shear", periodic_cell.shear, options, fabric, domain, shared)
 
 
+@out_folder.reading
 @explain_keywords(CaseKeywords)
 def pull_out(
     fabric: Fabric | FilePath,
@@ -372,7 +379,7 @@ def _solve_and_save(
     mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
     fabric = meshes.resolve_fabric_for_3d(fabric)
-    with out_folder.hold(out) as folder:
+    with out_folder.hold(out, NAMES) as folder:
         built = meshes.build(fabric, domain, size=meshes.size(mesh), **shape)
         with progress.bar(f"{fabric.name}, {case}") as advance:
             hooks = [lambda share, row: advance(share)]

@@ -15,7 +15,7 @@ from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from weavecell.api.result import Result, figure
 from weavecell.report import crossover_cases, pictures_crossover
-from weavecell.results import json_file
+from weavecell.results import json_file, out_folder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
 
 __all__ = ["CrossoverResult"]
+
+NAMES = ("case.h5", "case.json", "pictures/curve.svg", "pictures/deformed.png")
 
 
 class Case(NamedTuple):
@@ -95,6 +97,7 @@ class CrossoverResult(Result):
         """A matplotlib figure: the curve of the case."""
         return figure(CASES[self.case].curve, self.fabric, self.record)
 
+    @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
         from weavecell.report import checks, pictures

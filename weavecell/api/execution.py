@@ -36,6 +36,22 @@ class SearchKeywords(Keywords, ExecutionKeywords, total=False):
     """
 
 
+class ResumableSearchKeywords(SearchKeywords, total=False):
+    """Keywords of a search that can be continued.
+
+    Parameters
+    ----------
+    jobs : shots that run at the same time, as threads of this process
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or
+        the workers of the Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    resume : whether to take finished shots from the folder; those of another version of the code
+        are fired again
+    """
+
+    resume: bool
+
+
 class ResumableKeywords(ExecutionKeywords, total=False):
     """Keywords of what can be continued.
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["DeckResult", "export"]
 
 
+@out_folder.reading
 def export(
     target: Fabric | FilePath | ImpactSetup,
     to: Literal["lsdyna", "radioss"],
@@ -76,14 +77,14 @@ def export(
 
     folder.check(to, units, match)
     panel = resolve_target(target, {}, folder.NOT_HONOURED)
-    with out_folder.hold(out), panel.name_problems():
-        code = folder.CODES[to]
+    code = folder.CODES[to]
+    if panel.from_file:
+        stem = Path(panel.name).stem
+    else:
+        stem = panel.setup.fabric.name
+    with out_folder.hold(out, folder.names(to, stem)), panel.name_problems():
         names = {"title": panel.shot_title, "source": panel.law_name}
         deck = model.build(panel.setup, code, units, match, **names)
-        if panel.from_file:
-            stem = Path(panel.name).stem
-        else:
-            stem = panel.setup.fabric.name
         folder.write(deck, Path(out), to, stem, match, panel.text, panel.setup.fabric)
     return DeckResult(code.NAME, {card.name: card.mismatch.numbers() for card in deck.cards})
 

@@ -12,6 +12,7 @@ The folder of `weavecell critical-velocity`
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -22,10 +23,16 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
+from fabrics.base.errors import (
+    InputError,
+    UndecidedError,
+    UnstableError,
+    WeavecellError,
+    interrupts,
+)
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, quantities
-from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
+from weavecell.api import keywords, quantities, study_run
+from weavecell.api.execution import Execution, ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import save_to
 from weavecell.api.run_size import StudySize
@@ -61,7 +68,17 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
-@explain_keywords(SearchKeywords, Keywords)
+NAMES = (
+    "critical-velocity.json",
+    "shots.csv",
+    "residual-velocity.svg",
+    "scene.toml",
+    "report.html",
+)
+
+
+@out_folder.reading
+@explain_keywords(ResumableSearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -73,7 +90,7 @@ def critical_velocity(
     scan_step: float | str = "2 %",
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
-    **options: Unpack[SearchKeywords],
+    **options: Unpack[ResumableSearchKeywords],
 ) -> CriticalVelocityResult:
     """Find the critical velocity (ballistic limit) of a ply or pack by bisection, and fit its
     residual velocities.
@@ -88,8 +105,9 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
     run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
 
-    The folder `out` then has report.html, critical-velocity.json, shots.csv, residual-velocity.svg
-    and scene.toml. If the search fails or is interrupted, it has the input and the shots so far.
+    The folder `out` then has report.html, critical-velocity.json, shots.csv, residual-velocity.svg,
+    scene.toml, and runs/ with a file for each shot, from which `resume` goes on. If the search
+    fails or is interrupted, it has the input and the shots so far.
 
     Parameters
     ----------
@@ -104,7 +122,7 @@ def critical_velocity(
     assumed_range : repeat the search with both ends of each assumption on fabrics and set-up. Without
         this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
-    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
+    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -123,6 +141,7 @@ def critical_velocity(
     (70.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
+    from weavecell.studies import inputs
     from weavecell.studies import limit as limits
     from weavecell.studies.limit_scan import ScanRange
 
@@ -137,7 +156,7 @@ def critical_velocity(
     # the range of a scan is checked even if none is wanted
     if not scan:
         around = None
-    how, keys = Execution.split(options, ExecutionKeywords)
+    how, keys = Execution.split(options)
     panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
     over = ranges.with_ends(panel.setup, assumed_range)
     if check:
@@ -150,7 +169,13 @@ def critical_velocity(
         return StudySize.estimate(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
     # the range over what is assumed searches with the same tolerance and pool
     beside = {"tolerance": width, **how.pool}
-    with out_folder.hold(how.out) as folder, keep_shots(panel, folder) as ended:
+    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
+    with (
+        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
+        study_run.keep_runs(folder, how.resume) as runs,
+        keep_shots(panel, folder) as ended,
+    ):
+        beside["folder"] = runs
 
         @contextmanager
         def stage(title):
@@ -176,6 +201,7 @@ def critical_velocity(
         ended.clear()
         save_to(result, folder)
         if over is not None:
+            logging.getLogger("weavecell").info(f"{result.lines()[0]}; its range follows")
             with panel.name_problems(), progress.bar("Range over what is assumed") as advance:
                 around_it = ranges.critical_velocity(
                     over, study.limit.velocity, on_progress=advance, **beside
@@ -191,7 +217,8 @@ def keep_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
     ends it."""
     ended: list[Shot] = []
     try:
-        yield ended
+        with interrupts():
+            yield ended
     except (WeavecellError, KeyboardInterrupt) as problem:
         shots = sorted(ended, key=lambda shot: shot.strike_velocity)
         if isinstance(problem, (UndecidedError, UnstableError)):

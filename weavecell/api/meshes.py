@@ -71,6 +71,7 @@ class Geometry(Sections, total=False):
     end_shells: float | str | None
 
 
+@out_folder.reading
 def mesh(
     fabric: Fabric | FilePath,
     *,
@@ -124,9 +125,25 @@ def mesh(
     count = None
     if patch is not None:
         count = _count(patch)
-    with out_folder.hold(out) as folder:
+    stem = "crossover"
+    if patch is not None or domain == "periodic":
+        stem = "patch"
+    with out_folder.hold(out, names_of(stem, formats)) as folder:
         built = build(fabric, domain or "quarter", count, **options)
         return save_to(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
+
+
+def names_of(stem: str, formats: Sequence[str]) -> list[str]:
+    """Return the names of the files of a mesh: its own, pictures of it and of its quality."""
+    files = [_file(stem, suffix) for suffix in formats]
+    return [*files, f"{stem}.png", "quality.png", "mesh.json"]
+
+
+def _file(stem, suffix):
+    # the name that OpenRadioss's starter takes
+    if suffix == "rad":
+        return f"{stem}_0000.rad"
+    return f"{stem}.{suffix}"
 
 
 def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
@@ -312,11 +329,9 @@ class MeshResult(Result):
     def _export(self, folder, suffix):
         from weavecell.decks import mesh_files
 
-        path = folder / f"{self.stem}.{suffix}"
-        if suffix == "rad":
-            path = folder / f"{self.stem}_0000.rad"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        mesh_files.write(self.mesh, self.fabric, path)
+        path = folder / _file(self.stem, suffix)
+        with out_folder.hold(folder, [path.name]):
+            mesh_files.write(self.mesh, self.fabric, path)
         return path
 
     def save(self, out: FilePath) -> None:
@@ -325,7 +340,10 @@ class MeshResult(Result):
         from weavecell.results import json_file, provenance
 
         out = Path(out)
-        with progress.bar(f"Mesh of {self.mesh.fabric}") as advance:
+        with (
+            out_folder.hold(out, names_of(self.stem, self.formats)),
+            progress.bar(f"Mesh of {self.mesh.fabric}") as advance,
+        ):
             advance(0.2, "writing")
             for suffix in self.formats:
                 self._export(out, suffix)

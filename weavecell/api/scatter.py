@@ -22,6 +22,7 @@ from weavecell.api.result import save_to
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
+from weavecell.results import out_folder
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ if TYPE_CHECKING:
 __all__ = ["V50Result", "v50"]
 
 
+NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", "scene.toml", "report.html")
+
+
+@out_folder.reading
 @explain_keywords(ResumableKeywords, Keywords)
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -127,7 +132,7 @@ def v50(
         whole = replace(analysis.grade_mesh(panel.setup), symmetry="whole")
         return StudySize.estimate(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.use_one_thread(panel.setup, strike_velocity=1.0), scatter, seed
-    with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, drawn) as run:
+    with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, NAMES, drawn) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)

@@ -22,8 +22,7 @@ unstable.
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable
+import logging
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,7 +32,7 @@ import numpy as np
 
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, interrupts
 from fabrics.fabric import Fabric
 from weavecell.api import study_run
 from weavecell.api.keywords import Keywords, explain_keywords
@@ -59,9 +58,21 @@ if TYPE_CHECKING:
 
 __all__ = ["ShotResult", "impact"]
 
+RANGE = "range"  # folder of the finished shots of the range over what is assumed
 WINDOW = "window"  # folder of the finished shots at other velocities
+PANEL = ("panel.pvd", "panel/panel-*.vtu")
+NAMES = (
+    "scene.toml",
+    "projectile.stl",
+    "histories.h5",
+    "summary.json",
+    *PANEL,
+    "pictures/*",
+    "report.html",
+)
 
 
+@out_folder.reading
 @explain_keywords(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -118,6 +129,7 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
+    from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs
 
     panel = resolve_target(
@@ -140,21 +152,25 @@ def impact(
     # a digest of all inputs and code, which only a run with a folder needs
     inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
     key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
-    if out is not None and resume and (before := run_folder.find_finished(Path(out), key())):
+    if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key())):
         return before  # type: ignore[return-value]
-    with out_folder.hold(out, resume, [inputs.use_one_thread(panel.setup)]) as folder:
+    names = (*NAMES, out_folder.CHECKPOINTS)
+    with out_folder.hold(out, names, resume, [inputs.use_one_thread(panel.setup)], key) as folder:
         with panel.name_problems():
-            result, failure = _answer(panel, key, folder, resume, uncertainty, accuracy)
+            result, failure = _answer(panel, folder, resume, uncertainty, accuracy)
             # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
-                result = replace(result, assumed_range=_range(panel.setup, assumed_range, result))
+                with_ends = ranges.with_ends(panel.setup, assumed_range)
+                if with_ends is not None:
+                    result = _with_range(result, with_ends, folder)
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
             # only now, when everything is written, is the state no longer needed
             for checkpoint in run_folder.checkpoints(folder):
                 checkpoint.unlink()
-            shutil.rmtree(folder / WINDOW, ignore_errors=True)
+            for name in (WINDOW, RANGE):
+                run_cache.RunCache(folder / name).clear()
     # the folder has what was computed until then
     if failure is not None:
         failure.result = result
@@ -163,7 +179,7 @@ def impact(
     return result
 
 
-def _answer(panel, key, folder, resume, uncertainty, accuracy):
+def _answer(panel, folder, resume, uncertainty, accuracy):
     """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes
     if their `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
     from weavecell.studies import mesh_uncertainty
@@ -194,22 +210,23 @@ def _answer(panel, key, folder, resume, uncertainty, accuracy):
             return replace(shot, window=window.fire_window(shot.result, folder=runs, report=report))
 
     try:
-        if accuracy:
-            shot, pair = mesh_uncertainty.refine(
-                setup, accuracy.quantity, accuracy.uncertainty, shoot_window
-            )
-        elif uncertainty:
-            shot, pair = mesh_uncertainty.run_pair(setup, shoot_window)
-        else:
-            shot = shoot(setup)
-            pair = None
+        with interrupts():
+            if accuracy:
+                shot, pair = mesh_uncertainty.refine(
+                    setup, accuracy.quantity, accuracy.uncertainty, shoot_window
+                )
+            elif uncertainty:
+                shot, pair = mesh_uncertainty.run_pair(setup, shoot_window)
+            else:
+                shot = shoot(setup)
+                pair = None
     except KeyboardInterrupt:
         kept = folder is not None and bool(run_folder.checkpoints(folder))
         raise run_folder.Interrupted(
             "interrupted" + "; --resume goes on from its last checkpoint" * kept
         ) from None
     return shot_of(
-        panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key
+        panel, shot.result, str(shot.failure or ""), target=panel, pair=pair
     ), shot.failure
 
 
@@ -253,20 +270,35 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     return Shot(*progress.run_with_bar(run, panel.shot_title, hooks))
 
 
-def _range(setup, choice, shot):
-    """The AssumedRange of a shot; None if nothing is assumed, or if the user interrupts it."""
+def _with_range(shot, with_ends, folder):
+    """The ShotResult with its range over what is assumed. The shot itself is printed and its
+    numbers are written first, since the range takes many more shots.
+
+    Raises
+    ------
+    run_folder.Interrupted : the user ended the range of a shot with a folder; without one the shot
+        is returned as it is
+    """
     from weavecell.studies import assumed_range
 
-    with_ends = assumed_range.with_ends(setup, choice)
-    if with_ends is None:
-        return None
+    logging.getLogger("weavecell").info(f"{shot.headline()}; its range follows")
+    runs = None
+    if folder is not None:
+        shot.save_numbers(folder)
+        runs = folder / RANGE
     try:
-        with progress.bar("Range over the assumed laws") as advance:
-            return assumed_range.residual_velocity(
-                with_ends, shot.outcome, shot.residual_velocity, advance
+        with interrupts(), progress.bar("Range over the assumed laws") as advance:
+            around = assumed_range.residual_velocity(
+                with_ends, shot.outcome, shot.residual_velocity, advance, runs
             )
     except KeyboardInterrupt:
-        return None
+        if folder is None:
+            return shot
+        message = (
+            f"interrupted; the numbers of the shot are in {folder}, --resume goes on with its range"
+        )
+        raise run_folder.Interrupted(message) from None
+    return replace(shot, assumed_range=around)
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -282,7 +314,6 @@ class ShotResult(ImpactRecord, Result):
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
-    key : returns the key of the run, by which it is not repeated
 
     Examples
     --------
@@ -301,7 +332,6 @@ class ShotResult(ImpactRecord, Result):
     assumed_range: AssumedRange | None = None
     target: Target | None = None
     pair: Discretisation | None = None
-    key: Callable[[], str] = str
     _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
 
     @property
@@ -399,9 +429,11 @@ class ShotResult(ImpactRecord, Result):
         """
         from weavecell.results import vtk
 
-        vtk.write_panel(Path(folder), self.instants, self.quads)
+        with out_folder.hold(folder, PANEL):
+            vtk.write_panel(Path(folder), self.instants, self.quads)
         return Path(folder) / "panel.pvd"
 
+    @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint.
 
@@ -409,38 +441,16 @@ class ShotResult(ImpactRecord, Result):
         ------
         InputError : as `case`
         """
-        from weavecell.report import chapters_discretisation, checks, page
-        from weavecell.results import json_file, provenance
-        from weavecell.scenes import words
+        from weavecell.report import page
 
         out = Path(out)
-        scene = self.case.scene
         target = self.target
         # it has a case, and so a target
         assert target is not None
-        outputs = scene.run.outputs
-        projectile = scene.projectile
-        stamp = provenance.stamp(target.text, setup=target.setup)
-        if target.text:
-            files.write(out / "scene.toml", target.text)
-        self.write(out / "histories.h5")
-        content = (
-            self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
-        )
-        content |= (
-            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
-        )
-        content |= {
-            "projectile": words.shot_in_words(projectile),
-            "run_key": self.key(),
-            "provenance": stamp,
-        }
-        json_file.write_summary(out / "summary.json", content)
-        if projectile.stl is not None:
-            shutil.copyfile(projectile.stl, out / "projectile.stl")
-        shutil.rmtree(
-            out / "panel", ignore_errors=True
-        )  # of an earlier run, whose series may have been longer
+        outputs = self.case.scene.run.outputs
+        stamp = self.save_numbers(out)
+        # of an earlier run, whose series may have been longer
+        out_folder.remove_earlier(out, "panel/panel-*.vtu")
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
@@ -454,6 +464,34 @@ class ShotResult(ImpactRecord, Result):
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
             self._write_report(out, used, sections, stamp)
+
+    def save_numbers(self, out: Path) -> dict[str, Any]:
+        """Write the input, histories.h5 and summary.json to a folder; return the provenance."""
+        from weavecell.report import chapters_discretisation, checks
+        from weavecell.results import json_file, provenance
+        from weavecell.scenes import words
+
+        target = self.target
+        assert target is not None
+        projectile = self.case.scene.projectile
+        stamp = provenance.stamp(target.text, setup=target.setup)
+        if target.text:
+            files.write(out / "scene.toml", target.text)
+        self.write(out / "histories.h5")
+        content = (
+            self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
+        )
+        content |= (
+            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
+        )
+        content |= {
+            "projectile": words.shot_in_words(projectile),
+            "provenance": stamp,
+        }
+        json_file.write_summary(out / "summary.json", content)
+        if projectile.stl is not None:
+            files.write(out / "projectile.stl", Path(projectile.stl).read_bytes())
+        return stamp
 
     def _sections(self, setup):
         """The chapters that have pictures or follow from options; `setup` is what was run."""
@@ -515,12 +553,18 @@ class ShotResult(ImpactRecord, Result):
             (chapters_shot.settings(setup.meshed),),
         )
 
+    def headline(self) -> str:
+        """Return title, outcome and residual velocity in one line."""
+        from weavecell.report.shot import chapters_shot
+
+        return f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"
+
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation
         from weavecell.report.shot import chapters_shot
         from weavecell.results.display import text
 
-        lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
+        lines = [self.headline()]
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
             lines += [self.contact_words, f"by ply: {cut}", self.gap_words]

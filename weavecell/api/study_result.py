@@ -10,6 +10,7 @@ from fabrics import assumed
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
+from weavecell.results import out_folder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,10 +89,11 @@ class StudyResult(DrawnResult):
 
         out = Path(out)
         stamp = provenance.stamp(self.target.text, setup=self.target.setup)
-        if self.target.text:
-            files.write(out / "scene.toml", self.target.text)
-        self._write_files(out, stamp)
-        self._write_report(out, stamp)
+        with out_folder.hold(out, (*self.files(), "scene.toml", "report.html")):
+            if self.target.text:
+                files.write(out / "scene.toml", self.target.text)
+            self._write_files(out, stamp)
+            self._write_report(out, stamp)
 
     def _write_report(self, out, stamp):
         """Write the report: what was found with its picture and table, what is assumed, and

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -53,16 +53,19 @@ def begin_study(
     panel: Target,
     title: str,
     how: Execution,
+    names: Iterable[str],
     *inputs: Any,
 ) -> Iterator[RunningStudy]:
     """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`,
     and a bar.
 
+    `names` are those of the files that it writes, with wildcards.
+
     Raises
     ------
     InputError : as `out_folder.claim`; any other names the target's file
     """
-    place = out_folder.hold(how.out, how.resume, inputs)
+    place = out_folder.hold(how.out, names, how.resume, inputs)
     with (
         place as folder,
         keep_runs(folder, how.resume) as runs,

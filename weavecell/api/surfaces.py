@@ -45,6 +45,10 @@ SHOWN = {
 }
 
 
+NAMES = ("surface.h5", "surface.json", "pictures/*", "report.html")
+
+
+@out_folder.reading
 @explain_keywords(ResumableKeywords)
 def surface(
     fabric: Fabric | FilePath,
@@ -102,7 +106,7 @@ def surface(
     span2 = _span(d2, "d2")
     size = meshes.size(mesh)
     inputs = (fabric, [span1, span2], points, tolerance, size, friction)
-    with out_folder.hold(how.out, how.resume, [inputs]) as folder:
+    with out_folder.hold(how.out, NAMES, how.resume, [inputs]) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
@@ -223,6 +227,7 @@ class SurfaceResult(Result):
 
         return figure(pictures_surface.surfaces, Interpolant(self.surface))
 
+    @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but runs/."""
         from weavecell.report import chapters, page

@@ -36,7 +36,7 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import Target, is_input_file, read_target, resolve_target
-from weavecell.results import progress
+from weavecell.results import out_folder, progress
 from weavecell.scenes import build, honoured
 from weavecell.scenes import impact as scenes
 
@@ -63,6 +63,10 @@ _SHOWN = (
 )
 
 
+NAMES = ("sweep.json", "sweep.csv", "sweep.png", "scene.toml", "report.html")
+
+
+@out_folder.reading
 @explain_keywords(ResumableKeywords)
 def sweep(
     target: Fabric | FilePath | Iterable[ImpactSetup],
@@ -163,7 +167,7 @@ def sweep(
         sizes = [StudySize.estimate(setup, setup.title, fired, searches) for setup in setups]
         return StudySize.add_up(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.use_one_thread(panel.setup), quantity, width) for panel in panels]
-    with study_run.begin_study(panels[0], f"{len(panels)} x {quantity}", how, *arguments) as run:
+    with study_run.begin_study(panels[0], f"{len(panels)} x {quantity}", how, NAMES, *arguments) as run:
         # the shots of a V50 run in parallel already, so the V50s follow one another
         if quantity == "v50":
             reports = [run.report(number, len(panels)) for number in range(len(panels))]

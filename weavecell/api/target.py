@@ -289,7 +289,7 @@ def build_target(
         raise keywords.name_as_keywords(problem) from None
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
-    folder = str(Path(__file__).parent)
+    folder = str(Path(__file__).parents[1])
     # a warning should point at the script, not at a file of ours
     line_of_the_user = next(
         n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)

@@ -165,7 +165,14 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         else:
             line = str(problem)
         _fail(line, InputError.exit_code)
-    except (typer.Abort, KeyboardInterrupt):
+    except typer.Abort as problem:
+        # click makes one of the end of a file, too
+        if isinstance(problem.__cause__, EOFError):
+            raise problem.__cause__ from None
+        if isinstance(problem.__context__, EOFError):
+            _fail("standard input ended before all was answered", InputError.exit_code)
+        code = INTERRUPTED
+    except KeyboardInterrupt:
         code = INTERRUPTED
     finally:
         out_folder.release()

@@ -6,6 +6,7 @@ What runs in OpenRadioss gave is in docs/reports/cards.md; LS-DYNA has not been 
 
 from __future__ import annotations
 
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,12 @@ def check(to: str, units: str, match: str) -> None:
     ):
         if value not in names:
             raise InputError(key=key, value=value, allowed=" or ".join(names))
+
+
+def names(to: str, stem: str) -> list[str]:
+    """Return the names of the files of the folder, for `out_folder.claim`."""
+    own = [escape(name) for name in CODES[to].names(stem)]
+    return [*own, "mapping.svg", "summary.json", "report.html"]
 
 
 def write(

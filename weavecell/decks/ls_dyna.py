@@ -36,10 +36,16 @@ _COURANT = 0.9
 _PLANES = {(False, False): 0, (True, False): 1, (False, True): 2, (True, True): 4}
 
 
+def names(name: str) -> list[str]:
+    """Return the names of the files of a deck."""
+    return [f"{name}.k"]
+
+
 def write(deck: Deck, name: str) -> dict[str, str]:
     """{file name: text} of a deck whose laws are UncoupledCurves."""
     parts = _control, _mesh, _parts, _materials, _boundary, _contact
-    return {f"{name}.k": "".join(piece for part in parts for piece in part(deck)) + "*END\n"}
+    (file,) = names(name)
+    return {file: "".join(piece for part in parts for piece in part(deck)) + "*END\n"}
 
 
 def _control(deck: Deck) -> Iterator[str]:

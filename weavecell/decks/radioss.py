@@ -47,11 +47,16 @@ _NO_FAILURE = (
 _GAP = 0.9
 
 
+def names(name: str) -> list[str]:
+    """Return the names of the files of a deck: of the starter, and of the engine."""
+    return [f"{name}_0000.rad", f"{name}_0001.rad"]
+
+
 def write(deck: Deck, name: str) -> dict[str, str]:
     """{file name: text} of a deck whose laws are CrimpExchange."""
     parts = _head, _materials, _properties, _mesh, _groups, _body, _contact
     starter = "".join(piece for part in parts for piece in part(deck)) + "/END\n"
-    return {f"{name}_0000.rad": starter, f"{name}_0001.rad": "".join(_engine(deck, name))}
+    return dict(zip(names(name), (starter, "".join(_engine(deck, name)))))
 
 
 def _head(deck: Deck) -> Iterator[str]:

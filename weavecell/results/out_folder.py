@@ -1,5 +1,10 @@
 """The folder that a command writes to: made, probed and locked before anything is computed, so that
-no result is lost.
+no result is lost, and nothing is overwritten that weavecell did not write.
+
+Whoever claims a folder names what will be written there. A file of such a name that this run reads,
+or that is not what weavecell wrote under it by the folder's own list (`results.file_list`), is
+refused before anything is computed; a run that is resumed puts it aside and makes it again.
+The list gets its mark when everything is written.
 
 The lock is a file in the folder, held by flock until the command ends; the system frees it when the
 process dies.
@@ -8,47 +13,109 @@ process dies.
 from __future__ import annotations
 
 import atexit
+import functools
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from weavecell.results import termination
+from weavecell.results import file_list, termination
+from weavecell.results.file_list import FileList
 
-LOCK = ".lock"
-INPUT = ".input"
-_held: dict[
-    Path, tuple[int, list[Path]]
-] = {}  # folder: descriptor of its lock, and folders that were made for it
+Parameters = ParamSpec("Parameters")
+Returned = TypeVar("Returned")
+
+LOCK = ".weavecell-lock"
+# state of a run that has not ended, which the run takes away itself
+CHECKPOINTS = "checkpoint*.h5"
+ASIDE = ".found"
 
 
-def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> None:
+@dataclass
+class Claim:
+    """A folder that this process writes to.
+
+    Parameters
+    ----------
+    descriptor : of its lock
+    made : folders that were made for it, the innermost first
+    known : list of the folder
+    names : that are written, with wildcards
+    resume : whether the run goes on with what the folder holds
+    written : names of the files that were written since the claim
+    """
+
+    descriptor: int
+    made: list[Path]
+    known: FileList
+    names: set[str] = field(default_factory=set)
+    resume: bool = False
+    written: set[str] = field(default_factory=set)
+
+
+_held: dict[Path, Claim] = {}
+
+
+def reading(function: Callable[Parameters, Returned]) -> Callable[Parameters, Returned]:
+    """Decorate a function that claims a folder: the files that it reads are then known to the
+    claim."""
+
+    @functools.wraps(function)
+    def called(*arguments: Parameters.args, **keywords: Parameters.kwargs) -> Returned:
+        with files.noting_reads():
+            return function(*arguments, **keywords)
+
+    return called
+
+
+def saving(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorate a method save(result, out) that writes files with these names to a folder, which it
+    claims."""
+
+    def decorate(save):
+        @functools.wraps(save)
+        def called(result, out):
+            with hold(out, names):
+                save(result, out)
+
+        return called
+
+    return decorate
+
+
+def claim(
+    folder: Path, names: Iterable[str], resume: bool = False, inputs: Iterable[object] = ()
+) -> None:
     """Make a folder ready for results, and keep it until `release`; print whose results are there
     and get replaced.
 
     Parameters
     ----------
     folder : made with its parents if it does not exist
+    names : of the files that will be written, relative to the folder, with wildcards
     resume : whether the run goes on with what the folder holds, and replaces nothing
-    inputs : what is computed, of a run that can be resumed; its digests are kept in the folder, as
-        `INPUT`
+    inputs : what is computed, of a run that can be resumed; its digests are kept in the folder's
+        list
 
     Raises
     ------
-    InputError : it cannot be made or written to, or another run writes to it; to resume, it holds
-        none of the inputs
+    InputError : it cannot be made or written to, or another run writes to it; it has a file of
+        these names that is not weavecell's, or that this run reads; to resume, it holds none of the
+        inputs
     """
     place = folder.resolve()
     if place in _held:
+        _add_names(folder, _held[place], names)
         return
-    mark = place / INPUT
+    known = FileList.read(place)
     digests = {run_cache.inputs_digest(given) for given in inputs}
-    if resume and digests and mark.exists() and digests.isdisjoint(mark.read_text("utf-8").split()):
+    if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
         earlier = _earlier(place) or "an unfinished run"
         allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"
         raise InputError(key="--out", value=str(folder), allowed=allowed)
@@ -64,38 +131,65 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
         raise InputError(key="--out", value=str(folder), allowed=allowed) from None
     if not _held:
         atexit.register(release)
-    _held[place] = descriptor, made
-    if resume and (mark.exists() or not digests):
-        earlier = None
-    else:
-        earlier = _earlier(place)
-    if digests:
-        files.write(mark, "\n".join(sorted(digests)))
+        files.watchers.append(_list_file)
+    claimed = _held[place] = Claim(descriptor, made, known, resume=resume)
+    try:
+        _add_names(folder, claimed, names)
+        if resume and (known.inputs or not digests):
+            earlier = None
+        else:
+            earlier = _earlier(place)
+        if digests and digests != known.inputs:
+            known.inputs = digests
+            known.write(place)
+    except BaseException:
+        _release(place)
+        raise
     if earlier:
         print(f"replaces the results of {earlier} in {folder}")
 
 
 @contextmanager
 def hold(
-    out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
+    out: FilePath | None,
+    names: Iterable[str],
+    resume: bool = False,
+    inputs: Iterable[object] = (),
+    key: Callable[[], str] = str,
 ) -> Iterator[Path | None]:
     """The folder, which is claimed in this block, while an outer claim goes on; None if nothing is
     written.
 
-    What the folder holds outlives a SIGTERM, which is an interrupt in this block.
+    What the folder holds outlives a SIGTERM, which is an interrupt in this block. At the end of the
+    block the folder is whole: its list says so, with what `key` returns.
     """
     if out is None:
         yield None
         return
     folder = Path(out)
-    mine = folder.resolve() not in _held
-    claim(folder, resume, inputs)
+    place = folder.resolve()
+    mine = place not in _held
+    claim(folder, names, resume, inputs)
     try:
         with termination.interrupt_on_sigterm():
             yield folder
+            if mine:
+                _finish(place, key())
     finally:
         if mine:
-            _release(folder.resolve())
+            _release(place)
+
+
+def remove_earlier(folder: Path, names: str) -> None:
+    """Remove the files of a pattern that weavecell wrote to a folder, such as a longer series of an
+    earlier run."""
+    listed = FileList.read(folder)
+    for name in listed.digests:
+        path = folder / name
+        if file_list.matches(name, [names]) and listed.has(name, path):
+            path.unlink()
+    with suppress(OSError):
+        (folder / names).parent.rmdir()
 
 
 def release() -> None:
@@ -105,14 +199,115 @@ def release() -> None:
 
 
 def _release(place):
-    descriptor, made = _held.pop(place)
+    claimed = _held.pop(place)
+    if not _held:
+        files.watchers.remove(_list_file)
     with suppress(OSError):
         os.unlink(place / LOCK)
         # nothing was computed: the folder is as it was before
-        if os.listdir(place) == [INPUT]:
-            os.unlink(place / INPUT)
-    os.close(descriptor)
-    _remove_empty(made)
+        if os.listdir(place) == [file_list.NAME]:
+            os.unlink(place / file_list.NAME)
+    os.close(claimed.descriptor)
+    _remove_empty(claimed.made)
+
+
+def _add_names(folder, claimed, names):
+    """Take further names into a claim.
+
+    Raises
+    ------
+    InputError : as `claim`, of files with these names
+    """
+    new = set(names) - claimed.names
+    read = files.noted_reads()
+    found = [name for name in _present(folder, new) if name not in claimed.written]
+    refused = []
+    strange = []
+    for name in found:
+        path = folder / name
+        if path.resolve() in read:
+            refused.append(f"{name}, which this run reads")
+        elif not claimed.known.has(name, path) and not _is_checkpoint(name, path):
+            strange.append(name)
+    if strange and not claimed.resume:
+        for name in strange:
+            why = "which weavecell did not write"
+            if name in claimed.known.digests:
+                why = "which was changed since weavecell wrote it"
+            refused.append(f"{name}, {why}")
+    if refused:
+        allowed = f"another folder: this one has {'; '.join(refused)}; nothing was overwritten"
+        raise InputError(key="--out", value=str(folder), allowed=allowed)
+    for name in strange:
+        aside = _aside(folder / name)
+        os.replace(folder / name, aside)
+        print(f"{folder / name} is not as weavecell wrote it: kept as {aside.name}, and made again")
+    claimed.names |= new
+
+
+def _present(folder, names):
+    """The names of what a folder has under names with wildcards, and of files that stand where a
+    folder of these names will be."""
+    found = {}
+    for pattern in sorted(names):
+        parts = pattern.split("/")
+        for count in range(1, len(parts)):
+            parent = "/".join(parts[:count])
+            if (folder / parent).exists() and not (folder / parent).is_dir():
+                found[parent] = None
+        for path in sorted(folder.glob(pattern)):
+            found[path.relative_to(folder).as_posix()] = None
+        # a link that leads nowhere is no file for glob
+        if "*" not in pattern and (folder / pattern).is_symlink():
+            found[pattern] = None
+    return list(found)
+
+
+def _is_checkpoint(name, path):
+    """Whether a file is a checkpoint, which carries its own digests."""
+    if not file_list.matches(name, [CHECKPOINTS]):
+        return False
+    from shellfabric.output import checkpoint
+    from weavecell.results import coupon
+
+    with suppress(InputError), files.read_hdf5(path, checkpoint.FORMAT, coupon.CHECKPOINT):
+        return True
+    return False
+
+
+def _aside(path):
+    """A free name beside a file."""
+    number = 0
+    aside = path.with_name(path.name + ASIDE)
+    while os.path.lexists(aside):
+        number += 1
+        aside = path.with_name(f"{path.name}{ASIDE}-{number}")
+    return aside
+
+
+def _list_file(path, beside):
+    """Append a file that is about to appear in a folder of a claim to its list."""
+    full = Path(path).parent.resolve() / Path(path).name
+    for place, claimed in _held.items():
+        if not full.is_relative_to(place):
+            continue
+        name = full.relative_to(place).as_posix()
+        if file_list.matches(name, claimed.names):
+            file_list.append(place, name, beside)
+            claimed.written.add(name)
+
+
+def _finish(place, key):
+    """Mark a folder as whole, in a list of what is there."""
+    listed = FileList.read(place)
+    for name, digests in [*listed.digests.items()]:
+        if (place / name).exists():
+            # the last one, if not the file itself: then the file was changed meanwhile
+            listed.digests[name] = digests[-1:]
+        else:
+            del listed.digests[name]
+    listed.whole = key
+    listed.write(place)
 
 
 def _lock(path):
@@ -152,7 +347,7 @@ def _earlier(folder):
     dated: list[tuple[str, str]] = []
     for path in folder.glob("*.json"):
         content: Any = None
-        with suppress(OSError, ValueError):
+        with suppress(OSError, ValueError, RecursionError):
             content = json.loads(path.read_text("utf-8"))
         stamp = None
         if isinstance(content, dict):

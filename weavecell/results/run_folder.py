@@ -3,12 +3,14 @@ interrupted."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fabrics.base.errors import WeavecellError
 from weavecell.results import json_file
+from weavecell.results.file_list import FileList
 
 
 class Interrupted(WeavecellError):
@@ -41,14 +43,19 @@ class Finished:
         return f"{title}: {outcome}; done before with the same input and code, in {self.folder}"
 
 
-def find_finished(out: Path, key: str) -> Finished | None:
-    """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was
-    not unstable."""
-    file = out / "summary.json"
-    content = {}
-    if file.exists() and not checkpoints(out):
-        content = json_file.read_summary(file)
-    if content.get("run_key") != key or content["outcome"] == "unstable":
+def find_finished(out: Path, names: Iterable[str], key: str) -> Finished | None:
+    """Return the results that a folder holds of the run with a `run_cache.key`; None if it has not
+    ended, was unstable, or if a file is missing or not what was written.
+
+    Parameters
+    ----------
+    names : of the files of the run, with wildcards
+    """
+    listed = FileList.read(out)
+    if listed.whole != key or listed.damaged(out, names):
+        return None
+    content = json_file.read_summary(out / "summary.json")
+    if content["outcome"] == "unstable":
         return None
     return Finished(out, content)
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base import files
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.units import si
@@ -119,7 +120,7 @@ def surface(path: FilePath, unit: str) -> Surface:
         size in this unit
     """
     try:
-        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        digest = hashlib.sha256(files.read_bytes(path)).hexdigest()
     except OSError as problem:
         raise InputError(
             f"cannot be read; must be an STL file ({problem.strerror})", file=path
@@ -129,7 +130,7 @@ def surface(path: FilePath, unit: str) -> Surface:
 
 @lru_cache(maxsize=4)
 def _surface(path, unit, digest):
-    mesh = _triangles(Path(path).read_bytes())
+    mesh = _triangles(files.read_bytes(path))
     if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
     # an STL file lists the corners of each triangle anew, rounded

@@ -21,6 +21,8 @@ from functools import partial, reduce
 from typing import Any
 
 from fabrics import assumed, data_sheet
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
@@ -241,6 +243,7 @@ def residual_velocity(
     outcome: str,
     velocity: float,
     on_progress: Callable[[float], object] | None = None,
+    folder: FilePath | None = None,
 ) -> AssumedRange | None:
     """Range of the residual velocity of a shot; None if nothing is assumed.
 
@@ -249,17 +252,30 @@ def residual_velocity(
     setup : ImpactSetup of the nominal shot
     outcome, velocity : of the nominal shot, [m/s]
     on_progress : called as on_progress(share of the shots) after each
+    folder : where the shots are kept, and taken from; None keeps nothing
     """
 
     def shot(changed):
-        try:
-            result = run_impact(replace(changed, snapshot_interval=None, history=None))
-        except UnstableError:
-            return "unstable", None
-        return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)
+        plain = replace(changed, snapshot_interval=None, history=None)
+        if folder is None:
+            return _residual(plain)
+        (found,) = run_cache.results(_residual, [(plain,)], folder=folder)
+        return found
 
     row = Row("nominal", outcome, velocity)
     return run_ends("residual velocity", setup, changes(setup), row, shot, on_progress)
+
+
+def _residual(setup):
+    """(outcome, residual velocity [m/s] or None) of a shot."""
+    try:
+        result = run_impact(setup)
+    except UnstableError:
+        return "unstable", None
+    outcome = result.outcome
+    if doubtful(result):
+        outcome += " (doubtful)"
+    return outcome, float(result.residual_velocity)
 
 
 def critical_velocity(
@@ -268,6 +284,7 @@ def critical_velocity(
     *,
     tolerance: float = 1.0,
     on_progress: Callable[[float], object] | None = None,
+    folder: FilePath | None = None,
     **beside: Any,
 ) -> AssumedRange | None:
     """Range of the critical velocity of a panel or pack; None if nothing is assumed.
@@ -278,6 +295,7 @@ def critical_velocity(
     velocity : [m/s] nominal critical velocity
     tolerance, beside : see `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
+    folder : where shots are kept, and taken from
     """
     # it loads the kernels of packs, which a shot on one ply does not use
     from weavecell.studies import (
@@ -287,7 +305,12 @@ def critical_velocity(
     def search(changed):
         try:
             limit = ballistic_limit.critical_velocity(
-                changed.target(), guess=velocity, step=NEXT_STEP, tolerance=tolerance, **beside
+                changed.target(),
+                guess=velocity,
+                step=NEXT_STEP,
+                tolerance=tolerance,
+                kept=ballistic_limit.KeptShots(folder, changed),
+                **beside,
             )
         except WeavecellError as problem:
             return str(problem), None

@@ -16,23 +16,27 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, log, sqrt
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
 from shellfabric.driver import guards
 from shellfabric.driver.solver import STOPPED
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
+from weavecell.studies import inputs
 from weavecell.studies.bracket import STEP, Bracket
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
@@ -142,6 +146,38 @@ class Limit:
         return self.mixed_zone is None
 
 
+class KeptShots:
+    """Shots of a panel in a folder, from which an interrupted search goes on.
+
+    Parameters
+    ----------
+    folder : of the shots; None keeps nothing
+    setup : whose panel they are fired at
+    """
+
+    def __init__(self, folder: FilePath | None, setup: ImpactSetup) -> None:
+        self._cache = None
+        if folder is not None:
+            self._cache = run_cache.RunCache(folder)
+        self._setup = inputs.use_one_thread(setup, strike_velocity=1.0)
+
+    def of(self, velocity: float, stops_below: float) -> Shot | None:
+        """Return the shot at a velocity, if there is one."""
+        if self._cache is None:
+            return None
+        with suppress(KeyError):
+            return self._cache[self._key(velocity, stops_below)]
+        return None
+
+    def keep(self, shot: Shot, velocity: float, stops_below: float) -> None:
+        """Keep a shot."""
+        if self._cache is not None:
+            self._cache[self._key(velocity, stops_below)] = shot
+
+    def _key(self, velocity, stops_below):
+        return run_cache.key((self._setup, float(velocity), float(stops_below)), __name__)
+
+
 def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by
     Smith's theory."""
@@ -164,6 +200,7 @@ def critical_velocity(
     executor: str | Executor = "local",
     jobs: int = 1,
     report: Callable[..., object] | None = None,
+    kept: KeptShots | None = None,
 ) -> Limit:
     """Bisect for the critical velocity of a panel or pack.
 
@@ -178,6 +215,7 @@ def critical_velocity(
     executor : as of `fabrics.base.executors.open_executor`; "local": threads of this process
     jobs : shots that are under way beside each other
     report : called as report(share of the work done, Shot) after each shot
+    kept : shots that are not fired again, to which each is added
 
     Returns
     -------
@@ -196,7 +234,7 @@ def critical_velocity(
         raise InputError(key="step", value=step, allowed="above 1")
     bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest, factor=step)
     shots: list[Shot] = []
-    with _Range(panel, executor, jobs) as shooting:
+    with _Range(panel, executor, jobs, kept=kept) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
                 always = "lets the projectile through"
@@ -222,12 +260,13 @@ def shoot(
     jobs: int = 1,
     report: Callable[..., object] | None = None,
     stops_below: float = 0.0,
+    kept: KeptShots | None = None,
 ) -> tuple[Shot, ...]:
     """Fire shots at given velocities; a tuple of Shot, in their order.
 
     Parameters
     ----------
-    panel, executor, jobs, report : as of `critical_velocity`
+    panel, executor, jobs, report, kept : as of `critical_velocity`
     velocities : (n,) [m/s] strike velocities
     stops_below : share of the strike velocity below which a projectile counts as stopped where no
         yarn has failed for as long as a stress wave takes to an edge and back. The outcome is then
@@ -239,7 +278,7 @@ def shoot(
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []
-    with _Range(panel, executor, jobs, stops_below) as shooting:
+    with _Range(panel, executor, jobs, stops_below, kept) as shooting:
         shooting.only(velocities)
         for number, velocity in enumerate(velocities, 1):
             shots.append(_result(shooting, velocity, shots))
@@ -290,8 +329,9 @@ class _Range:
     that is no longer wanted goes on to its end.
     """
 
-    def __init__(self, panel, executor, jobs, stops_below=0.0):
+    def __init__(self, panel, executor, jobs, stops_below=0.0, kept=None):
         self.threads = executor == "local"
+        self.kept = kept
         if jobs > 1 or not self.threads:
             self.panel = _use_one_thread(panel)
         else:
@@ -322,21 +362,32 @@ class _Range:
             cancel(future)
         for velocity in velocities:
             if velocity not in self.pending:
-                give_up = None
-                if self.threads:
-                    give_up = threading.Event()
-                fire = _fire
-                if self.stops_below > 0:
-                    fire = partial(_fire, stops_below=self.stops_below)
-                self.pending[velocity] = (
-                    self.pool.submit(fire, self.panel, velocity, give_up),
-                    give_up,
-                )
+                self.pending[velocity] = self._begun(velocity)
+
+    def _begun(self, velocity):
+        """(future, event that gives it up, or None) of a shot: one that is kept, or one that is
+        fired."""
+        shot = None
+        if self.kept is not None:
+            shot = self.kept.of(velocity, self.stops_below)
+        if shot is not None:
+            known: Future = Future()
+            known.set_result(shot)
+            return known, None
+        give_up = None
+        if self.threads:
+            give_up = threading.Event()
+        fire = _fire
+        if self.stops_below > 0:
+            fire = partial(_fire, stops_below=self.stops_below)
+        return self.pool.submit(fire, self.panel, velocity, give_up), give_up
 
     def result(self, velocity):
         """Wait for a shot."""
         shot = self.pending[velocity][0].result()
         del self.pending[velocity]
+        if self.kept is not None:
+            self.kept.keep(shot, velocity, self.stops_below)
         return shot
 
 

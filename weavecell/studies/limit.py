@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base.checks import FilePath
 from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan
 from weavecell.studies.ballistic_limit import Limit
@@ -46,6 +47,7 @@ def search(
     residual_shots: int = 0,
     scan: ScanRange | None,
     stage: Stage = lambda title: nullcontext(lambda *_: None),
+    folder: FilePath | None = None,
     **beside: Any,
 ) -> LimitStudy:
     """Bisect, scan about the bracket, fire residual shots, and fit them.
@@ -57,6 +59,7 @@ def search(
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
     stage : progress of each stage
+    folder : where shots are kept, and taken from
     beside : jobs and executor of `ballistic_limit.critical_velocity`
 
     Raises
@@ -64,6 +67,7 @@ def search(
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
     """
     panel = setup.target()
+    beside["kept"] = ballistic_limit.KeptShots(folder, setup)
     with stage(f"{setup.title}, critical velocity") as advance:
         limit = ballistic_limit.critical_velocity(
             panel, tolerance=tolerance, report=advance, **beside

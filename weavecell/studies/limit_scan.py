@@ -20,7 +20,7 @@ from fabrics.base.checks import refuse
 from shellfabric.panel.model import Panel
 from shellfabric.panel.quality import Indicator
 from shellfabric.plies.model import Pack
-from weavecell.studies.ballistic_limit import Limit, Shot, shoot
+from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot, shoot
 
 # [m/s] no shot is fired beyond
 HIGHEST = 1000.0
@@ -79,6 +79,7 @@ def scan(
     executor: str | Executor = "local",
     jobs: int = 1,
     report: Callable[..., object] | None = None,
+    kept: KeptShots | None = None,
 ) -> Limit:
     """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is
     enclosed.
@@ -88,7 +89,7 @@ def scan(
     panel : Panel or Pack
     limit : of `ballistic_limit.critical_velocity` on this panel
     velocities : ScanRange; None takes its defaults
-    executor, jobs, report : as of `ballistic_limit.shoot`
+    executor, jobs, report, kept : as of `ballistic_limit.shoot`
 
     Returns
     -------
@@ -101,7 +102,7 @@ def scan(
     velocities = velocities or ScanRange()
     known = {shot.strike_velocity for shot in limit.shots}
     while wanted := [v for v in velocities.ladder(limit) if v not in known]:
-        fired = shoot(panel, wanted, executor=executor, jobs=jobs, report=report)
+        fired = shoot(panel, wanted, executor=executor, jobs=jobs, report=report, kept=kept)
         limit = with_shots(limit, fired)
         known.update(wanted)
     return limit

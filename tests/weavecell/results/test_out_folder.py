@@ -14,7 +14,7 @@ from weavecell.results import out_folder
 
 HOLD = (
     "import sys; from pathlib import Path; from weavecell.results import out_folder; "
-    "out_folder.claim(Path(sys.argv[1])); print('held', flush=True); input()"
+    "out_folder.claim(Path(sys.argv[1]), []); print('held', flush=True); input()"
 )
 OTHERS = {"biaxial": "biaxial S-720", "compare": "compare shots.csv S-720"}
 
@@ -56,18 +56,18 @@ def test_a_run_is_kept_from_the_folder_of_another_until_that_ends(tmp_path):
     with pytest.raises(
         InputError, match="must be another folder: another run is writing to this one"
     ):
-        out_folder.claim(folder)
+        out_folder.claim(folder, [])
     other.kill()  # the system frees the lock
     other.communicate()
-    out_folder.claim(folder)
-    out_folder.claim(folder)
+    out_folder.claim(folder, [])
+    out_folder.claim(folder, [])
     assert os.listdir(folder) == [out_folder.LOCK]
     out_folder.release()
     assert os.listdir(folder) == []
 
 
 def test_a_folder_that_was_made_and_is_empty_goes(tmp_path):
-    out_folder.claim(tmp_path / "made" / "out", inputs=[1.0])
+    out_folder.claim(tmp_path / "made" / "out", [], inputs=[1.0])
     out_folder.release()
     assert os.listdir(tmp_path) == []
 

@@ -1,0 +1,177 @@
+"""What weavecell did not write, and what a run reads, is neither overwritten nor removed: each command, each file."""
+
+import shlex
+import subprocess
+
+import pytest
+
+import weavecell as wc
+from fabrics.base.errors import InputError
+from tests.weavecell.session_runs import RUNS, write_inputs
+from weavecell.results import file_list
+
+TESTS = "velocity [m/s], outcome\n80, PP\n120, CP\n"
+# command: (words, files that it leaves) of those that no session run has
+OTHERS = {
+    "compare": ("compare tests.csv", "tests.json shots.csv tests.svg"),
+    "compare with a target": (
+        "compare tests.csv S-720",
+        "comparison.json shots.csv comparison.svg report.html",
+    ),
+    "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
+    "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),
+    "radioss": ("export scene.toml --to radioss", "scene_0000.rad scene_0001.rad mapping.svg"),
+}
+# what stands in a folder of results, for the names of folders
+INSIDE = {
+    "panel": ["panel/panel-0001.vtu", "panel"],
+    "pictures": ["pictures", "pictures/curve.svg"],
+    "runs": [],
+}
+
+
+def left_by(name):
+    """(words, names of the files that the command leaves)."""
+    words, folder = OTHERS.get(name) or (RUNS[name]["words"], RUNS[name]["folder"])
+    names = []
+    for entry in folder.split():
+        names += INSIDE.get(entry, [entry])
+    if "pictures/curve.svg" in names and name in ("biaxial",):
+        names[names.index("pictures/curve.svg")] = "pictures/cell.svg"
+    return words, names
+
+
+@pytest.fixture
+def not_computed(monkeypatch):
+    def computed(*_, **__):
+        raise AssertionError("something is computed")
+
+    for where in (
+        "shellfabric.cell.model.CellTable.fill",
+        "weavecell.api.shots.run_impact",
+        "weavecell.studies.ballistic_limit.shoot",
+        "weavecell.studies.biaxial_path.to_strength",
+        "weavecell.studies.compare.reduce",
+        "weavecell.decks.model.build",
+    ):
+        monkeypatch.setattr(where, computed)
+
+
+@pytest.mark.parametrize("name", [*RUNS, *OTHERS])
+def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_computed, name):
+    solid = name in RUNS and RUNS[name].get("solid")
+    if solid or name in ("mesh", "patch"):
+        pytest.importorskip("dolfinx" if solid else "gmsh")
+    words, names = left_by(name)
+    if name in RUNS:
+        write_inputs(name)
+    else:
+        write_inputs("export")
+    (tmp_path / "tests.csv").write_text(TESTS)
+    for number, file in enumerate(names):
+        out = tmp_path / f"out-{number}"
+        (out / file).parent.mkdir(parents=True)
+        (out / file).write_text("mine")
+        code, _, err = command(*shlex.split(words), "--out", out.name)
+        assert code == 2, file
+        assert err == (
+            f"error: --out = '{out.name}': must be another folder: this one has {file}, which weavecell did "
+            "not write; nothing was overwritten\n"
+        )
+        assert (out / file).read_text() == "mine"
+        assert sum(path.is_file() for path in out.rglob("*")) == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "impact scene.toml",
+        "critical-velocity scene.toml",
+        "v50 scene.toml",
+        "sweep scene.toml --over panel.plies=1,2",
+        "compare tests.csv scene.toml",
+        "compare shots.csv",
+        "compare shots.csv scene.toml",
+        "coupon frame/scene.toml",
+    ],
+)
+def test_what_a_run_reads_is_not_written(command, tmp_path, not_computed, words):
+    write_inputs("export")
+    for name in ("shots.csv", "tests.csv"):
+        (tmp_path / name).write_text(TESTS)
+    (tmp_path / "frame").mkdir()
+    frame = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n'
+    (tmp_path / "frame/scene.toml").write_text(frame)
+    out = "frame" if "frame" in words else "."
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    code, _, err = command(*words.split(), "--out", out)
+    assert code == 2
+    assert "which this run reads" in err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_results_that_a_run_reads_are_not_replaced_by_it(command, succeed, tmp_path):
+    """Although weavecell wrote them, in Python too."""
+    (tmp_path / "tests.csv").write_text(TESTS)
+    succeed("compare", "tests.csv", "--out", "o")
+    (tmp_path / "o/shots.csv").rename(tmp_path / "o/kept.csv")
+    (tmp_path / "o/shots.csv").write_text(TESTS)
+    with pytest.raises(InputError, match=r"shots.csv, which this run reads"):
+        wc.compare("o/shots.csv", out="o")
+    assert (tmp_path / "o/shots.csv").read_text() == TESTS
+
+
+def test_results_that_were_changed_are_kept_and_unchanged_ones_replaced(succeed, command, tmp_path):
+    (tmp_path / "tests.csv").write_text(TESTS)
+    succeed("compare", "tests.csv", "--out", "o")
+    (tmp_path / "o/notes.txt").write_text("mine")
+    succeed("compare", "tests.csv", "--out", "o")
+    with open(tmp_path / "o/tests.json", "a") as file:
+        file.write(" ")
+    code, _, err = command("compare", "tests.csv", "--out", "o")
+    assert code == 2
+    assert "tests.json, which was changed since weavecell wrote it" in err
+    assert (tmp_path / "o/notes.txt").read_text() == "mine"
+
+
+def test_a_result_that_is_saved_overwrites_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tests.csv").write_text(TESTS)
+    (tmp_path / "shots.csv").write_text(TESTS)
+    with pytest.raises(InputError, match=r"shots.csv, which weavecell did not write"):
+        wc.compare("tests.csv").save(".")
+    assert (tmp_path / "shots.csv").read_text() == TESTS
+
+
+def test_a_folder_called_runs_keeps_what_is_in_it(command, tmp_path):
+    write_inputs("sweep")
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs/mine.txt").write_text("mine")
+    (tmp_path / "panel").mkdir()
+    (tmp_path / "panel/photo.png").write_text("mine")
+    (tmp_path / "s.toml").write_text((tmp_path / "scene.toml").read_text().replace("60 us", "5 us"))
+    (tmp_path / "scene.toml").unlink()
+    for words in ("sweep s.toml --over panel.plies=1,2 --jobs 1", "impact s.toml"):
+        code, _, err = command(*words.split(), "--out", ".")
+        assert code == 0, err
+        (tmp_path / "scene.toml").unlink()
+        (tmp_path / "report.html").unlink()
+    assert (tmp_path / "runs/mine.txt").read_text() == "mine"
+    assert (tmp_path / "panel/photo.png").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_file_of_a_run_is_in_the_list_of_its_folder(results, name):
+    if RUNS[name].get("solid"):
+        pytest.importorskip("dolfinx")
+    out = results(name).folder
+    there = set()
+    for path in out.rglob("*"):
+        file = path.relative_to(out).as_posix()
+        if path.is_file() and file != file_list.NAME and not file.startswith("runs/"):
+            there.add(file)
+    listed = file_list.FileList.read(out)
+    assert set(listed.digests) == there
+    assert listed.whole is not None
+    assert listed.damaged(out, ["*", "*/*"]) == []
+    subprocess.run(["sha256sum", "--quiet", "-c", file_list.NAME], cwd=out, check=True)
