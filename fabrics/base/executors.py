@@ -18,13 +18,18 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from functools import cache
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, current_process, get_context
 from typing import Any
 
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, WeavecellError
 
+BROKEN = (
+    "a process that was started for this ended before its task, as of too little memory; a script "
+    'that starts processes does so below the line `if __name__ == "__main__":`'
+)
 # a new process, since neither MPI nor PETSc survives a fork
 CONTEXT = get_context("spawn")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -87,11 +92,16 @@ def open_executor(
         yield InProcess()
     elif executor == "local":
         others = active_children()
+        if getattr(current_process(), "_inheriting", False):
+            # a process that was just started is reading the script that started it
+            raise SystemExit(1)
         # numpy reads the number of threads when it is imported, so it is set before the processes
         # start
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
             try:
                 yield pool
+            except BrokenProcessPool:
+                raise WeavecellError(BROKEN) from None
             except KeyboardInterrupt:
                 # the program is to end now, not after the tasks that still run
                 for worker in set(active_children()).difference(others):

@@ -35,7 +35,7 @@ from typing import IO, Any
 import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, WeavecellError
 from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
 # [bytes] this much must still fit on the disk behind a file that a library has written
@@ -43,6 +43,7 @@ ROOM = 65536
 # a number with decimal marks, and a unit of up to two words
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 # called as watcher(path, finished file beside it) before each file is renamed to its path
 watchers: list[Callable[[Path, Path], None]] = []
 _read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
@@ -127,7 +128,14 @@ def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     encoding = None
     if "b" not in mode:
         encoding = "utf-8"
-    with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:
+    # names of files may have bytes that are no text
+    errors = None
+    if encoding is not None:
+        errors = "replace"
+    with (
+        replace_whole(path) as beside,
+        open(beside, mode, encoding=encoding, errors=errors) as file,
+    ):
         yield file
 
 
@@ -180,14 +188,27 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
     note_read(path)
     try:
-        with h5py.File(path, "r") as file:
+        # a file is whole when it appears, and some network drives have no locks
+        with h5py.File(path, "r", locking=False) as file:
             stated = file.attrs.get("format")
             if stated not in formats:
                 raise InputError(
                     file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))
                 )
             yield file
-    except (OSError, KeyError) as problem:
+    except WeavecellError:
+        raise
+    # h5py and the readers of what it holds raise many types for bytes that are damaged
+    except (
+        ArithmeticError,
+        AttributeError,
+        EOFError,
+        LookupError,
+        MemoryError,
+        OSError,
+    ) as problem:
+        raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
+    except (RecursionError, RuntimeError, TypeError, ValueError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
 
 
@@ -209,7 +230,7 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
         raise InputError(
             "cannot be read", file=path, allowed=f"{what} ({problem.strerror})"
         ) from problem
-    except ValueError as problem:
+    except (ValueError, RecursionError) as problem:
         raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
     stated = None
     if isinstance(content, dict):
@@ -217,6 +238,19 @@ def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
     if stated != format:
         raise InputError(file=path, key="format", value=stated, allowed=repr(format))
     return content
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Return the table of a text in TOML.
+
+    Raises
+    ------
+    ValueError : it is not TOML, nested too deeply, or has a number of thousands of digits
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("lists or tables are nested too deeply") from None
 
 
 def read_data(path: FilePath) -> dict[str, Any]:
@@ -259,6 +293,15 @@ def read_text(path: FilePath) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
+def control_character(text: str) -> str | None:
+    """Return the first character of a text that is none to be read and no end of a line, such as
+    "U+001B"; None if there is none."""
+    found = _CONTROL.search(text)
+    if found is None:
+        return None
+    return f"U+{ord(found[0]):04X}"
+
+
 def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple[int, list[str]]]:
     """Read a CSV file: (line number, cells without the blanks around them) of each line but empty
     ones and comments.
@@ -285,6 +328,13 @@ def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple
     # Excel writes this line to name the separator
     if lines[0][1].startswith("sep="):
         separator = lines.pop(0)[1][4:5]
+    # texts that were copied from a page may break lines by these
+    lines = [(n, line.translate({11: " ", 12: " "})) for n, line in lines]
+    for number, line in lines:
+        if (control := control_character(line)) is not None:
+            raise InputError(
+                f"has the control character {control}", file=path, key=f"line {number}"
+            )
     lines = [
         (n, line) for n, line in lines if line.strip("; ,\t") and not line.lstrip().startswith("#")
     ]

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeVar, get_args
@@ -36,7 +35,7 @@ from pydantic.fields import FieldInfo
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
-from fabrics.base.files import read_text
+from fabrics.base.files import control_character, parse_toml, read_text
 from fabrics.base.units import refused, si
 
 # context of values given in Python, which are not read from a file
@@ -342,9 +341,28 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
             f"the {what} file cannot be read ({problem.strerror})", file=path
         ) from None
     try:
-        return text, tomllib.loads(text)
-    except tomllib.TOMLDecodeError as problem:
+        table = parse_toml(text)
+    except ValueError as problem:
         raise InputError(f"not valid TOML ({problem})", file=path) from None
+    for key, value in _texts(table):
+        if (control := control_character(value)) is not None:
+            raise InputError(f"has the control character {control}", file=path, key=key)
+    return text, table
+
+
+def _texts(table):
+    """(key, text) of all texts in a table, those that are keys with the table's own."""
+    waiting: list[tuple[str, Any]] = [("", table)]
+    while waiting:
+        name, value = waiting.pop()
+        if isinstance(value, str):
+            yield name, value
+        elif isinstance(value, list):
+            waiting += [(name, part) for part in value]
+        elif isinstance(value, dict):
+            for key, part in value.items():
+                yield name, key
+                waiting.append((f"{name}.{key}".lstrip("."), part))
 
 
 def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any = None) -> Kind:

@@ -10,7 +10,6 @@ user.
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -18,6 +17,7 @@ from pathlib import Path
 from fabrics import assumed, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest
+from fabrics.base.files import parse_toml
 from fabrics.base.schema import read_toml, validated
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
@@ -95,7 +95,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     if text is None:
         content = read_toml(path, what="fabric")[1]
     else:
-        content = tomllib.loads(text)
+        content = parse_toml(text)
     file = validated(FabricFile, content, path, {"source": path.name})
     data = file.data()
     sources = {key: datum.entry for key, datum in data.items()}

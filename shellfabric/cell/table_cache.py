@@ -59,8 +59,7 @@ def trim(place: Path, most: float) -> None:
     """Remove the files of a folder that were used longest ago, until the others have at most `most`
     bytes."""
     files = sorted(
-        (file.stat().st_mtime, file.stat().st_size, file)
-        for file in RunCache(place).files()
+        (file.stat().st_mtime, file.stat().st_size, file) for file in RunCache(place).files()
     )
     excess = sum(size for _, size, _ in files) - most
     for _, size, file in files:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, InputErrors, nearest, together
 from fabrics.base.schema import AsDict, AsKeywords, FileOnly, MayBeObject, mark
+from fabrics.base.units import of_pint
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw, HasLaw
@@ -272,7 +273,10 @@ def plain(value: Any) -> Any:
         return [plain(part) for part in value]
     if isinstance(value, Path):
         return str(value)
-    return value.tolist() if hasattr(value, "tolist") else value  # of numpy
+    value = of_pint(value)
+    if type(value).__module__.partition(".")[0] in ("numpy", "pandas") and hasattr(value, "tolist"):
+        return value.tolist()
+    return value
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:

@@ -54,8 +54,10 @@ def format_for_terminal(table: DataFrame, title: str = "") -> str:
     from rich import box
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text as AsItIs
 
-    shown = Table(title=title or None, title_justify="left", title_style="bold")
+    # texts of users may have square brackets, in which rich looks for marks
+    shown = Table(title=AsItIs(title) if title else None, title_justify="left", title_style="bold")
     shown.box = box.SIMPLE_HEAD
     shown.pad_edge = shown.show_edge = False
     rows = table.reset_index()
@@ -65,13 +67,13 @@ def format_for_terminal(table: DataFrame, title: str = "") -> str:
     for name in rows:
         if name in numbers:
             # a word a line keeps nine numbers and a name within the 80 columns of a terminal
-            heading = "\n".join(word.strip("[]") for word in name.split())
+            heading = AsItIs("\n".join(word.strip("[]") for word in name.split()))
             shown.add_column(heading, justify="right")
         else:
             is_name = bool(numbers) and name == table.index.name
-            shown.add_column(name, overflow="fold", no_wrap=is_name)
+            shown.add_column(AsItIs(str(name)), overflow="fold", no_wrap=is_name)
     for row in rows.itertuples(index=False):
-        shown.add_row(*map(_cell, row))
+        shown.add_row(*(AsItIs(_cell(value)) for value in row))
     console = Console(force_jupyter=False)
     with console.capture() as printed:
         console.print(shown)

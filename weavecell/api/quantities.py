@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from fabrics.base.errors import InputError
-from fabrics.base.units import si
+from fabrics.base.units import of_pint, si
 
 
 def number(value: Any, unit: str, key: str) -> float:
@@ -28,6 +28,7 @@ def number(value: Any, unit: str, key: str) -> float:
     >>> number("203 mm", "m", "opening"), number(0.203, "m", "opening")
     (0.203, 0.203)
     """
+    value = of_pint(value)
     if isinstance(value, str):
         return si(value, unit, key=key)
     try:

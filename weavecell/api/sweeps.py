@@ -12,7 +12,6 @@ The folder of `weavecell sweep`
 from __future__ import annotations
 
 import itertools
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +25,7 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.executors import as_done, open_executor
+from fabrics.base.files import parse_toml
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, study_run
@@ -233,8 +233,8 @@ def parse(text: str) -> tuple[str, list[Any]]:
 def _value(text):
     """A number or a truth value as in TOML; any other text as it is."""
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = parse_toml(f"value = {text}")["value"]
+    except ValueError:
         return text
     if isinstance(value, (bool, int, float, str)):
         return value

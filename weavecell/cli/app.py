@@ -130,6 +130,10 @@ class _Lines(logging.Handler):
 def main(arguments: Iterable[str] | None = None) -> NoReturn:
     """Run the command line; never returns."""
     gc.set_threshold(COLLECT_EVERY)
+    for stream in (sys.stdout, sys.stderr):
+        # a terminal or a pipe that has no ² prints ?
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
     progress.shown = True
     log = logging.getLogger("weavecell")
     # plain lines, even if an imported library configures all loggers (ffcx does)

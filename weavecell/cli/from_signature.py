@@ -12,7 +12,6 @@ from __future__ import annotations
 import inspect
 import os
 import re
-import tomllib
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +20,7 @@ from typing import Annotated, Any
 import typer
 
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from fabrics.base.files import parse_toml
 from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
@@ -168,8 +168,8 @@ def _read_list(text):
     if not text.lstrip().startswith("["):
         return text
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return parse_toml(f"value = {text}")["value"]
+    except ValueError:
         return text
 
 

@@ -15,6 +15,7 @@ tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field, replace
 from math import degrees
 from pathlib import Path
@@ -318,4 +319,5 @@ def _entry(value, source, status):
 
 
 def _quote(text):
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    # as JSON has it, but TOML escapes DEL too
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

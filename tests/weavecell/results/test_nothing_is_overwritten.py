@@ -48,7 +48,7 @@ def not_computed(monkeypatch):
 
     for where in (
         "shellfabric.cell.model.CellTable.fill",
-        "weavecell.api.shots.run_impact",
+        "shellfabric.impact.run.run_impact",
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
         "weavecell.studies.compare.reduce",
