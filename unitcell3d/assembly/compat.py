@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import dolfinx
 import numpy as np
 import ufl
 from dolfinx import fem, la
@@ -27,6 +28,13 @@ VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
 # the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets
 # them be used
 COMPILE_ARGUMENTS = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-g0"]
+
+
+TESTED = ("0.5", "0.9")
+if not dolfinx.__version__.startswith(tuple(f"{version}." for version in TESTED)):
+    logging.getLogger("weavecell").warning(
+        f"the 3D crossover is tested with dolfinx {' and '.join(TESTED)}, and this is {dolfinx.__version__}"
+    )
 
 
 def _old():
@@ -57,15 +65,16 @@ class HexSpace:
             corner 1
         """
         cells = np.ascontiguousarray(np.asarray(hexes, np.int64)[:, VTK_TO_DOLFINX])
+        given: dict[str, Any] = {"x": np.asarray(points, float)}
         if _old():
-            domain = ufl.Mesh(ufl.VectorElement("Lagrange", "hexahedron", 1))
+            given["domain"] = ufl.Mesh(ufl.VectorElement("Lagrange", "hexahedron", 1))
         else:
             import basix.ufl
 
-            domain = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
+            given["e"] = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
         # one process owns a crossover: several crossovers run beside each other in processes of
-        # their own
-        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, np.asarray(points, float), domain)
+        # their own. By name, since 0.10 has points and element in the other order
+        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, **given)
         space = _vector_space(mesh, "Lagrange", 1, 3)
         node = np.empty(len(points), np.int64)
         dofs = _rows(space.dofmap.list, 8)
