@@ -32,6 +32,7 @@ BROKEN = (
 )
 # a new process, since neither MPI nor PETSc survives a fork
 CONTEXT = get_context("spawn")
+EXECUTORS = ("local", "mpi", "dask")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -116,7 +117,7 @@ def open_executor(
             # dask would give equal calls one result; here each task is run
             yield client.get_executor(pure=False)
     else:
-        raise InputError(key="--executor", value=executor, allowed="local, mpi or dask")
+        raise InputError(key="--executor", value=executor, allowed=f"one of {', '.join(EXECUTORS)}")
 
 
 @cache

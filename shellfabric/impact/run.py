@@ -20,6 +20,25 @@ from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
 
 
+def check_impact(
+    setup: ImpactSetup, table: CellTable | None = None, target: Pack | None = None
+) -> Pack:
+    """Refuse what no impact can be run of; return what is struck. Parameters are those of
+    `run_impact`, which begins with it.
+
+    Raises
+    ------
+    InputError : a set-up that cannot be used, or that needs more memory than is free
+    """
+    made = target or setup.target(table)
+    memory.check(made.plies, setup.snapshots)
+    if setup.snapshot_interval is not None:
+        positive(setup, "snapshot_interval")
+    if setup.history:
+        histories.Recorder(made.plies, setup.history)
+    return made
+
+
 def run_impact(
     setup: ImpactSetup,
     *,
@@ -46,10 +65,7 @@ def run_impact(
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    made = target or setup.target(table)
-    memory.check(made.plies, setup.snapshots)
-    if setup.snapshot_interval is not None:
-        positive(setup, "snapshot_interval")
+    made = check_impact(setup, table, target)
     solver = _make_solver(setup, made)
     factor = 1.0
     kept = tuple(hooks)

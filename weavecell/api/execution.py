@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import Any, TypedDict
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import nearest
-from fabrics.base.executors import InProcess
+from fabrics.base.errors import InputError, nearest
+from fabrics.base.executors import EXECUTORS, InProcess
+from weavecell.api import quantities
 from weavecell.api.keywords import Keywords
 
 
@@ -84,6 +85,16 @@ class Execution:
     executor: str | Executor = "local"
     out: FilePath | None = None
     resume: bool = False
+
+    def __post_init__(self) -> None:
+        quantities.read_whole(self.jobs, "jobs", 1)
+        if isinstance(self.executor, str):
+            if self.executor not in EXECUTORS:
+                allowed = f"one of {', '.join(EXECUTORS)}"
+                raise InputError(key="executor", value=self.executor, allowed=allowed)
+        elif not hasattr(self.executor, "submit"):
+            allowed = f"one of {', '.join(EXECUTORS)}, or a concurrent.futures.Executor"
+            raise InputError(key="executor", value=self.executor, allowed=allowed)
 
     @classmethod
     def from_options(cls, function: str, options: Mapping[str, Any]) -> Execution:

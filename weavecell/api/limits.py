@@ -153,6 +153,7 @@ def critical_velocity(
         numbers[key] = quantities.number(value, "", f"scan_{key}")
     with keywords.name_as_keyword("scan", shares):
         around: ScanRange | None = ScanRange(**numbers)
+    residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     # the range of a scan is checked even if none is wanted
     if not scan:
         around = None

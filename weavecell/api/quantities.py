@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isfinite
+from numbers import Integral
 from typing import Any
 
 from fabrics.base.errors import InputError
@@ -40,6 +41,21 @@ def number(value: Any, unit: str, key: str) -> float:
             key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"'
         )
     return converted
+
+
+def read_whole(value: Any, key: str, least: int) -> int:
+    """Return a whole number of at least `least`.
+
+    Raises
+    ------
+    InputError : anything else
+    """
+    number = value
+    if isinstance(value, float) and value.is_integer():
+        number = int(value)
+    if not isinstance(number, Integral) or isinstance(value, bool) or number < least:
+        raise InputError(key=key, value=value, allowed=f"a whole number of at least {least}")
+    return int(number)
 
 
 def read_positive(value: float | str, unit: str, key: str) -> float:

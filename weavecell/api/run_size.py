@@ -91,10 +91,11 @@ class RunSize(_Size):
         ------
         InputError : values that do not go together
         """
+        from shellfabric.impact.run import check_impact
         from shellfabric.plies import memory
         from shellfabric.yarns.model import crossings_of
 
-        pack = setup.target()
+        pack = check_impact(setup)
         backing = pack.plies[0].backing
         bricks = 0
         if backing:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from dataclasses import asdict, dataclass, replace
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base.checks import FilePath
@@ -105,9 +105,11 @@ def v50(
     True
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs
+    from weavecell.studies import inputs, strengths
     from weavecell.studies import v50 as analysis
 
+    if weibull_shape is not None and weibull_shape != inf:
+        weibull_shape = quantities.read_positive(weibull_shape, "", "weibull_shape")
     own: dict[str, Any] = {"shape": weibull_shape}
     for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
         if value is None:
@@ -117,10 +119,18 @@ def v50(
     scatter = replace(
         inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
     )
+    shots = quantities.read_whole(shots, "shots", analysis.LEAST)
     if batch is None:
         batch = analysis.usual_batch(shots)
+    sizes = {
+        "shots": shots,
+        "batch": quantities.read_whole(batch, "batch", analysis.LEAST),
+        "seed": quantities.read_whole(seed, "seed", 0),
+    }
     how, keys = Execution.split(options)
     panel = resolve_target(target, keys, honoured.V50, function="v50")
+    with panel.name_problems():
+        strengths.check(panel.setup, scatter)
     over = ranges.with_ends(panel.setup, assumed_range)
     searches = 0
     repeats = 0
@@ -133,7 +143,6 @@ def v50(
         return StudySize.estimate(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.use_one_thread(panel.setup, strike_velocity=1.0), scatter, seed
     with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, NAMES, drawn) as run:
-        sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
         if over is not None:

@@ -129,6 +129,7 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
+    from shellfabric.impact.run import check_impact
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs
 
@@ -145,6 +146,8 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
+    with panel.name_problems():
+        check_impact(panel.setup)
     if check:
         # no folder is claimed: a check leaves nothing behind
         with panel.name_problems():

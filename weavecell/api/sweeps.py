@@ -133,17 +133,28 @@ def sweep(
     how = Execution.from_options("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
         return _fire_setups(target, how)
-    from weavecell.studies import inputs
+    from weavecell.studies import inputs, strengths, v50
     from weavecell.studies import sweep as studies
 
     width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    if quantity not in studies.QUANTITIES:
+    if quantity not in list(studies.QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}"
         )
+    shots = quantities.read_whole(shots, "shots", v50.LEAST)
+    seed = quantities.read_whole(seed, "seed", 0)
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
+    for key, values in keys.items():
+        listed = []
+        if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
+            listed = list(values)
+        if not listed:
+            raise InputError(
+                key=f"over, {key}", value=values, allowed="a list of one value or more"
+            )
+        keys[key] = listed
     struck = "projectile.strike_velocity"
     if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
         allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
@@ -156,6 +167,9 @@ def sweep(
     support = of_quantity[quantity]
     combinations = _combinations(keys, one_at_a_time)
     panels = [_panel(str(target), Path(how.out or "."), support, each) for each in combinations]
+    if quantity == "v50":
+        for panel in panels:
+            strengths.check(panel.setup, inputs.read_scatter())
     if check:
         fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
             quantity, (shots, 1)
