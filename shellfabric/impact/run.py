@@ -21,17 +21,24 @@ from shellfabric.solver.pack_solver import PackSolver
 
 
 def check_impact(
-    setup: ImpactSetup, table: CellTable | None = None, target: Pack | None = None
+    setup: ImpactSetup,
+    table: CellTable | None = None,
+    target: Pack | None = None,
+    written: bool = False,
 ) -> Pack:
-    """Refuse what no impact can be run of; return what is struck. Parameters are those of
-    `run_impact`, which begins with it.
+    """Refuse what no impact can be run of; return what is struck.
+
+    Parameters
+    ----------
+    setup, table, target : of `run_impact`, which begins with this
+    written : whether pictures and files are made of the results
 
     Raises
     ------
     InputError : a set-up that cannot be used, or that needs more memory than is free
     """
     made = target or setup.target(table)
-    memory.check(made.plies, setup.snapshots)
+    memory.check(made.plies, setup.snapshots, written)
     if setup.snapshot_interval is not None:
         positive(setup, "snapshot_interval")
     if setup.history:

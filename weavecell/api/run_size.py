@@ -84,8 +84,14 @@ class RunSize(_Size):
     assumed: tuple[str, ...] = ()
 
     @classmethod
-    def estimate(cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...]) -> RunSize:
-        """Of a set-up.
+    def estimate(
+        cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...], written: bool = True
+    ) -> RunSize:
+        """Of a set-up, which is checked as its run does.
+
+        Parameters
+        ----------
+        written : whether pictures and files are made of the results
 
         Raises
         ------
@@ -95,7 +101,7 @@ class RunSize(_Size):
         from shellfabric.plies import memory
         from shellfabric.yarns.model import crossings_of
 
-        pack = check_impact(setup)
+        pack = check_impact(setup, written=written)
         backing = pack.plies[0].backing
         bricks = 0
         if backing:
@@ -107,7 +113,7 @@ class RunSize(_Size):
         numbers = np.array([pack.elements, bricks, crossings_of(pack.plies[0])])
         costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
         low, high = steps * numbers @ costs
-        needed = memory.needed(pack.plies, setup.snapshots, written=True)
+        needed = memory.needed(pack.plies, setup.snapshots, written=written)
         step = pack.time_step
         return cls(title, pack.elements, bricks, steps, step, needed, (low, high), assumed)
 

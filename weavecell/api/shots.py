@@ -129,7 +129,6 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-    from shellfabric.impact.run import check_impact
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs
 
@@ -146,12 +145,12 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
-    with panel.name_problems():
-        check_impact(panel.setup)
     if check:
         # no folder is claimed: a check leaves nothing behind
         with panel.name_problems():
-            return RunSize.estimate(panel.setup, panel.shot_title, list_assumptions(panel.setup))  # type: ignore[return-value]
+            lines = list_assumptions(panel.setup)
+            size = RunSize.estimate(panel.setup, panel.shot_title, lines, written=out is not None)
+            return size  # type: ignore[return-value]
     # a digest of all inputs and code, which only a run with a folder needs
     inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
     key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
@@ -253,16 +252,13 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
 
 def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     """The `mesh_uncertainty.Shot` of a set-up."""
-    from shellfabric.impact.run import run_impact
+    from shellfabric.impact.run import check_impact, run_impact
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
-    from shellfabric.plies import memory
     from weavecell.studies.mesh_uncertainty import Shot
 
     table = table or setup.table(kept=checkpoint is not None)
     # refused before the run, not when memory ends in the middle of it
-    memory.check(
-        [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
-    )
+    check_impact(setup, table, written=checkpoint is not None)
     hooks = ()
     if checkpoint is not None:
         hooks = (Checkpoints(checkpoint, every, LEAST_WALL),)

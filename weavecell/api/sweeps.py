@@ -181,7 +181,9 @@ def sweep(
         sizes = [StudySize.estimate(setup, setup.title, fired, searches) for setup in setups]
         return StudySize.add_up(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.use_one_thread(panel.setup), quantity, width) for panel in panels]
-    with study_run.begin_study(panels[0], f"{len(panels)} x {quantity}", how, NAMES, *arguments) as run:
+    with study_run.begin_study(
+        panels[0], f"{len(panels)} x {quantity}", how, NAMES, *arguments
+    ) as run:
         # the shots of a V50 run in parallel already, so the V50s follow one another
         if quantity == "v50":
             reports = [run.report(number, len(panels)) for number in range(len(panels))]

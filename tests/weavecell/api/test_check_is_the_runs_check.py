@@ -53,7 +53,6 @@ def not_computed(monkeypatch):
         "weavecell.studies.limit.search",
         "shellfabric.impact.run._run_recorded",
         "shellfabric.impact.run._make_solver",
-        "shellfabric.cell.model.CellTable.fill",
         "fabrics.base.run_cache.results",
     ):
         monkeypatch.setattr(where, computed)
