@@ -19,7 +19,7 @@ PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "we
 WORDS = """
 Accept Add Advance Allocate Allow Announce Apply Approach Arrange Assemble Audit Average Balance
 Bisect Bore Bound Bring Broadcast Build Calculate Calibrate Call Cancel Change Check Choose Classify
-Clear Close Collect Combine Compare Compile Compose Compress Compute Convert Copy Correct Count Cut
+Clear Close Collect Combine Compare Compile Compose Compress Compute Constrain Convert Copy Correct Count Cut
 Decide Declare Decorate Define Delete Derive Describe Determine Diagonalise Digest Divide Do Draw
 Drop Encode Enforce Ensure Estimate Evaluate Expand Export Extract Extrapolate Fill Filter Find Fire
 Fit Flag Follow Force Forget Format Free Gather Get Give Go Grade Grow Guess Hand Hold Identify

@@ -224,7 +224,7 @@ def _plain_decades(axes):
 
 
 def map_of(name: str) -> tuple[str, str, list[Any] | None]:
-    """Read of which columns a map is, and the default; from the study's [map]."""
+    """Read the columns that a map is of, and the default, from the study's [map]."""
     content = tomllib.loads((STUDIES / f"{name}.toml").read_text("utf-8"))
     asked = content["map"]
     headings = content.get("columns", {})

@@ -198,8 +198,9 @@ class BiaxialResult(Result):
         return self.model.fabric
 
     def summary(self) -> dict[str, Any]:
-        """Settings, and of each path the yarn that is first at its strength, strains, tensions and
-        contact force there; beside the 3D crossover the rms difference of the tensions [N]."""
+        """Return the settings, and of each path the yarn that is first at its strength, strains,
+        tensions and contact force there; beside the 3D crossover the rms difference of the tensions
+        [N]."""
         settings = {
             "fabric": self.fabric.name,
             "cell_formulation": self.model.cell_formulation,

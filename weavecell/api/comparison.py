@@ -164,14 +164,14 @@ class TestsResult(DrawnResult):
     tests: str
 
     def summary(self) -> dict[str, Any]:
-        """V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
+        """Return V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
         return self.reduced.summary()
 
     def _columns(self):
         return self.reduced.table
 
     def draw(self, pyplot: Any) -> Figure:
-        """Residual against strike velocity [m/s]."""
+        """Draw residual against strike velocity [m/s]."""
         from weavecell.report import pictures
 
         return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
@@ -184,7 +184,8 @@ class TestsResult(DrawnResult):
         self._write_files(Path(out), provenance.stamp())
 
     def files(self) -> dict[str, Any]:
-        """{file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the picture."""
+        """Return {file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the
+        picture."""
         return {
             "tests.json": {"format": "weavecell tests 1", **self.summary()},
             "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
@@ -221,7 +222,8 @@ class ComparisonResult(StudyResult):
     checks: tuple[Indicator, ...] = ()
 
     def summary(self) -> dict[str, Any]:
-        """V50 of the tests, computed critical velocity, residual velocities, with intervals."""
+        """Return V50 of the tests, computed critical velocity and residual velocities, with
+        intervals."""
         named = {"fabric": self.target.title, "projectile": self.target.projectile}
         return named | self.comparison.summary()
 
@@ -244,7 +246,7 @@ class ComparisonResult(StudyResult):
         return self.comparison.table
 
     def draw(self, pyplot: Any) -> Figure:
-        """Residual against strike velocity [m/s], tested and computed."""
+        """Draw residual against strike velocity [m/s], tested and computed."""
         from weavecell.report import pictures
 
         return pictures.draw_tests_and_shots(
@@ -252,7 +254,7 @@ class ComparisonResult(StudyResult):
         )
 
     def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
+        """Return {file: what it holds}, as `StudyResult` does."""
         return {
             "comparison.json": {"format": "weavecell comparison 2", **self.summary()},
             "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
@@ -260,7 +262,7 @@ class ComparisonResult(StudyResult):
         }
 
     def lines(self) -> list[str]:
-        """What is printed."""
+        """Write the lines that are printed."""
         comparison = self.comparison
         limit = self.comparison.limit
         bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"

@@ -87,14 +87,14 @@ class CrossoverResult(Result):
         return f"{self.fabric.name}, {self.case}"
 
     def summary(self) -> dict[str, Any]:
-        """{quantity [unit]: value} that the case comes to, and what is assumed."""
+        """Return {quantity [unit]: value} that the case comes to, and what is assumed."""
         return self.found | self._what_is_assumed()
 
     def _columns(self):
         return dict(self.record.to_dataframe())
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the curve of the case."""
+        """Draw a matplotlib figure: the curve of the case."""
         return figure(CASES[self.case].curve, self.fabric, self.record)
 
     @out_folder.saving(*NAMES)

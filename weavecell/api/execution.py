@@ -98,7 +98,7 @@ class Execution:
 
     @classmethod
     def from_options(cls, function: str, options: Mapping[str, Any]) -> Execution:
-        """The Execution of a function whose `**options` are `ResumableKeywords` alone.
+        """Read the Execution of a function whose `**options` are `ResumableKeywords` alone.
 
         Raises
         ------

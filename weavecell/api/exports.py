@@ -35,8 +35,8 @@ def export(
     units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
     match: Literal["plane", "uniaxial"] = "plane",
 ) -> DeckResult:
-    """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile,
-    contact, output.
+    """Export a panel or pack as a deck for another code: mesh, material card, boundary, rigid
+    projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in
     report.html. Warp and weft of a turned ply are a second material with the same error. Of an
@@ -110,7 +110,7 @@ class DeckResult(Result):
     errors: dict[str, dict[str, float]]
 
     def summary(self) -> dict[str, Any]:
-        """The errors of the first material."""
+        """Return the errors of the first material."""
         return next(iter(self.errors.values()))
 
     def _columns(self):

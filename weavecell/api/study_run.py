@@ -43,8 +43,8 @@ class RunningStudy:
         return time.perf_counter() - self.began
 
     def report(self, part: int = 0, parts: int = 1) -> Callable[[int, int], None]:
-        """Progress of the runs of a part of the study, called as report(number done, number of
-        all)."""
+        """Return a function that shows the progress of the runs of a part of the study, called as
+        report(number done, number of all)."""
         return lambda done, total: self.advance((part + done / total) / parts, f"{done} of {total}")
 
 
@@ -56,8 +56,8 @@ def begin_study(
     names: Iterable[str],
     *inputs: Any,
 ) -> Iterator[RunningStudy]:
-    """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`,
-    and a bar.
+    """Open a study of `inputs` with its folder, the folder of finished runs, emptied unless it is
+    to `resume`, and a bar.
 
     `names` are those of the files that it writes, with wildcards.
 
@@ -77,8 +77,8 @@ def begin_study(
 
 @contextmanager
 def keep_runs(folder: Path | None, resume: bool, name: str = RUNS) -> Iterator[Path]:
-    """The folder of the finished runs, emptied but to `resume`; a temporary one where `folder` is
-    None."""
+    """Open the folder of the finished runs, emptied unless it is to `resume`; a temporary one if
+    `folder` is None."""
     with TemporaryDirectory() as spare:
         if folder is None:
             runs = Path(spare)

@@ -196,8 +196,8 @@ class SurfaceResult(Result):
         return rms
 
     def summary(self) -> dict[str, Any]:
-        """Settings, errors of the lines that are left out, rms from the shells' cell, counts and
-        times."""
+        """Return settings, errors of the lines that are left out, rms from the shells' cell, counts
+        and times."""
         sampled = self.sampled
         errors = {}
         for name, error in sampled.errors.items():
@@ -222,7 +222,7 @@ class SurfaceResult(Result):
         return columns
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the three forces over the (d1, d2) plane."""
+        """Draw a matplotlib figure: the three forces over the (d1, d2) plane."""
         from unitcell3d.identify.interpolant import Interpolant
 
         return figure(pictures_surface.surfaces, Interpolant(self.surface))

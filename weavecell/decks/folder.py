@@ -73,7 +73,7 @@ def write(
     ----------
     to : of CODES
     stem : of the name of the deck's files
-    match : as of `check`
+    match : as in `check`
     text, fabric : of the input, for the provenance
     """
     code = CODES[to]
@@ -102,7 +102,7 @@ def write(
 
 
 def error_section(deck: model.Deck) -> page.Section:
-    """Error of the cards in a table and a plot."""
+    """Show the error of the cards in a table and a plot."""
     first = deck.cards[0]
     names = tuple(card.name for card in deck.cards)
     errors = [card.mismatch.numbers() for card in deck.cards]
@@ -120,5 +120,5 @@ def error_section(deck: model.Deck) -> page.Section:
 
 
 def percent(value: float) -> str:
-    """A share as a text."""
+    """Format a share as a text in %."""
     return f"{100 * value:.1f} %"

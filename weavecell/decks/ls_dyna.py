@@ -8,7 +8,7 @@ stress-strain curves of *MAT_FABRIC: here nominal stress against engineering str
 has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first direction.
 Compression is eliminated (CSE 1).
 
-The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn.
+The projectile is *MAT_RIGID with the mass, position and velocity of *PART_INERTIA; it does not turn.
 Contact by soft constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
 """
 
@@ -42,7 +42,7 @@ def names(name: str) -> list[str]:
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
-    """{file name: text} of a deck whose laws are UncoupledCurves."""
+    """Write a deck whose laws are UncoupledCurves: {file name: text}."""
     parts = _control, _mesh, _parts, _materials, _boundary, _contact
     (file,) = names(name)
     return {file: "".join(piece for part in parts for piece in part(deck)) + "*END\n"}

@@ -53,7 +53,7 @@ def names(name: str) -> list[str]:
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
-    """{file name: text} of a deck whose laws are CrimpExchange."""
+    """Write a deck whose laws are CrimpExchange: {file name: text}."""
     parts = _head, _materials, _properties, _mesh, _groups, _body, _contact
     starter = "".join(piece for part in parts for piece in part(deck)) + "/END\n"
     return dict(zip(names(name), (starter, "".join(_engine(deck, name)))))

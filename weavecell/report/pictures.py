@@ -91,8 +91,8 @@ def draw_figure(
     Parameters
     ----------
     name : of its file
-    draw, arguments, kind : as of `render`
-    shape : wide and tall, as of `page.Figure`
+    draw, arguments, kind : as in `render`
+    shape : wide and tall, as in `page.Figure`
     """
     content = render(draw, *arguments, kind=kind)
     return page.Figure(content, kind, caption, name, **shape)
@@ -129,7 +129,7 @@ def place(
 
 
 def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
-    """Contact force against compression of one yarn: samples of the 3D crossover and the laws.
+    """Draw contact force against compression of one yarn: samples of the 3D crossover and the laws.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
 
 
 def cell(pyplot: Any, cases: Any) -> Any:
-    """Yarn tension against strain of the cell, one panel a load case.
+    """Draw yarn tension against strain of the cell, one panel a load case.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _tensions(axes, strain, tensions, label, **looks):
 
 
 def velocity(pyplot: Any, runs: Any) -> Any:
-    """Velocity of the projectile against time.
+    """Draw the velocity of the projectile against time.
 
     Parameters
     ----------
@@ -243,8 +243,8 @@ def velocity(pyplot: Any, runs: Any) -> Any:
 
 
 def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any) -> Any:
-    """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted
-    curve.
+    """Draw residual against strike velocity: shots, the bracket of the critical velocity, and the
+    fitted curve.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def _draw_velocity_axes(pyplot, title, low, high):
 
 
 def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
-    """Residual against strike velocity of tests and of computed shots, V50 and the critical
+    """Draw residual against strike velocity of tests and of computed shots, V50 and the critical
     velocity.
 
     Parameters

@@ -61,5 +61,5 @@ def find_finished(out: Path, names: Iterable[str], key: str) -> Finished | None:
 
 
 def checkpoints(out: Path) -> list[Path]:
-    """The checkpoints in a folder: one, or one for each model that has been tried."""
+    """List the checkpoints in a folder: one, or one for each model that has been tried."""
     return sorted(out.glob("checkpoint*.h5"))

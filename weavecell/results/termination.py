@@ -13,8 +13,8 @@ from fabrics.base.errors import interrupts
 
 @contextmanager
 def interrupt_on_sigterm() -> Iterator[None]:
-    """SIGTERM raises KeyboardInterrupt in this block, unless the program has a handler of its own;
-    so does an interrupt inside a kernel."""
+    """Raise KeyboardInterrupt at SIGTERM in this block, unless the program has a handler of its
+    own; so does an interrupt inside a kernel."""
     default = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     if not default or threading.current_thread() is not threading.main_thread():
         with interrupts():

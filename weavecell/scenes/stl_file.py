@@ -6,7 +6,7 @@ warp and weft at no obliquity and roll. Where the body lies along z makes no dif
 foremost point is where the nose is.
 
 Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of
-the edge radius rho: it becomes all places of that ball in it. With K the points at least rho deep,
+the edge radius rho: it becomes all positions of that ball in it. With K the points at least rho deep,
 d = dist(p, K) - rho outside K.
 """
 
@@ -101,8 +101,7 @@ class Surface:
         return bool(np.any(angles > np.radians(SHARP)))
 
     def explain_axis(self, unit: str) -> str:
-        """What is said of a body that its axis misses, with where it lies and the shift that
-        helps."""
+        """Say of a body that its axis misses it, with where it lies and the shift that helps."""
         (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
         return (
             "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = "
@@ -112,7 +111,7 @@ class Surface:
 
 
 def surface(path: FilePath, unit: str) -> Surface:
-    """The surface in an STL file, ASCII or binary, whose lengths have a unit of UNITS.
+    """Read the surface in an STL file, ASCII or binary, whose lengths have a unit of UNITS.
 
     Raises
     ------
@@ -222,8 +221,8 @@ def _check_one_body(mesh, path):
 
 
 def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
-    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and
-    mass of a density.
+    """Compute {key: value} of the table [projectile] that follow from its STL file: diameter,
+    length, and mass of a density.
 
     Raises
     ------
@@ -258,8 +257,8 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
 def describe_stl(
     table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None
 ) -> dict[str, Any]:
-    """The table of a scene with what the STL file of [projectile] says of it, as if it were written
-    there; the whole panel unless another symmetry is given.
+    """Return the table of a scene with what the STL file of [projectile] says of it, as if it were
+    written there; the whole panel unless another symmetry is given.
 
     Parameters
     ----------
@@ -340,7 +339,7 @@ def check_mass(shot: Any) -> None:
 
 
 def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
-    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are
+    """Read the body in an STL file, its convex edges rounded to the edge radius [m] where they are
     sharp.
 
     Raises

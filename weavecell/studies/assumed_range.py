@@ -93,7 +93,7 @@ class AssumedRange:
         return self._ordered[-1][0]
 
     def words(self) -> str:
-        """The range in one line."""
+        """Write the range in one line."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in self.shares.items())
         over = f"over the assumed ranges (shares: {shares})"
@@ -110,7 +110,7 @@ class AssumedRange:
         )
 
     def summary(self) -> dict:
-        """As plain types."""
+        """Return the range as plain types."""
         names = ("laws", "outcome", "velocity_m_s", "varied")
         return {
             "quantity": self.quantity,
@@ -122,8 +122,8 @@ class AssumedRange:
 
 
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed, None if none is, by a choice of True, False and "laws":
-    where more is assumed of the fabric than its failure length; InputError: another choice."""
+    """Return the set-up whose range is computed, None if none is, by a choice of True, False and
+    "laws": if more is assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
     if not choice:
@@ -138,7 +138,7 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
 
 
 def searches(setup: ImpactSetup) -> int:
-    """Number of runs over all that is assumed: each end alone, and the ends that lower or raise the
+    """Count the runs over all that is assumed: each end alone, and the ends that lower or raise the
     velocity."""
     alone = sum(map(len, changes(setup).values()))
     if not alone:
@@ -147,8 +147,8 @@ def searches(setup: ImpactSetup) -> int:
 
 
 def changes(setup: ImpactSetup) -> Ends:
-    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be
-    combined.
+    """Collect {what is assumed: {words: change of a set-up to this end}}, in the order in which
+    ends may be combined.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def residual_velocity(
     on_progress: Callable[[float], object] | None = None,
     folder: FilePath | None = None,
 ) -> AssumedRange | None:
-    """Range of the residual velocity of a shot; None if nothing is assumed.
+    """Compute the range of the residual velocity of a shot; None if nothing is assumed.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def critical_velocity(
     folder: FilePath | None = None,
     **beside: Any,
 ) -> AssumedRange | None:
-    """Range of the critical velocity of a panel or pack; None if nothing is assumed.
+    """Compute the range of the critical velocity of a panel or pack; None if nothing is assumed.
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ def critical_velocity(
 
 
 def doubtful(shot: Any) -> bool:
-    """Whether a quality check of a shot is beyond its limit."""
+    """Tell whether a quality check of a shot is beyond its limit."""
     return quality.status(shot.checks) == quality.DOUBTFUL
 
 
@@ -333,8 +333,8 @@ def run_ends(
     run: Callable[[ImpactSetup], tuple[str, float | None]],
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
-    """The AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None if
-    nothing is assumed."""
+    """Compute the AssumedRange of run(set-up) -> (outcome, velocity) over ends of `changes`; None
+    if nothing is assumed."""
     rows = [nominal]
     velocity = nominal.velocity or 0.0
     count = sum(map(len, ends.values())) + 2

@@ -179,7 +179,7 @@ class KeptShots:
 
 
 def first_guess(panel: Panel | Pack) -> float:
-    """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by
+    """Guess a velocity [m/s] to begin with: a share of that which fails the weaker yarn at once, by
     Smith's theory."""
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
@@ -212,7 +212,7 @@ def critical_velocity(
     step : first factor from the guess towards the other outcome: the better the guess, the nearer
         to 1
     highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
-    executor : as of `fabrics.base.executors.open_executor`; "local": threads of this process
+    executor : as in `fabrics.base.executors.open_executor`; "local": threads of this process
     jobs : shots that are under way beside each other
     report : called as report(share of the work done, Shot) after each shot
     kept : shots that are not fired again, to which each is added
@@ -266,7 +266,7 @@ def shoot(
 
     Parameters
     ----------
-    panel, executor, jobs, report, kept : as of `critical_velocity`
+    panel, executor, jobs, report, kept : as in `critical_velocity`
     velocities : (n,) [m/s] strike velocities
     stops_below : share of the strike velocity below which a projectile counts as stopped where no
         yarn has failed for as long as a stress wave takes to an edge and back. The outcome is then
@@ -274,7 +274,7 @@ def shoot(
 
     Raises
     ------
-    InputError, UndecidedError, UnstableError : as of `critical_velocity`
+    InputError, UndecidedError, UnstableError : as in `critical_velocity`
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []

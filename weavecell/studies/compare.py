@@ -157,7 +157,7 @@ class ReducedTests:
     lambert_jonas: LambertJonas
 
     def summary(self) -> dict[str, Any]:
-        """All of it as plain numbers, keys with their units."""
+        """Return all of it as plain numbers, keys with their units."""
         return {
             "tests": len(self.table),
             "confidence": CONFIDENCE,
@@ -204,7 +204,7 @@ class ReducedTests:
         return [f"tests ({self.curve.link}): {', '.join(parts)}; {share}"]
 
     def lines(self, file: str) -> list[str]:
-        """What is printed of the tests in a file."""
+        """Write the lines that are printed of the tests in a file."""
         return [
             f"tests, {file}: {self.curve.words()}",
             *self._spread_words(),
@@ -214,7 +214,7 @@ class ReducedTests:
 
 
 def reduce(tests: DataFrame) -> ReducedTests:
-    """The statistics of tests that `read` returns."""
+    """Compute the statistics of tests that `read` returns."""
     table = tests.rename(
         columns={
             VELOCITY: "velocity [m/s]",
@@ -252,7 +252,8 @@ class Comparison:
         return int((self.table["tested"] == self.table["computed"]).sum())
 
     def difference(self) -> dict[str, Any]:
-        """Computed less tested residual velocity [m/s] of the tests that perforated and have one.
+        """Compute computed less tested residual velocity [m/s] of the tests that perforated and
+        have one.
 
         Returns
         -------
@@ -283,7 +284,7 @@ class Comparison:
         }
 
     def summary(self) -> dict[str, Any]:
-        """All of it as plain numbers, keys with their units."""
+        """Return all of it as plain numbers, keys with their units."""
         limit = self.limit
         off = self.difference()
         return self.tests.summary() | {
@@ -300,8 +301,7 @@ class Comparison:
 
 
 def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison:
-    """The Comparison of tests with the computed shots at their velocities and the computed
-    limit."""
+    """Compare tests with the computed shots at their velocities and the computed limit."""
     reduced = reduce(tests)
     columns = {
         "computed": [shot.outcome for shot in shots],

@@ -62,18 +62,19 @@ class LambertJonas:
     reason: str = ""
 
     def residual_velocity(self, strike_velocity: ArrayLike) -> FloatArray:
-        """[m/s] of the curve at strike velocities [m/s] of any shape."""
+        """Compute the residual velocity [m/s] of the curve at strike velocities [m/s] of any
+        shape."""
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
     def sample(self, highest: float) -> tuple[FloatArray, FloatArray]:
-        """(strike velocities from the limit to `highest`, residual velocities), (400,) [m/s]
-        each."""
+        """Sample the curve: (strike velocities from the limit to `highest`, residual velocities),
+        (400,) [m/s] each."""
         # the curve rises steeply at the limit
         strike = self.limit + (highest - self.limit) * np.linspace(0, 1, 400) ** 3
         return strike, self.residual_velocity(strike)
 
     def words(self, between: str = ", ") -> str:
-        """The fitted parameters, each with its interval; the reason where that does not exclude
+        """Write the fitted parameters, each with its interval; the reason if that does not exclude
         half of the value."""
         if self.reason:
             return f"not determined, because {self.reason}"
@@ -98,7 +99,7 @@ class LambertJonas:
 
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
-    """[m/s] residual velocity, (n,) or a number."""
+    """Compute the residual velocity [m/s], (n,) or a number."""
     # below the limit the projectile is stopped
     ratio = np.minimum(limit / strike_velocity, 1.0)
     return a * strike_velocity * (-np.expm1(p * np.log(ratio))) ** (1 / p)
@@ -111,7 +112,7 @@ def fit(
     limit: float | None = None,
     confidence: float = 0.95,
 ) -> LambertJonas:
-    """Least squares of the curve to shots.
+    """Fit the curve to shots by least squares.
 
     Parameters
     ----------

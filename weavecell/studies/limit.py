@@ -85,7 +85,7 @@ def search(
 
 
 def residual_fit(limit: Limit) -> LambertJonas:
-    """Lambert-Jonas fit to the shots, with the bracket's middle as its limit if there is a single
+    """Fit Lambert-Jonas to the shots, with the bracket's middle as its limit if there is a single
     limit."""
     strikes = [shot.strike_velocity for shot in limit.shots]
     # one that is taken as stopped may have a little of its velocity left

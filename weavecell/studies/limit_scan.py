@@ -59,8 +59,8 @@ class ScanRange:
             refuse(self, "step", f"above 0, and a range at most {MOST_STEPS} steps wide")
 
     def ladder(self, limit: Limit) -> list[float]:
-        """[m/s] velocities that the present shots call for, rising; those of the bracket itself are
-        not among them."""
+        """List velocities [m/s] that the present shots call for, rising; those of the bracket
+        itself are not among them."""
         step = self.step * limit.high
         top = min((1 + self.above) * limit.highest_stop, HIGHEST)
         bottom = (1 - self.below) * limit.lowest_perforation
@@ -89,7 +89,7 @@ def scan(
     panel : Panel or Pack
     limit : of `ballistic_limit.critical_velocity` on this panel
     velocities : ScanRange; None takes its defaults
-    executor, jobs, report, kept : as of `ballistic_limit.shoot`
+    executor, jobs, report, kept : as in `ballistic_limit.shoot`
 
     Returns
     -------
@@ -109,13 +109,14 @@ def scan(
 
 
 def with_shots(limit: Limit, shots: Sequence[Shot]) -> Limit:
-    """The limit with further shots at the same panel; its bracket remains that of the bisection."""
+    """Return the limit with further shots at the same panel; its bracket remains that of the
+    bisection."""
     return replace(limit, shots=(*limit.shots, *shots))
 
 
 def indicator(limit: Limit) -> Indicator:
-    """Quality indicator: width [m/s] of the zone of mixed outcomes, 0 where there is a single
-    limit."""
+    """Return the quality indicator: width [m/s] of the zone of mixed outcomes, 0 if there is a
+    single limit."""
     low, high = limit.mixed_zone or (0.0, 0.0)
     meaning = "highest strike velocity that is stopped less the lowest that perforates, where it is positive"
     return Indicator("mixed outcomes", high - low, 0.0, "m/s", meaning)

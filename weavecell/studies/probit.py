@@ -77,7 +77,7 @@ class Curve:
     reason: str = ""
 
     def words(self) -> str:
-        """V50 with its interval, or why there is none."""
+        """Write V50 with its interval, or why there is none."""
         if self.reason:
             return f"V50 ({self.link}) not determined, because {self.reason}"
         words = f"V50 ({self.link}) {self.V50:.1f} m/s"
@@ -99,11 +99,11 @@ class Curve:
         return low, high
 
     def velocity(self, probability: Any) -> Any:
-        """[m/s] at which a share `probability` perforates."""
+        """Compute the velocity [m/s] at which a share `probability` perforates."""
         return self.V50 + self.s * LINKS[self.link].ppf(probability)
 
     def probability(self, velocity: ArrayLike) -> np.ndarray:
-        """[-] of perforation at strike velocities [m/s] of any shape."""
+        """Compute the probability [-] of perforation at strike velocities [m/s] of any shape."""
         # a step: half of the panels perforate at V50 itself
         if self.s == 0:
             return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
@@ -232,7 +232,8 @@ def _none(link, confidence, reason):
 def band(
     velocity: ArrayLike, perforated: ArrayLike, curve: Curve, probabilities: Iterable[float]
 ) -> np.ndarray:
-    """(k, 2) [m/s] intervals of the velocities at which the shares `probabilities` perforate."""
+    """Compute intervals (k, 2) [m/s] of the velocities at which the shares `probabilities`
+    perforate."""
     likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
     floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
     s = max(curve.s, likelihood.least)
@@ -241,8 +242,8 @@ def band(
 
 
 def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
-    """(low, high) [m/s], at least 0, between which the profile likelihood of V_P, largest at `at`,
-    is above a floor."""
+    """Find the interval (low, high) [m/s], at least 0, between which the profile likelihood of V_P,
+    largest at `at`, is above a floor."""
     z = likelihood.law.ppf(P)
     below = lambda V: likelihood.maximise_at(V, z)[0] - floor  # noqa: E731
     return max(_edge(below, at, -likelihood.range), 0.0), _edge(below, at, likelihood.range)

@@ -138,7 +138,7 @@ class Study:
         return sum(bool(shot.doubtful) for shot in self.shots)
 
     def summary(self) -> dict[str, Any]:
-        """Its numbers, {name with unit: value}."""
+        """Return its numbers, {name with unit: value}."""
         curve = self.curves["probit"]
         low, high = curve.interval_of("V50")
         return {
@@ -164,7 +164,7 @@ class Study:
 
 
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
-    """The shot of a number at its drawn panel."""
+    """Fire the shot of a number at its drawn panel."""
     drawn = strengths.draw_panel(setup, scatter, seed, number)
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     panel["impact_point"] = drawn.pack.plies[0].impact_point
@@ -181,8 +181,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
-    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that
-    the set-up models."""
+    """Search (low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part
+    that the set-up models."""
     # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
     limit = ballistic_limit.critical_velocity(
@@ -192,8 +192,8 @@ def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
 
 
 def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with the mesh of a study where it names none: elements of a failure length, twice
-    as long as those of a shot, as far as anything can come under the nose of nearly all drawn
+    """Return the set-up with the mesh of a study if it names none: elements of a failure length,
+    twice as long as those of a shot, as far as anything can come under the nose of nearly all drawn
     panels, and of four crossovers far from it.
 
     A pack has the mesh of a shot.
@@ -218,8 +218,8 @@ def usual_batch(shots: int) -> int:
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
-    """(count,) [m/s] velocities of the next round, from those of the shots so far and their
-    outcomes."""
+    """Choose the velocities (count,) [m/s] of the next round, from those of the shots so far and
+    their outcomes."""
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
     least = BEYOND[0] * V.min()
@@ -268,7 +268,7 @@ def study(
     batch : shots of a round; None takes `usual_batch`
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
-    report, runs : as of `run_cache.results`, with the folder of the shots
+    report, runs : as in `run_cache.results`, with the folder of the shots
 
     Raises
     ------
@@ -333,7 +333,7 @@ def run_assumed_range(
     report: Callable[[int, int], object] = lambda done, total: None,
     **runs: Any,
 ) -> AssumedRange | None:
-    """Range over what is assumed: of the limit without scatter, or of V50 itself.
+    """Compute the range over what is assumed: of the limit without scatter, or of V50 itself.
 
     The limit is searched with each end of what is assumed. V50 then takes the ends of the LARGEST
     contributors to its range: the drawn panels of the study are shot at again, at velocities that
@@ -341,7 +341,7 @@ def run_assumed_range(
 
     Parameters
     ----------
-    setup, seed, tolerance, runs : as of `study`
+    setup, seed, tolerance, runs : as in `study`
     result : what `study` returned
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
