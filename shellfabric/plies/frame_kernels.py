@@ -34,7 +34,7 @@ def grid_in_pack(contact, p):
 
 
 @unit()
-def look_at_torn(state, const, contact, p):
+def mark_torn(state, const, contact, p):
     """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more:
     those without a yarn of either family, eroded ones, and those that join pieces which have
     parted."""
@@ -112,7 +112,7 @@ def nearest_place(contact, p, place, at):
 
 
 @unit()
-def hand_over(state, const, contact, p):
+def collect_forces(state, const, contact, p):
     """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own
     frame; half a step's work of those of the last step, which are over, and half a step's of the
     new."""

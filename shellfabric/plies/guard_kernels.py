@@ -1,27 +1,29 @@
 """The guard: facets of different plies that are near each other stay on their sides of a plane
 between them.
 
-A row of the guard has two facets A and B, with the distance d [m] at the beginning of a step and
-the direction n from A to B. With x the places of their nodes and y those after the step by all
+A constraint has two facets A and B, with the distance d [m] at the beginning of a step and the
+direction n from A to B. With x the positions of their nodes and y those after the step by all
 forces, and t the thickness,
 
     min n.y_b - max n.y_a >= need,      need = max(0.2 d, min(d, 0.05 t))
 
-A row that is violated gets the inelastic impulse n J between the two nodes that violate it most, as
-large as stops them: what is then left is d. Rows are swept again (Gauss-Seidel) until all hold, or
-SWEEPS times. The nodes of rows that do not hold then move as one, with the mean of their momentum,
-and so do those of rows that this violates. An impulse that left no more than `need` would leave
-every row of a stack at its limit, which the next impulse violates: sweeps would not end, and whole
-stacks would move as one, which takes energy that no two facets have had between them.
+A constraint that is violated gets the inelastic impulse n J between the two nodes that violate it
+most, as large as stops them: what is then left is d. Constraints are swept again (Gauss-Seidel)
+until all hold, or SWEEPS times. The nodes of constraints that do not hold then move as one, with
+the mean of their momentum, and so do those of constraints that this violates. An impulse that left
+no more than `need` would leave every constraint of a stack at its limit, which the next impulse
+violates: sweeps would not end, and whole stacks would move as one, which takes energy that no two
+facets have had between them.
 
 At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end
 on those of a slab of width `need`: in between too, as nodes move straight. No motion satisfies
-every row. So each impulse, and each cluster, is a projection, in the norm of the kinetic energy, on
-a set that holds it: the energy never grows, and a solution exists. Impulses are equal and opposite,
-but for those of planes of symmetry.
+every constraint. So each impulse, and each cluster, is a projection, in the norm of the kinetic
+energy, on a set that holds it: the energy never grows, and a solution exists. Impulses are equal
+and opposite, but for those of planes of symmetry.
 
-A plane of symmetry, beyond which are the images of the plies, is a row with PLANE_X or PLANE_Y for
-the nodes of A. A node on such a plane has the bit of its axis in `mirror`, and keeps to the plane.
+A plane of symmetry, beyond which are the images of the plies, is a constraint with PLANE_X or
+PLANE_Y for the nodes of A. A node on such a plane has the bit of its axis in
+`PackContact.plane_bits`, and keeps to the plane.
 """
 
 from shellfabric.cloth.vector_kernels import dot, nodal
@@ -34,18 +36,19 @@ SWEEPS = 30
 KEPT = 0.2  # share of the distance that stays
 NEAREST = 0.05  # thicknesses within which all of it does
 HELD = 7  # bits of all axes: a cluster that does not move
-_SLACK = 1e-3  # share of the distance by which a row may be missed
+_SLACK = 1e-3  # share of the distance by which a constraint may be missed
 
 
 @kernel(_nrt=False, forceinline=True)
-def needed(distance, thickness):
-    """[m] that is to be left of a distance."""
+def gap_to_keep(distance, thickness):
+    """Return how much [m] of a distance has to be left."""
     return max(KEPT * distance, min(distance, NEAREST * thickness))
 
 
 @kernel(_nrt=False, forceinline=True)
-def worst(y, nodes, n):
-    """What is left between the facets of a row, and the two nodes that are to blame."""
+def remaining_gap(y, nodes, n):
+    """Return what is left between the facets of a constraint, and the two nodes that violate it
+    most."""
     low = 1e30
     high = -1e30
     a = nodes[0]
@@ -68,7 +71,7 @@ def worst(y, nodes, n):
 
 @kernel(_nrt=False, forceinline=True)
 def mobility(contact, k, n):
-    """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is
+    """Return by how much [s/kg] an impulse along n moves a node along n in a step; 0 of one that is
     held."""
     guard = contact.guard
     if k < 0:
@@ -81,7 +84,7 @@ def mobility(contact, k, n):
 
 
 @kernel(_nrt=False, forceinline=True)
-def push(contact, k, n, impulse):
+def add_impulse(contact, k, n, impulse):
     """Give a node an impulse [kg m/s] along n."""
     guard = contact.guard
     if k < 0 or guard.dt_over_mass[k] == 0.0:
@@ -93,12 +96,15 @@ def push(contact, k, n, impulse):
 
 
 @unit("integer; flag")
-def project(contact, rows, nodes):
-    """Impulses that make the first `rows` rows hold, into guard.impulse, and the places by them,
-    in guard.predicted_x.
+def project_constraints(contact, rows, nodes):
+    """Find the impulses by which the first `rows` constraints hold, into guard.impulse, and the
+    positions with them, in guard.predicted_x.
 
-    nodes : how many of guard.nodes have a part in the rows. Returns (impulses given, whether
-        all rows hold)
+    nodes : how many of guard.nodes have a part in the constraints
+
+    Returns
+    -------
+    number of impulses given, whether all constraints hold
     """
     guard = contact.guard
     given = 0
@@ -106,7 +112,7 @@ def project(contact, rows, nodes):
         held = 0
         for row in range(rows):
             n = guard.normal[row]
-            left, a, b = worst(guard.predicted_x, guard.constraint_nodes[row], n)
+            left, a, b = remaining_gap(guard.predicted_x, guard.constraint_nodes[row], n)
             missing = guard.required_gap[row] - left
             # an impulse leaves the distance, not the least that is needed (see the head of this file)
             if missing > _SLACK * guard.required_gap[row]:
@@ -114,8 +120,8 @@ def project(contact, rows, nodes):
                 missing = max(missing, guard.gap[row] - left)
                 held += 1
                 if give > 0.0:
-                    push(contact, a, n, -missing / give)
-                    push(contact, b, n, missing / give)
+                    add_impulse(contact, a, n, -missing / give)
+                    add_impulse(contact, b, n, missing / give)
         given += held
         if held == 0:
             return given, True
@@ -126,15 +132,15 @@ def project(contact, rows, nodes):
         guard.cluster_fixed[k] = contact.plane_bits[k]
     # each round joins two clusters at least, or one and a plane
     for _ in range(nodes + 3):
-        if not join_violated(contact, rows):
+        if not join_clusters(contact, rows):
             return given, True
         move_clusters(contact, nodes)
     return given, False
 
 
 @kernel(_nrt=False, forceinline=True)
-def root_of(contact, k):
-    """The node that stands for the cluster of a node."""
+def find_root(contact, k):
+    """Return the node that stands for the cluster of a node."""
     guard = contact.guard
     while guard.cluster_root[k] != k:
         k = guard.cluster_root[k]
@@ -142,19 +148,20 @@ def root_of(contact, k):
 
 
 @kernel(_nrt=False)
-def join_violated(contact, rows):
-    """Join the nodes of each row that does not hold in one cluster: whether there is any."""
+def join_clusters(contact, rows):
+    """Join the nodes of each constraint that does not hold in one cluster; return whether there is
+    any."""
     guard = contact.guard
     found = False
     for row in range(rows):
         nodes = guard.constraint_nodes[row]
         if (
-            worst(guard.predicted_x, nodes, guard.normal[row])[0]
+            remaining_gap(guard.predicted_x, nodes, guard.normal[row])[0]
             >= (1.0 - 2.0 * _SLACK) * guard.required_gap[row]
         ):
             continue
         found = True
-        first = root_of(contact, nodes[3])
+        first = find_root(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
                 plane = 2
@@ -162,7 +169,7 @@ def join_violated(contact, rows):
                     plane = 1
                 guard.cluster_fixed[first] |= plane
                 continue
-            other = root_of(contact, nodes[i])
+            other = find_root(contact, nodes[i])
             if other != first:
                 guard.cluster_root[other] = first
                 guard.cluster_fixed[first] |= guard.cluster_fixed[other]
@@ -181,7 +188,7 @@ def move_clusters(contact, nodes):
             guard.cluster_momentum[c, k] = 0.0
     for m in range(nodes):
         k = guard.nodes[m]
-        r = root_of(contact, k)
+        r = find_root(contact, k)
         if guard.dt_over_mass[k] == 0.0:
             guard.cluster_fixed[r] = HELD
             continue
@@ -191,7 +198,7 @@ def move_clusters(contact, nodes):
             guard.cluster_momentum[c, r] += step / guard.dt_over_mass[k]
     for m in range(nodes):
         k = guard.nodes[m]
-        r = root_of(contact, k)
+        r = find_root(contact, k)
         if guard.dt_over_mass[k] == 0.0:
             continue
         for c in range(3):

@@ -23,7 +23,7 @@ import math
 from shellfabric.cloth.vector_kernels import cross, difference, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.frame_kernels import TALL, WIDE, mean_thickness
-from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, needed
+from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, gap_to_keep
 from shellfabric.plies.separation_kernels import lower_bound, separation
 from shellfabric.plies.state import unit
 
@@ -36,7 +36,7 @@ ALWAYS = -1e30  # [m] displacement that any tile has
 
 @kernel(_nrt=False, forceinline=True)
 def tile_bounds(contact, t):
-    """Ply of a tile, and its first and last rows and columns of nodes."""
+    """Return the ply of a tile, and its first and last rows and columns of nodes."""
     lists = contact.lists
     p = lists.tile_ply[t]
     i, j = divmod(t - lists.first_tile[p], lists.tiles_across[p])
@@ -46,8 +46,8 @@ def tile_bounds(contact, t):
 
 
 @kernel(_nrt=False)
-def set_box(contact, t):
-    """The box of a tile, into lists.box."""
+def compute_box(contact, t):
+    """Compute the box of a tile, into lists.box."""
     lists = contact.lists
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     for c in range(3):
@@ -64,16 +64,16 @@ def set_box(contact, t):
 
 @kernel(_nrt=False, forceinline=True)
 def refresh_box(contact, t):
-    """The box of a tile, if that has not been found in this step."""
+    """Compute the box of a tile, unless that has been done in this step."""
     lists = contact.lists
     if lists.box_step[t] != contact.step:
         lists.box_step[t] = contact.step
-        set_box(contact, t)
+        compute_box(contact, t)
 
 
 @kernel(_nrt=False, forceinline=True)
 def boxes_apart(box, other):
-    """[m] by which two boxes are apart along an axis at least."""
+    """Return how far [m] two boxes are apart along an axis at least."""
     gap = -1e30
     for c in range(3):
         gap = max(gap, max(box[c] - other[3 + c], other[c] - box[3 + c]))
@@ -82,8 +82,7 @@ def boxes_apart(box, other):
 
 @unit()
 def list_tiles(contact):
-    """Pairs of tiles of different plies that are within reach, and the order of the tiles along
-    x."""
+    """List the pairs of tiles of different plies that are within reach, and sort the tiles along x."""
     lists = contact.lists
     guard = contact.guard
     tiles = lists.displacement.size
@@ -126,7 +125,7 @@ def list_tiles(contact):
 
 @kernel(_nrt=False, forceinline=True)
 def tiles_thickness(contact, a, b):
-    """[m] mean thickness of the plies of two tiles."""
+    """Return the mean thickness [m] of the plies of two tiles."""
     lists = contact.lists
     return mean_thickness(contact, lists.tile_ply[a], lists.tile_ply[b])
 
@@ -139,8 +138,8 @@ def pair_displacement(lists, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def guarded_distance(contact, a, b):
-    """[m] within which facets of two tiles have to stay on their sides: they could meet in the
-    coming step."""
+    """Return the distance [m] within which facets of two tiles have to stay on their sides: they
+    could meet in the coming step."""
     lists = contact.lists
     thickness = tiles_thickness(contact, a, b)
     return max(
@@ -149,9 +148,9 @@ def guarded_distance(contact, a, b):
 
 
 @kernel(_nrt=False, forceinline=True)
-def tiles_have_moved(contact):
-    """Whether a tile has come so far that pairs may have come within reach that are not in the
-    list."""
+def lists_are_outdated(contact):
+    """Return whether a tile has come so far that pairs may have come within reach that are not in
+    the list."""
     lists = contact.lists
     furthest = 0.0
     for t in range(lists.displacement.size):
@@ -164,7 +163,7 @@ def tiles_have_moved(contact):
 
 @kernel(_nrt=False, forceinline=True)
 def mean_normal(contact, t):
-    """Unit vector across the diagonals of a tile; 0 of one without any."""
+    """Return the unit vector across the diagonals of a tile; 0 of one without any."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     s = contact.row_stride[p]
     k = contact.base[p]
@@ -179,7 +178,7 @@ def mean_normal(contact, t):
 
 @kernel(_nrt=False)
 def tile_span(contact, t, n):
-    """The least and the largest of n.x over the nodes of a tile."""
+    """Return the least and the largest of n.x over the nodes of a tile."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     low = 1e30
     high = -1e30
@@ -194,7 +193,7 @@ def tile_span(contact, t, n):
 
 @unit("number")
 def tiles_apart(contact, a, b):
-    """[m] that two tiles are apart at least, by their boxes and their mean normals."""
+    """Return how far [m] two tiles are apart at least, by their boxes and their mean normals."""
     lists = contact.lists
     found = boxes_apart(lists.box[a], lists.box[b])
     for t in (a, b):
@@ -208,7 +207,7 @@ def tiles_apart(contact, a, b):
 
 @unit("integer")
 def list_facets(contact, state, t, side):
-    """The facets of a tile, into lists.facets[side]; their number."""
+    """List the facets of a tile in lists.facets[side], and return their number."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     s = contact.row_stride[p]
     ni = contact.ni[p]
@@ -239,7 +238,7 @@ def list_facets(contact, state, t, side):
 
 @kernel(_nrt=False, forceinline=True)
 def add_facet(contact, side, found, a, b, c):
-    """Put a facet and its box at place `found`; the next place."""
+    """Put a facet and its box at place `found`, and return the next place."""
     lists = contact.lists
     nodes = lists.facets[side, found]
     box = lists.facet_box[side, found]
@@ -257,8 +256,8 @@ def add_facet(contact, side, found, a, b, c):
 
 @unit()
 def list_near_facets(contact, m, first, second):
-    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they
-    can be near."""
+    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with the
+    displacements at which they can be near."""
     lists = contact.lists
     guard = contact.guard
     a, b = lists.tile_pairs[m]
@@ -291,8 +290,8 @@ def list_near_facets(contact, m, first, second):
 
 
 @kernel(_nrt=False, forceinline=True)
-def add_row(contact, nodes, n, distance, thickness):
-    """A row of the guard."""
+def add_constraint(contact, nodes, n, distance, thickness):
+    """Add a constraint of the guard on two facets, or on a node and a plane of symmetry."""
     guard = contact.guard
     row = guard.n_constraints
     if row == guard.required_gap.size:
@@ -302,15 +301,15 @@ def add_row(contact, nodes, n, distance, thickness):
         guard.constraint_nodes[row, r] = nodes[r]
     for c in range(3):
         guard.normal[row, c] = n[c]
-    guard.required_gap[row] = needed(distance, thickness)
+    guard.required_gap[row] = gap_to_keep(distance, thickness)
     guard.gap[row] = distance
     guard.least_gap_ratio = min(guard.least_gap_ratio, distance / thickness)
     guard.n_constraints = row + 1
 
 
 @unit()
-def look_at_entry(contact, e):
-    """A row of the guard of pair of facets e, where they are near; else when they can be."""
+def check_facet_pair(contact, e):
+    """Constrain pair of facets e if they are near; else set the displacements at which they can be."""
     lists = contact.lists
     guard = contact.guard
     a, b = lists.tile_pairs[lists.facet_pair_tiles[e]]
@@ -324,15 +323,15 @@ def look_at_entry(contact, e):
             if apart <= 0.0:
                 guard.fault = CROSSED
                 return
-            add_row(contact, nodes, n, apart, thickness)
+            add_constraint(contact, nodes, n, apart, thickness)
             return
     lists.facet_recheck_at[e] = pair_displacement(lists, a, b) + apart - limit
 
 
 @unit()
-def look_at_planes(contact, t):
-    """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can
-    be."""
+def check_planes(contact, t):
+    """Constrain the nodes of a tile that are near a plane of symmetry, and set the displacement at
+    which the next can be."""
     lists = contact.lists
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     thickness = contact.thickness[p]
@@ -356,36 +355,36 @@ def look_at_planes(contact, t):
                     plane = PLANE_Y
                     if c == 0:
                         plane = PLANE_X
-                    add_row(contact, (plane, plane, plane, k, k, k), n, x, thickness)
+                    add_constraint(contact, (plane, plane, plane, k, k, k), n, x, thickness)
                 least = min(least, max(x - limit, 0.0))
     lists.plane_recheck_at[t] = lists.displacement[t] + least
 
 
 @unit()
-def list_pressed(contact):
+def list_contact_pairs(contact):
     """List the tiles of which points may touch the next ply, and the pairs of tiles that may touch
-    through a hole, into lists.contact_pairs."""
+    through a hole, in lists.contact_pairs."""
     lists = contact.lists
     contact.step += 1
     lists.n_contact_pairs = 0
-    torn = list_neighbours(contact, contact.step)
+    torn = list_facing_tiles(contact, contact.step)
     if not torn:
         return
     for m in range(lists.n_tile_pairs):
-        front, rear = ordered(contact, m)
+        front, rear = front_and_rear(contact, m)
         if lists.tile_ply[rear] > lists.tile_ply[front] + 1 and may_touch(contact, m, front, rear):
-            add_pressed(contact, front, rear)
+            add_contact_pair(contact, front, rear)
 
 
 @unit("flag")
-def list_neighbours(contact, now):
-    """List the tiles that may touch the next ply, by how far they were from it when last looked at;
-    mark those that have a tile of the next ply behind them, and those behind which one has a hole.
-    Whether there are holes."""
+def list_facing_tiles(contact, now):
+    """List the tiles that may touch the next ply, by how far they were from it when their points
+    were last evaluated; mark those that have a tile of the next ply behind them, and those behind
+    which one has a hole. Return whether there are holes."""
     lists = contact.lists
     torn = False
     for m in range(lists.n_tile_pairs):
-        front, rear = ordered(contact, m)
+        front, rear = front_and_rear(contact, m)
         if lists.tile_ply[rear] != lists.tile_ply[front] + 1:
             continue
         lists.faced_step[front] = now
@@ -398,17 +397,17 @@ def list_neighbours(contact, now):
             and pair_displacement(lists, front, rear) >= recheck_at
         ):
             lists.evaluated_step[front] = now
-            add_pressed(contact, front, rear)
+            add_contact_pair(contact, front, rear)
     for m in range(lists.n_tile_pairs):
-        front, rear = ordered(contact, m)
+        front, rear = front_and_rear(contact, m)
         if lists.evaluated_step[front] == now and lists.tile_ply[rear] == lists.tile_ply[front] + 1:
             lists.evaluated_at[m] = pair_displacement(lists, front, rear)
     return torn
 
 
 @kernel(_nrt=False, forceinline=True)
-def ordered(contact, m):
-    """The tiles of pair m, that of the ply in front first."""
+def front_and_rear(contact, m):
+    """Return the tiles of pair m, that of the ply in front first."""
     lists = contact.lists
     a, b = lists.tile_pairs[m]
     if lists.tile_ply[a] < lists.tile_ply[b]:
@@ -417,7 +416,7 @@ def ordered(contact, m):
 
 
 @kernel(_nrt=False, forceinline=True)
-def add_pressed(contact, front, rear):
+def add_contact_pair(contact, front, rear):
     """Add a tile and the one behind it to lists.contact_pairs."""
     lists = contact.lists
     guard = contact.guard
@@ -432,8 +431,8 @@ def add_pressed(contact, front, rear):
 
 @kernel(_nrt=False, forceinline=True)
 def may_touch(contact, m, front, rear):
-    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a
-    hole, or nothing, of the next ply, and they are within the thickness."""
+    """Return whether the tiles of pair m, which are not of neighbours, may touch: the front one
+    faces a hole, or nothing, of the next ply, and they are within the thickness."""
     lists = contact.lists
     if lists.faced_step[front] == contact.step and lists.faced_hole_step[front] != contact.step:
         return False

@@ -16,15 +16,15 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
 from shellfabric.plies import near_kernels as near
-from shellfabric.plies.frame_kernels import look_at_torn
-from shellfabric.plies.guard_kernels import project
+from shellfabric.plies.frame_kernels import mark_torn
+from shellfabric.plies.guard_kernels import project_constraints
 from shellfabric.plies.state import unit
 
 
 @unit()
-def hold_apart(states, consts, contact):
-    """Forces that keep the plies apart in the coming step, into guard.force, and half of
-    their work."""
+def enforce_constraints(states, consts, contact):
+    """Find the forces that keep the plies apart in the coming step, into guard.force, and add half
+    of their work."""
     lists = contact.lists
     guard = contact.guard
     if lists.remake:
@@ -32,36 +32,36 @@ def hold_apart(states, consts, contact):
             state = row_of(states, p)
             const = row_of(consts, p)
             place(state, const, state.first_row, state.end_row)
-            look_at_torn(state, const, contact, p)
-            follow(state, const, contact, p)
+            mark_torn(state, const, contact, p)
+            update_displacements(state, const, contact, p)
         for t in range(lists.displacement.size):
             lists.displacement[t] = 0.0
             lists.plane_recheck_at[t] = 0.0
             lists.sorted_tiles[t] = t
-    if lists.remake or near.tiles_have_moved(contact):
+    if lists.remake or near.lists_are_outdated(contact):
         lists.remake = 0
         for t in range(lists.displacement.size):
             near.refresh_box(contact, t)
         near.list_tiles(contact)
     guard.n_constraints = 0
     guard.n_nodes = 0
-    look_at_tiles(states, contact)
-    look_at_facets(contact)
+    check_tile_pairs(states, contact)
+    check_facet_pairs(contact)
     if guard.n_constraints == 0:
         return
-    predict(states, consts, contact)
-    given, resolved = project(contact, guard.n_constraints, guard.n_nodes)
+    predict_positions(states, consts, contact)
+    given, resolved = project_constraints(contact, guard.n_constraints, guard.n_nodes)
     guard.n_impulses += given
     if not resolved:
         guard.fault = near.NOT_RESOLVED
     if given > 0:
-        give_forces(contact)
-        count_work(states, consts, contact, False)
+        convert_impulses(contact)
+        add_guard_work(states, consts, contact, False)
 
 
 @unit()
-def count_work(states, consts, contact, let_go):
-    """Count half of the work of the guard's forces: before their step, or after it, when they are
+def add_guard_work(states, consts, contact, let_go):
+    """Add half of the work of the guard's forces: before their step, or after it, when they are
     taken away."""
     guard = contact.guard
     for p in range(len(states)):
@@ -75,9 +75,9 @@ def count_work(states, consts, contact, let_go):
 
 
 @unit()
-def follow(state, const, contact, p):
-    """The way of each tile of a ply in the last step, the largest of its nodes', for lists.step_displacement
-    and lists.displacement."""
+def update_displacements(state, const, contact, p):
+    """Set the displacement of each tile of a ply in the last step, the largest of its nodes', and
+    add it to what the tile has made so far."""
     lists = contact.lists
     s = const.row_stride
     across = lists.tiles_across[p]
@@ -110,13 +110,13 @@ def follow(state, const, contact, p):
 
 
 @kernel(_nrt=False)
-def look_at_tiles(states, contact):
-    """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane
-    of symmetry."""
+def check_tile_pairs(states, contact):
+    """Check the pairs of tiles that can have come near, and the tiles that can be near a plane of
+    symmetry."""
     lists = contact.lists
     for m in range(lists.n_tile_pairs):
         a, b = lists.tile_pairs[m]
-        if lists.pair_recheck_at[m] > farthest(contact, a, b):
+        if lists.pair_recheck_at[m] > next_displacement(contact, a, b):
             continue
         near.refresh_box(contact, a)
         near.refresh_box(contact, b)
@@ -135,12 +135,12 @@ def look_at_tiles(states, contact):
         return
     for t in range(lists.displacement.size):
         if lists.plane_recheck_at[t] <= lists.displacement[t] + lists.step_displacement[t]:
-            near.look_at_planes(contact, t)
+            near.check_planes(contact, t)
 
 
 @kernel(_nrt=False, forceinline=True)
-def farthest(contact, a, b):
-    """[m] sum of the travels of two tiles after another step like the last."""
+def next_displacement(contact, a, b):
+    """Return the sum of the displacements [m] of two tiles after another step like the last."""
     lists = contact.lists
     return (
         lists.displacement[a]
@@ -151,9 +151,9 @@ def farthest(contact, a, b):
 
 
 @kernel(_nrt=False)
-def look_at_facets(contact):
-    """Rows of the guard of all listed pairs of facets that are near; the others stay in the list
-    for as long as it is known when they can be."""
+def check_facet_pairs(contact):
+    """Constrain all listed pairs of facets that are near; the others stay in the list for as long
+    as it is known when they can be."""
     lists = contact.lists
     kept = 0
     for e in range(lists.n_facet_pairs):
@@ -167,15 +167,16 @@ def look_at_facets(contact):
             lists.facet_pair_listing[kept] = lists.pair_recheck_at[m]
             for r in range(6):
                 lists.facet_pairs[kept, r] = lists.facet_pairs[e, r]
-        if lists.facet_recheck_at[kept] <= farthest(contact, a, b):
-            near.look_at_entry(contact, kept)
+        if lists.facet_recheck_at[kept] <= next_displacement(contact, a, b):
+            near.check_facet_pair(contact, kept)
         kept += 1
     lists.n_facet_pairs = kept
 
 
 @unit()
-def predict(states, consts, contact):
-    """Places after the step of all nodes of the rows, by all known forces; lists these nodes."""
+def predict_positions(states, consts, contact):
+    """Predict the positions after the step of all nodes of the constraints, by all known forces,
+    and list these nodes."""
     guard = contact.guard
     for row in range(guard.n_constraints):
         for r in range(6):
@@ -203,7 +204,7 @@ def predict(states, consts, contact):
 
 @kernel(_nrt=False, forceinline=True)
 def own_number(contact, g):
-    """Number of a node of the grids in the arrays of its own ply."""
+    """Return the number of a node of the grids in the arrays of its own ply."""
     p = g // contact.slots_per_ply
     i, j = divmod(g - contact.base[p], contact.row_stride[p])
     return i * (contact.nj[p] + 1) + j
@@ -211,14 +212,14 @@ def own_number(contact, g):
 
 @kernel(_nrt=False)
 def next_velocity(state, const, contact, p, k):
-    """The velocity of a node in the coming step, by all forces but the guard's."""
+    """Return the velocity of a node in the coming step, by all forces but the guard's."""
     force = add(force_without_nose(state, const, contact, p, k), nodal(state.f_contact, k))
     return add_scaled(nodal(state.v, k), state.dt_over_mass[k], force)
 
 
 @kernel(_nrt=False)
 def force_without_nose(state, const, contact, p, k):
-    """The force on node k of ply p of its fabric, of other plies and of a block."""
+    """Return the force on node k of ply p of its fabric, of other plies and of a block."""
     pressure = contact.pressure
     force = add(nodal(state.f_int, k), nodal(state.f_int_above, k))
     if const.has_backing:
@@ -229,8 +230,8 @@ def force_without_nose(state, const, contact, p, k):
 
 
 @unit()
-def give_forces(contact):
-    """The impulses as forces of a step, in the frames of the plies."""
+def convert_impulses(contact):
+    """Convert the impulses to forces of a step, in the frames of the plies."""
     guard = contact.guard
     for m in range(guard.n_nodes):
         g = guard.nodes[m]

@@ -15,8 +15,12 @@ from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.panel.element_kernels import refresh_tensions
 from shellfabric.panel.motion_kernels import active_blocks, grow_active_rows
-from shellfabric.plies.frame_kernels import look_at_torn
-from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
+from shellfabric.plies.frame_kernels import mark_torn
+from shellfabric.plies.pack_guard_kernels import (
+    add_guard_work,
+    enforce_constraints,
+    update_displacements,
+)
 from shellfabric.solver.ply_kernels import begin as begin_ply
 from shellfabric.solver.ply_kernels import (
     break_yarns,
@@ -67,7 +71,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             if shared[STOP] == 0:
                 if several:
                     # places after the step follow from forces that are all known by now
-                    hold_apart(states, consts, contact)
+                    enforce_constraints(states, consts, contact)
                 fly(states, consts, stack)
         barrier_wait(shared, count)
         if shared[STOP] != 0:
@@ -87,8 +91,8 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             stack.waits_for_plies[p] = touch(state, const, work)
             move_edges(state, const)
             if several:
-                look_at_torn(state, const, contact, p)
-                follow(state, const, contact, p)
+                mark_torn(state, const, contact, p)
+                update_displacements(state, const, contact, p)
         if several:
             press_plies(states, consts, contact, shared, me, count)
             barrier_wait(shared, count)
@@ -96,7 +100,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             barrier_wait(shared, count)
         if me == 0:
             if several:
-                count_work(states, consts, contact, True)
+                add_guard_work(states, consts, contact, True)
             reason = note(states, consts, stack, history[made])
             step_behind(states, consts, stack)
             made += 1

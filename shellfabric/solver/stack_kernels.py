@@ -16,8 +16,8 @@ from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_module, kernel
 from shellfabric.jit.table import row_of
-from shellfabric.plies.frame_kernels import apply_impulses, hand_over
-from shellfabric.plies.near_kernels import list_pressed
+from shellfabric.plies.frame_kernels import apply_impulses, collect_forces
+from shellfabric.plies.near_kernels import list_contact_pairs
 from shellfabric.plies.pack_guard_kernels import force_without_nose
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.plies.state import unit
@@ -90,7 +90,7 @@ def press_plies(states, consts, contact, shared, me, count):
     """The forces between plies, once all are at their new places."""
     barrier_wait(shared, count)
     if me == 0:
-        list_pressed(contact)
+        list_contact_pairs(contact)
     barrier_wait(shared, count)
     press(contact, me, count)
     barrier_wait(shared, count)
@@ -98,7 +98,7 @@ def press_plies(states, consts, contact, shared, me, count):
         press_others(contact)
     barrier_wait(shared, count)
     for p in range(me, len(states), count):
-        hand_over(row_of(states, p), row_of(consts, p), contact, p)
+        collect_forces(row_of(states, p), row_of(consts, p), contact, p)
 
 
 @kernel(_nrt=False)

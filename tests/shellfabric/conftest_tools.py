@@ -124,15 +124,15 @@ def press_once(states, consts, contact):
     for p in range(len(states)):
         state = row_of(states, p)
         place(state, row_of(consts, p), state.first_row, state.end_row)
-        frame_kernels.look_at_torn(state, row_of(consts, p), contact, p)
+        frame_kernels.mark_torn(state, row_of(consts, p), contact, p)
     for t in range(contact.lists.displacement.size):
         near_kernels.refresh_box(contact, t)
     near_kernels.list_tiles(contact)
-    near_kernels.list_pressed(contact)
+    near_kernels.list_contact_pairs(contact)
     pressure_kernels.press(contact, 0, 1)
     pressure_kernels.press_others(contact)
     for p in range(len(states)):
-        frame_kernels.hand_over(row_of(states, p), row_of(consts, p), contact, p)
+        frame_kernels.collect_forces(row_of(states, p), row_of(consts, p), contact, p)
 
 
 class Pressed:

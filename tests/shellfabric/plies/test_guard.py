@@ -22,7 +22,7 @@ from validation.models.ply_crossings import plies_cross, surfaces
 
 @entry()
 def project(contact, rows, nodes):
-    return guard_kernels.project(contact, rows, nodes)
+    return guard_kernels.project_constraints(contact, rows, nodes)
 
 
 @entry()
@@ -124,7 +124,7 @@ class Cloud:
             if width > 0:
                 self.guard.constraint_nodes[rows] = own
                 self.guard.normal[rows] = n
-                self.guard.required_gap[rows] = guard_kernels.needed.py_func(width, 1.0)
+                self.guard.required_gap[rows] = guard_kernels.gap_to_keep.py_func(width, 1.0)
                 self.guard.gap[rows] = width
                 rows += 1
         self.rows = rows
@@ -132,7 +132,7 @@ class Cloud:
         self.guard.predicted_x[:, :nodes] = moved
 
     def project(self):
-        """What `project` returns; the places before."""
+        """Return what `project` returns, and the positions before it."""
         before = self.guard.predicted_x[:, : self.nodes].copy()
         self.guard.impulse[:, : self.nodes] = 0.0
         return project(self.contact, self.rows, self.nodes), before
@@ -179,7 +179,7 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
             guard.constraint_nodes[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3
             guard.normal[row] = (1.0, 0.0, 0.0)
             guard.required_gap[row], cloud.rows = (
-                guard_kernels.needed.py_func(contact.x[0, k], 1.0),
+                guard_kernels.gap_to_keep.py_func(contact.x[0, k], 1.0),
                 row + 1,
             )
             guard.gap[row] = contact.x[0, k]
@@ -212,7 +212,7 @@ def test_a_stack_that_is_struck_does_not_move_as_one(ply):
     for row in range(cloud.rows):
         guard.constraint_nodes[row] = [row] * 3 + [row + 1] * 3
         guard.normal[row] = (0.0, 0.0, 1.0)
-        guard.required_gap[row] = guard_kernels.needed.py_func(apart, 1.0)
+        guard.required_gap[row] = guard_kernels.gap_to_keep.py_func(apart, 1.0)
         guard.gap[row] = apart
     guard.predicted_x[:, :count] = contact.x[:, :count]
     guard.predicted_x[2, 0] += 30 * apart
