@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
+from fabrics.base import files
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from meshing.generate import Groups, of_file
@@ -53,7 +54,7 @@ class MeshFile:
         InputError : it cannot be read
         """
         try:
-            return cls(Path(path).name, Path(path).read_bytes())
+            return cls(Path(path).name, files.read_bytes(path))
         except OSError as problem:
             line = f"a mesh file that can be read ({problem.strerror})"
             raise InputError(key="mesh", value=str(path), allowed=line) from None

@@ -135,6 +135,19 @@ def test_a_forge_shows_no_directive_as_text(page):
     assert not re.search(r"```\{|\{\w+\}`|-->", shown)
 
 
+@pytest.mark.parametrize("page", TEXTS)
+def test_no_blank_line_ends_a_table(page):
+    """A reader of Markdown takes the rows behind it as plain text."""
+    lines = [*TEXTS[page].splitlines(), "", ""]
+    split = []
+    for number, line in enumerate(lines[1:-2], 1):
+        within = lines[number - 1].startswith("|") and lines[number + 1].startswith("|")
+        begins = re.match(r"\|[ :|-]+$", lines[number + 2])
+        if not line.strip() and within and not begins:
+            split.append(number + 1)
+    assert split == []
+
+
 def test_every_figure_is_on_a_page():
     shown = {name for text in TEXTS.values() for name in re.findall(r"figures/([\w.-]+)\)", text)}
     assert {path.name for path in (ROOT / "docs").rglob("figures/*")} <= shown

@@ -449,7 +449,7 @@ class CouponResult(Result):
         folder = Path(out)
         stamp = provenance.stamp(self.text, self.case.fabric)
         if self.text:
-            files.write(folder / "scene.toml", self.text)
+            out_folder.write_copy(folder / "scene.toml", self.text)
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed()
         content |= {"provenance": stamp}

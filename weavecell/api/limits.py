@@ -227,7 +227,7 @@ def keep_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
         if folder is not None and (shots or not isinstance(problem, InputError)):
             files.write(folder / "shots.csv", csv_of(shots))
             if panel.text:
-                files.write(folder / "scene.toml", panel.text)
+                out_folder.write_copy(folder / "scene.toml", panel.text)
         raise
 
 

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
-from fabrics.base import files, run_cache
+from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, interrupts
 from fabrics.fabric import Fabric
@@ -475,7 +475,7 @@ class ShotResult(ImpactRecord, Result):
         projectile = self.case.scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
         if target.text:
-            files.write(out / "scene.toml", target.text)
+            out_folder.write_copy(out / "scene.toml", target.text)
         self.write(out / "histories.h5")
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
@@ -489,7 +489,7 @@ class ShotResult(ImpactRecord, Result):
         }
         json_file.write_summary(out / "summary.json", content)
         if projectile.stl is not None:
-            files.write(out / "projectile.stl", Path(projectile.stl).read_bytes())
+            out_folder.write_copy(out / "projectile.stl", Path(projectile.stl).read_bytes())
         return stamp
 
     def _sections(self, setup):

@@ -91,7 +91,7 @@ class StudyResult(DrawnResult):
         stamp = provenance.stamp(self.target.text, setup=self.target.setup)
         with out_folder.hold(out, (*self.files(), "scene.toml", "report.html")):
             if self.target.text:
-                files.write(out / "scene.toml", self.target.text)
+                out_folder.write_copy(out / "scene.toml", self.target.text)
             self._write_files(out, stamp)
             self._write_report(out, stamp)
 

@@ -35,6 +35,8 @@ LOCK = ".weavecell-lock"
 # state of a run that has not ended, which the run takes away itself
 CHECKPOINTS = "checkpoint*.h5"
 ASIDE = ".found"
+# copies of what a run reads: where the run reads that very file, it is left as it is
+COPIES = ("scene.toml", "projectile.stl")
 
 
 @dataclass
@@ -180,6 +182,12 @@ def hold(
             _release(place)
 
 
+def write_copy(path: Path, content: str | bytes) -> None:
+    """Write a copy of an input to a folder, unless it is the very file that was read."""
+    if path.resolve() not in files.noted_reads():
+        files.write(path, content)
+
+
 def remove_earlier(folder: Path, names: str) -> None:
     """Remove the files of a pattern that weavecell wrote to a folder, such as a longer series of an
     earlier run."""
@@ -225,6 +233,8 @@ def _add_names(folder, claimed, names):
     strange = []
     for name in found:
         path = folder / name
+        if path.resolve() in read and name in COPIES:
+            continue
         if path.resolve() in read:
             refused.append(f"{name}, which this run reads")
         elif not claimed.known.has(name, path) and not _is_checkpoint(name, path):
@@ -301,7 +311,9 @@ def _finish(place, key):
     """Mark a folder as whole, in a list of what is there."""
     listed = FileList.read(place)
     for name, digests in [*listed.digests.items()]:
-        if (place / name).exists():
+        # an input that the user changed where it lay
+        changed = name in COPIES and not listed.has(name, place / name)
+        if (place / name).exists() and not changed:
             # the last one, if not the file itself: then the file was changed meanwhile
             listed.digests[name] = digests[-1:]
         else:

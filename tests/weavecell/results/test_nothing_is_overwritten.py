@@ -1,12 +1,15 @@
 """What weavecell did not write, and what a run reads, is neither overwritten nor removed: each command, each file."""
 
 import shlex
+import shutil
 import subprocess
 
 import pytest
 
 import weavecell as wc
+from fabrics import catalogue
 from fabrics.base.errors import InputError
+from tests.scene_text import impact_scene
 from tests.weavecell.session_runs import RUNS, write_inputs
 from weavecell.results import file_list
 
@@ -85,29 +88,51 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
 @pytest.mark.parametrize(
     "words",
     [
-        "impact scene.toml",
-        "critical-velocity scene.toml",
-        "v50 scene.toml",
-        "sweep scene.toml --over panel.plies=1,2",
-        "compare tests.csv scene.toml",
         "compare shots.csv",
-        "compare shots.csv scene.toml",
-        "coupon frame/scene.toml",
+        "compare shots.csv S-720",
+        "impact law.toml",
+        "v50 law.toml",
+        "biaxial S-720 --law biaxial.json",
+        "fabrics new mine.toml --from mine.toml",
     ],
 )
 def test_what_a_run_reads_is_not_written(command, tmp_path, not_computed, words):
     write_inputs("export")
     for name in ("shots.csv", "tests.csv"):
         (tmp_path / name).write_text(TESTS)
-    (tmp_path / "frame").mkdir()
-    frame = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n'
-    (tmp_path / "frame/scene.toml").write_text(frame)
-    out = "frame" if "frame" in words else "."
+    (tmp_path / "mine.toml").write_text("key,warp,weft,source,status\n")
+    catalogue.load("S-720").laws[0].to_json(tmp_path / "summary.json")
+    for name in ("v50.json", "biaxial.json"):
+        shutil.copy(tmp_path / "summary.json", tmp_path / name)
+    law = "summary.json" if "impact" in words else "v50.json"
+    text = impact_scene().replace("[projectile]", f'law = "{law}"\n[projectile]', 1)
+    (tmp_path / "law.toml").write_text(text)
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    code, _, err = command(*words.split(), "--out", out)
+    out = ["--out", "."]
+    if words.startswith("fabrics"):
+        out = []
+    code, _, err = command(*words.split(), *out)
     assert code == 2
-    assert "which this run reads" in err
+    assert "which this run reads" in err or "exists already" in err
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize("words", ["impact scene.toml", "sweep scene.toml --over panel.plies=1,2"])
+def test_an_input_file_in_the_folder_stays_to_the_last_byte(command, tmp_path, words):
+    write_inputs("sweep")
+    text = (tmp_path / "scene.toml").read_text().replace("60 us", "5 us")
+    content = b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode()
+    (tmp_path / "scene.toml").write_bytes(content)
+    for resume in ((), ("--resume",)):
+        code, _, err = command(*words.split(), "--out", ".", *resume)
+        assert code == 0, err
+        assert (tmp_path / "scene.toml").read_bytes() == content
+    # it is no result: another run does not replace it
+    (tmp_path / "other.toml").write_text(text)
+    code, _, err = command("impact other.toml --out .")
+    assert code == 2
+    assert "scene.toml, which weavecell did not write" in err
+    assert (tmp_path / "scene.toml").read_bytes() == content
 
 
 def test_results_that_a_run_reads_are_not_replaced_by_it(command, succeed, tmp_path):
