@@ -82,6 +82,18 @@ class YarnZone:
             return self.half_width
         return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
+    @property
+    def assumed_lines(self) -> tuple[str, ...]:
+        """A line about the friction if it is the assumed one, which decides the outcome of many shots."""
+        entry = DATA["crossover_friction"]
+        if self.friction != entry["value"]:
+            return ()
+        span = f"{entry['low']:g} .. {entry['high']:g}"
+        return (
+            f"assumed: friction between resolved yarns {self.friction:g} ({span}), "
+            "which decides whether a nose passes between them",
+        )
+
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
     """[m] impact point from a crossover, along warp and weft.

@@ -40,6 +40,7 @@ from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
 from weavecell.results import out_folder, progress
+from weavecell.results.left_out import brief_words
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -313,6 +314,8 @@ class CriticalVelocityResult(StudyResult):
         value = f"{self.limit.velocity:.1f} m/s"
         if self.limit.mixed_zone is not None:
             value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
+        if brief := brief_words(self.left_out):
+            value += f" ({brief})"
         return "Critical velocity", value
 
     def _what(self):

@@ -12,6 +12,7 @@ from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import DoubtfulResult
 from weavecell.results import display, keys
+from weavecell.results.left_out import LeftOut
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,6 +67,11 @@ class Result:
         """Lines that name what is assumed of the fabric that the result is about."""
         return self._lines_of(assumed.lines)
 
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """What the numbers of the result do not cover: mesh, sampling, assumed data, model."""
+        return ()
+
     def _lines_of(self, lines):
         """What a function of the result's fabric says of it, if it has one."""
         fabric = getattr(self, "fabric", None)
@@ -83,6 +89,8 @@ class Result:
         entries = {}
         if self.assumed:
             entries = {"assumed": "; ".join(self.assumed)}
+        if self.left_out:
+            entries["left_out"] = "; ".join(part.text for part in self.left_out)
         if around is None:
             return entries
         return entries | {"assumed_range": around.words()}

@@ -23,6 +23,7 @@ from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
+from weavecell.results.left_out import brief_words
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -237,22 +238,26 @@ class V50Result(StudyResult):
         if self.study.curves["probit"].reason:
             return "V50", "not determined"
         around = self.assumed_range
-        over = "range over what is assumed not computed"
+        over = [brief_words(self.left_out)]
         if around is not None:
-            over = (
-                f"{around.quantity} over what is assumed: {around.low:.1f} to {around.high:.1f} m/s"
-            )
+            span = f"{around.low:.1f} to {around.high:.1f} m/s"
+            over.insert(0, f"{around.quantity} over what is assumed: {span}")
         sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s by the number of shots, 95 %"
         if self.study.curves["probit"].separated:
             sampled = "without an interval, as no stop is faster than a perforation"
-        return "V50", f"{self.v50:.1f} m/s ({sampled}; {over})"
+        return "V50", f"{self.v50:.1f} m/s ({'; '.join(filter(None, (sampled, *over)))})"
+
+    @property
+    def draws_strengths(self) -> bool:
+        """As of `StudyResult`: it is what is studied."""
+        return True
 
     @property
     def title(self) -> str:
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
     def lines(self) -> list[str]:
-        from weavecell.studies import assumed_range, regression_line
+        from weavecell.studies import regression_line
 
         study = self.study
         scatter = self.study.scatter
@@ -270,10 +275,6 @@ class V50Result(StudyResult):
             )
         if study.assumed_range is not None:
             remarks.append(f"Over what is assumed: {study.assumed_range.words()}.")
-        elif names := ", ".join(assumed_range.changes(self.target.setup)):
-            remarks.append(
-                f"The intervals do not cover what is assumed ({names}); --assumed-range does."
-            )
         fastest = max(stops, default=nan)
         slowest = min(perforations, default=nan)
         remarks += [

@@ -42,6 +42,7 @@ from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
+from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -355,6 +356,14 @@ class ShotResult(ImpactRecord, Result):
             )
         return self.target.case
 
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """As of `Result`; empty of a shot of a sweep, whose table has them."""
+        if self.target is None:
+            return ()
+        compared = self.pair is not None
+        return find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
+
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/reference.md), the checks in words, the areal density
         of the first ply, and what is assumed."""
@@ -480,6 +489,7 @@ class ShotResult(ImpactRecord, Result):
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
+        content |= summarise(self.left_out)
         content |= (
             {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
         )
@@ -527,7 +537,7 @@ class ShotResult(ImpactRecord, Result):
         if case.surface is None:
             laws = {case.law_name: case.laws}
             sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model))
-        lines = list(self.assumed)
+        lines = [*self.assumed, *lines_of(self.left_out)]
         if self.pack:
             lines += [self.gap_words, self.contact_words]
         sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
@@ -595,4 +605,4 @@ class ShotResult(ImpactRecord, Result):
             lines.append(
                 "values jump with the velocity, as yarns fail one by one: --uncertainty gives means"
             )
-        return "\n".join(lines)
+        return "\n".join((*lines, *lines_of(self.left_out)))

@@ -6,11 +6,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
+from weavecell.api.target import list_assumptions
 from weavecell.results import out_folder
+from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,6 +47,7 @@ class DrawnResult(Result):
         for name, content in self.files().items():
             kind = name.partition(".")[2]
             if kind == "json":
+                content |= summarise(self.left_out)
                 json_file.write(folder / name, content | {"provenance": stamp})
             else:
                 files.write(folder / name, content or pictures.render(self.draw, kind=kind))
@@ -61,6 +63,18 @@ class StudyResult(DrawnResult):
     def title(self) -> str:
         """Of picture and page."""
         return self.target.title
+
+    @property
+    def draws_strengths(self) -> bool:
+        """Whether each yarn that was shot at has a strength of its own."""
+        return False
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """As of `Result`, of shots at the target."""
+        return find_left_out(
+            self.target.setup, getattr(self, "assumed_range", None), drawn=self.draws_strengths
+        )
 
     @property
     def notes(self) -> list[str]:
@@ -105,7 +119,7 @@ class StudyResult(DrawnResult):
         setup = self.target.setup
         case = self.target.case
         label, value = self.headline
-        lines = self.lines()
+        lines = [*self.lines(), *lines_of(self.left_out)]
         picture = pictures.draw_figure("result", "", self.draw)
         table = Table.from_frame(self.table())
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
@@ -118,9 +132,8 @@ class StudyResult(DrawnResult):
                 span = f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"
                 outcome += f", {span}"
                 shown.insert(0, span)
-        laws = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
-        drawn = hasattr(getattr(self, "study", None), "scatter")
-        sections.append(chapters_shot.assumptions(setup, laws, drawn=drawn))
+        laws = list_assumptions(setup)
+        sections.append(chapters_shot.assumptions(setup, laws, drawn=self.draws_strengths))
         outcome += "."
         if self.checks:
             sections.append(checks.section(self.checks))
@@ -141,4 +154,4 @@ class StudyResult(DrawnResult):
         chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
+        return "\n".join((*self.lines(), *lines_of(self.left_out)))

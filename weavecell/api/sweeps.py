@@ -288,6 +288,11 @@ class SweepTable(StudyResult):
         """The first."""
         return self.targets[0]
 
+    @property
+    def draws_strengths(self) -> bool:
+        """As of `StudyResult`: a V50 draws them."""
+        return self.quantity == "v50"
+
     def summary(self) -> dict[str, Any]:
         """Number of rows of each outcome."""
         return dict(Counter(row["outcome"] for row in self.rows))

@@ -255,7 +255,7 @@ def resolve_target(
             "is missing", key="velocity", allowed='given for a fabric, such as "92.5 m/s"'
         )
     panel = build_target(target, STRIKE if velocity is None else velocity, chosen, function)
-    for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
+    for line in (f"projectile: {panel.projectile}", *list_assumptions(panel.setup)):
         build.LOG.info(line)
     return panel
 
@@ -300,8 +300,11 @@ def build_target(
 
 
 def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
-    """Lines that name what is assumed of the fabrics of a set-up."""
-    return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
+    """Lines that name what is assumed of the fabrics of a set-up, and of resolved yarns first."""
+    lines = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
+    if setup.crossovers is not None:
+        lines = [*setup.crossovers.assumed_lines, *lines]
+    return tuple(lines)
 
 
 def resolve_fabric(fabric: Fabric | FilePath) -> Fabric:

@@ -1,0 +1,72 @@
+"""What a number leaves out stands in every place where the number is shown."""
+
+import json
+from dataclasses import replace
+from html import unescape
+
+import pytest
+
+import weavecell as wc
+from shellfabric.yarns.model import YarnZone
+from weavecell.results import left_out
+
+SMALL = {"opening": "100 mm", "elements_per_crossover": 1}
+
+
+def fire_shot(out):
+    return wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", out=out)
+
+
+def find_limit(out):
+    some = {"tolerance": "20 m/s", "scan": False, "residual_shots": 0}
+    return wc.critical_velocity("S-720", out=out, **some, **SMALL)
+
+
+def find_v50(out):
+    return wc.v50("S-720", shots=8, batch=4, out=out, **SMALL)
+
+
+@pytest.mark.parametrize(
+    "compute, file, kinds",
+    [
+        (fire_shot, "summary.json", {"model", "assumed data", "mesh", "sampling"}),
+        (find_limit, "critical-velocity.json", {"model", "assumed data", "mesh", "sampling"}),
+        (find_v50, "v50.json", {"model", "assumed data", "mesh"}),
+    ],
+)
+def test_every_place_says_what_a_number_leaves_out(tmp_path, compute, file, kinds):
+    result = compute(tmp_path)
+    assert {part.kind for part in result.left_out} == kinds
+    kept = json.loads((tmp_path / file).read_text())
+    assert kept["left_out"] == {part.kind: part.text for part in result.left_out}
+    page = unescape((tmp_path / "report.html").read_text("utf-8"))
+    notebook = unescape(result._repr_html_())
+    for part in result.left_out:
+        for place in (str(result), page, notebook, result.summary()["left_out"]):
+            assert part.text in place
+    if hasattr(result, "headline"):
+        value = result.headline[1]
+        assert "yarns pinned" in value
+        assert "range over what is assumed not computed" in value
+
+
+def test_what_is_computed_is_not_left_out():
+    setup = wc.setup("S-720", "150 m/s", opening="40 mm")
+    every = left_out.find_left_out(setup)
+    assert [part.kind for part in every] == ["model", "assumed data", "mesh", "sampling"]
+    assert left_out.find_left_out(setup, object(), mesh_compared=True, drawn=True) == every[:1]
+    resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
+    names = [part.kind for part in left_out.find_left_out(resolved)]
+    assert names == ["assumed data", "mesh", "sampling"]
+    assert left_out.brief_words(every) == "yarns pinned; range over what is assumed not computed"
+
+
+def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
+    from weavecell.api.target import list_assumptions
+
+    setup = wc.setup("S-720", "150 m/s", opening="60 mm")
+    resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
+    first = list_assumptions(resolved)[0]
+    assert first.startswith("assumed: friction between resolved yarns 0.2 (0.15 .. 0.25)")
+    measured = replace(resolved, crossovers=YarnZone(friction=0.17))
+    assert not any("resolved" in line for line in list_assumptions(measured))
