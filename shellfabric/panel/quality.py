@@ -173,6 +173,14 @@ LIMITS = {
         "growth of a yarn's thickness under a light contact force over its thickness",
     ),
     "relaxation residual": (1.0, "out-of-balance force over the tolerance of the relaxation"),
+    "shear beyond locking": (
+        2.0,
+        "shear angle over that at which the yarns lock, beyond which the law is an extrapolation",
+    ),
+    "misfit of the law": (
+        0.1,
+        "rms distance of the samples from the compression law over its greatest compression a",
+    ),
     "node alternation": (
         0.01,
         "displacements that alternate from node to node over the yarn's thickness",
@@ -200,11 +208,14 @@ NOTES = {
     "viscous energy": 0.1,
     "element over failure length": 0.5,
     "ply collisions": 0.05,
+    "shear beyond locking": 1.0,
+    "misfit of the law": 0.05,
     "friction to hold yarns": 0.15,
 }
 
 
 REMEDIES = {
+    "misfit of the law": "see whether the yarns are at closest packing (mesh), or take a response surface",
     "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
     "friction to hold yarns": 'compare with crossovers = "yarns"',

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
-from fabrics import assumed
+from fabrics import assumed, plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.compression import CompressionLaw
+    from shellfabric.panel.quality import Indicator
     from unitcell3d.identify.calibration import Calibration
     from unitcell3d.identify.chain import LawInterval
     from unitcell3d.identify.solid_record import SolidFit
@@ -327,6 +328,24 @@ class CalibrationResult(Result):
         return self.calibration.law
 
     @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """As of `Result`: how far the law misses its samples."""
+        from shellfabric.panel import quality
+
+        law = self.law
+        if law.residual_rms is None or not law.a > 0:
+            return ()
+        return (quality.indicator("misfit of the law", law.residual_rms / law.a),)
+
+    def _judge_law(self):
+        """A line about each constant of the law that is not plausible."""
+        numbers = plausible.of_laws((self.law,), self.mesh.fabric, "law")
+        try:
+            return list(plausible.judge(numbers))
+        except InputError as problem:
+            return [str(problem)]
+
+    @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name the laws that are assumed."""
         return (
@@ -347,6 +366,7 @@ class CalibrationResult(Result):
             "a_m": law.a,
             "b_m_N^(1/3)": law.b,
             "rms_m": law.residual_rms,
+            "checks": self.checks_text,
         }
         for key, interval in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
             if interval is not None:
@@ -471,7 +491,9 @@ class CalibrationResult(Result):
         if done.chosen != "one law":
             used += ", although the alternative fits the paths better"
         lines.append(("impacts use", used))
-        lines += [("note", line) for line in law.outside_ends()]
+        if self.checks_text != "ok":
+            lines.append(("checks", self.checks_text))
+        lines += [("note", line) for line in (*self._judge_law(), *law.outside_ends())]
         for end, why in self.failed.items():
             text = f"the {end} end of the assumed solid law has no compression law: {why}"
             lines.append(("no range", text))
@@ -492,7 +514,7 @@ class CalibrationResult(Result):
 
     def _write(self, folder):
         from unitcell3d.identify.calibrate import file_of
-        from weavecell.report import chapters
+        from weavecell.report import chapters, checks
         from weavecell.results import provenance
 
         done = self.calibration
@@ -517,7 +539,8 @@ class CalibrationResult(Result):
         title = f"{fabric.name}: compression law from the 3D crossover"
         card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
         picture = (folder / "crossover.png").read_bytes()
-        sections = (*self.sections(), chapters.mesh(self.mesh.summary(), picture))
+        of_mesh = chapters.mesh(self.mesh.summary(), picture)
+        sections = (*self.sections(), of_mesh, checks.section(self.checks))
         chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         # law.json comes last: a folder that has it is complete
         done.write(folder)

@@ -239,6 +239,8 @@ def _relax(case, text, checkpoint, resume):
             raise run_folder.Interrupted(message) from None
     record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
     checks = coupon_results.indicators(solved, scene.run.tolerance)
+    if scene.test == "picture_frame":
+        checks += coupon_results.indicate_locking(solved)
     return CouponResult(record, solved, case, checks, text), failure
 
 

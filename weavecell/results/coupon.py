@@ -173,6 +173,17 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     return quality.of_coupon(coupon.table, peaks, _residual_max(solved), tolerance)
 
 
+def indicate_locking(solved: Result) -> tuple[Indicator, ...]:
+    """Indicate how far a picture frame is sheared beyond the angle at which its yarns lock."""
+    from shellfabric.panel import quality
+
+    law = solved.coupon.table.model.fabric.shear
+    if law is None or not len(solved.prescribed):
+        return ()
+    angle = float(np.max(np.abs(solved.prescribed)))
+    return (quality.indicator("shear beyond locking", angle / law.gamma2),)
+
+
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """Make the record of a curve, a row a sample; `facts` come first."""
     coupon = curve.coupon

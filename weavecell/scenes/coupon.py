@@ -115,7 +115,7 @@ class PullOutTable(Table):
 
     [pull_out]
     displacement = "5 mm"
-    pre_tension = "10 N"
+    crossover_cohesion = "0.1 N"
     """
 
     crossings: whole("crossovers that the yarn is pulled through", 1, 400, 10) = 20
@@ -182,6 +182,13 @@ class CouponScene(Table):
         for key in _OF_STEPS:
             if self.run.sets(key):
                 raise InputError(key=f"run.{key}", allowed="left out in a pull-out")
+        # flexible yarns press on each other with no force: whatever the friction, the load is 0
+        if self.pull_out.crossover_cohesion == 0 and self.fabric.bending == 0:
+            allowed = (
+                "above 0 with flexible yarns, which press on each other with no force that friction could "
+                "act on: the load would be 0 N; or give fabric.bending"
+            )
+            raise InputError(key="pull_out.crossover_cohesion", value="0 N", allowed=allowed)
         return self
 
     @property

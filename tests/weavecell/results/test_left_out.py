@@ -70,3 +70,28 @@ def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
     assert first.startswith("assumed: friction between resolved yarns 0.2 (0.15 .. 0.25)")
     measured = replace(resolved, crossovers=YarnZone(friction=0.17))
     assert not any("resolved" in line for line in list_assumptions(measured))
+
+
+def test_a_law_that_misses_its_samples_is_doubtful(monkeypatch):
+    """K706: rms 11 % of a, beside an interval of 10 %."""
+    from fabrics.compression import CompressionLaw
+    from weavecell.api.calibration import CalibrationResult
+
+    def status(rms):
+        law = CompressionLaw(8.2e-6, 1.5e-5, residual_rms=rms)
+        monkeypatch.setattr(CalibrationResult, "law", property(lambda _: law))
+        (check,) = CalibrationResult.checks.fget(object.__new__(CalibrationResult))
+        return check.status
+
+    assert [status(rms) for rms in (0.2e-6, 0.6e-6, 0.9e-6)] == ["ok", "noted", "doubtful"]
+
+
+def test_a_picture_frame_beyond_locking_is_noted():
+    """S-720 locks at 0.49 rad."""
+    checks = {}
+    for angle in ("20 deg", "30 deg"):
+        frame = wc.coupon("S-720", "picture_frame", shear_angle=angle, crossovers=2, steps=1)
+        checks[angle] = {check.name: check for check in frame.checks}["shear beyond locking"]
+    assert checks["20 deg"].status == "ok"
+    assert checks["30 deg"].status == "noted"
+    assert checks["30 deg"].value == pytest.approx(0.5236 / 0.49, rel=1e-3)
