@@ -8,18 +8,22 @@ user (*.toml) is such an entry too.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import unknown_name
+from fabrics.base.errors import InputError, unknown_name
 from fabrics.base.files import read_data
 from fabrics.base.schema import read_toml
 from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
+# [-] a mass or a diameter that differs by more is of another projectile
+CLOSE = 0.1
 STATUSES = ("published", "nominal", "derived", "assumed")
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
 _OF_SHAPE = {"sphere": ("mass", "diameter"), "stl": ("mass", "edge_radius")}
@@ -65,9 +69,35 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         return shape, entries
     known = list_names()
     if name not in known:
-        raise unknown_name("projectile", name, known, file=file, key=key)
+        near = _nearest_by_value(name)
+        raise unknown_name("projectile", name, known, file=file, key=key, near=near)
     data = dict(_data()["projectile"][name])
     return data.pop("shape"), data
+
+
+def _nearest_by_value(name):
+    """The projectile whose mass or diameter is nearest to the quantity in a name, within CLOSE; of
+    the kind that the name begins with. A number such as .22 is a calibre [inch]."""
+    found = re.search(r"([0-9]*\.?[0-9]+) *([a-zA-Z]*)", name)
+    if found is None:
+        return None
+    number, unit = found.groups()
+    if number.startswith(".") and not unit:
+        unit = "inch"
+    off = {}
+    for other, data in _data()["projectile"].items():
+        if other.split()[0].lower() != name.split()[0].lower():
+            continue
+        for key, si_unit in (("mass", "kg"), ("diameter", "m")):
+            if key not in data:
+                continue
+            with suppress(InputError):
+                ratio = si(f"{number} {unit}", si_unit) / si(data[key]["value"], si_unit)
+                off[other] = abs(ratio - 1)
+    nearest = min(off, key=off.__getitem__, default=None)
+    if nearest is None or off[nearest] > CLOSE:
+        return None
+    return nearest
 
 
 def table(

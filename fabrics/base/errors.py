@@ -11,6 +11,7 @@ given; results are kept.
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -118,12 +119,31 @@ def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=least)), None)
 
 
+def nearest_name(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
+    """Find the `known` name that a mistyped one may be meant for, as `nearest`, but none with other
+    numbers in it: a fragment of 2.79 g is near to one of 17 grain by its letters alone."""
+    numbers = _numbers_in(name)
+    if numbers:
+        known = [other for other in known if _numbers_in(other) == numbers]
+    return nearest(name, known, least)
+
+
+def _numbers_in(name):
+    return [float(number) for number in re.findall(r"[0-9]*\.?[0-9]+", name)]
+
+
 def unknown_name(
-    kind: str, name: str, known: Sequence[str], *, file: object = None, key: str | None = None
+    kind: str,
+    name: str,
+    known: Sequence[str],
+    *,
+    file: object = None,
+    key: str | None = None,
+    near: str | None = None,
 ) -> InputError:
     """Return the InputError of a `name` that no `kind` has, with the nearest of the `known` names
     and all of them."""
-    near = nearest(name, known, 0.6)
+    near = near or nearest_name(name, known, 0.6)
     hint = ";"
     if near:
         hint = f', did you mean "{near}"?'

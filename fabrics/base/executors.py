@@ -24,6 +24,7 @@ from functools import cache
 from multiprocessing import active_children, current_process, get_context
 from typing import Any
 
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, WeavecellError
 
 BROKEN = (
@@ -117,7 +118,8 @@ def open_executor(
             # dask would give equal calls one result; here each task is run
             yield client.get_executor(pure=False)
     else:
-        raise InputError(key="--executor", value=executor, allowed=f"one of {', '.join(EXECUTORS)}")
+        allowed = f"one of {', '.join(EXECUTORS)}"
+        raise InputError(key=option("executor", ""), value=executor, allowed=allowed)
 
 
 @cache
@@ -130,7 +132,7 @@ def _ranks():
         MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules
     ):  # which -m mpi4py.futures imports
         message = "needs the command mpiexec -n RANKS python -m mpi4py.futures -m weavecell ... with 2 ranks or more"
-        raise InputError(message, key="--executor", value="mpi")
+        raise InputError(message, key=option("executor", ""), value="mpi")
     return futures.MPIPoolExecutor(initializer=start_worker)
 
 
@@ -142,7 +144,7 @@ def _client():
         if address:
             return Client(address)
     message = f"DASK_SCHEDULER_ADDRESS = {address!r} is the address of no Dask scheduler"
-    raise InputError(message, key="--executor", value="dask")
+    raise InputError(message, key=option("executor", ""), value="dask")
 
 
 def as_done(

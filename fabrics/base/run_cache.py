@@ -32,6 +32,7 @@ import numpy as np
 from fabrics import __version__
 from fabrics.base import executors, store
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.files import write_whole
 from fabrics.base.kernel_cache import digest
@@ -267,6 +268,6 @@ def check_stamp(
         writer = attributes.get("code", "of an earlier version")
         raise InputError(
             f"was written by weavecell {writer}, and this is {wanted['code']}: a run goes on only with "
-            "the code that began it; run it again without --resume",
+            f"the code that began it; run it again without {option('resume')}",
             file=file,
         )

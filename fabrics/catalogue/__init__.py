@@ -16,7 +16,7 @@ from pathlib import Path
 
 from fabrics import assumed, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, nearest
+from fabrics.base.errors import InputError, nearest_name
 from fabrics.base.files import parse_toml
 from fabrics.base.schema import read_toml, validated
 from fabrics.compression import CompressionLaw, check_room
@@ -73,7 +73,7 @@ def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputE
     """Return the InputError of a `name` that no fabric has, with the name it may be meant for, or
     what it is the path of."""
     path = Path(name)
-    near = nearest(name, list_names())
+    near = nearest_name(name, list_names())
     hint = None
     if near:
         hint = f'did you mean "{near}"?'

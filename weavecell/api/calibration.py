@@ -25,6 +25,7 @@ import numpy as np
 from fabrics import assumed, plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
@@ -238,9 +239,8 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
     if path is not None:
         return PlateCurve.read(path)
     if fabric.areal_density_measured is None:
-        raise InputError(
-            f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs: give --platen-curve"
-        )
+        needs = f"has no areal_density_measured, which the pressure law needs: give {option('platen_curve', '')}"
+        raise InputError(f"fabric {fabric.name} {needs}")
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 

@@ -31,6 +31,7 @@ import numpy as np
 from fabrics import assumed
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
@@ -235,7 +236,7 @@ def _relax(case, text, checkpoint, resume):
         except KeyboardInterrupt:
             message = "interrupted"
             if checkpoint is not None and checkpoint.exists():
-                message += "; --resume goes on from its last step"
+                message += f"; {option('resume')} goes on from its last step"
             raise run_folder.Interrupted(message) from None
     record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
     checks = coupon_results.indicators(solved, scene.run.tolerance)

@@ -20,6 +20,7 @@ from collections.abc import Callable
 from typing import Any, Literal, Unpack
 
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
@@ -323,7 +324,11 @@ def pull_out(
     if pressure is not None:
         pressures = quantities.numbers(pressure, "Pa", "pressure")
     if pressures and lengths:
-        raise InputError(key="pressure", value=pressure, allowed="left out with --end-displacement")
+        raise InputError(
+            key="pressure",
+            value=pressure,
+            allowed=f"left out with {option('end_displacement', '')}",
+        )
     if pressures and not min(pressures) > 0:
         raise InputError(key="pressure", value=pressure, allowed="pressures above 0")
     options = {"pressures": pressures, "pulled": family, "numerics": _numerics(friction)}

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
@@ -114,7 +115,9 @@ def mesh(
     """
     fabric = resolve_fabric_for_3d(fabric)
     if patch is not None and domain is not None:
-        raise InputError(key="patch", value=patch, allowed="left out if --domain is given")
+        raise InputError(
+            key="patch", value=patch, allowed=f"left out if {option('domain', '')} is given"
+        )
     formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
     for part in formats:
         if part not in FORMATS:

@@ -32,6 +32,7 @@ import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, interrupts
 from fabrics.fabric import Fabric
 from weavecell.api import study_run
@@ -225,9 +226,10 @@ def _answer(panel, folder, resume, uncertainty, accuracy):
                 pair = None
     except KeyboardInterrupt:
         kept = folder is not None and bool(run_folder.checkpoints(folder))
-        raise run_folder.Interrupted(
-            "interrupted" + "; --resume goes on from its last checkpoint" * kept
-        ) from None
+        message = "interrupted"
+        if kept:
+            message += f"; {option('resume')} goes on from its last checkpoint"
+        raise run_folder.Interrupted(message) from None
     return shot_of(
         panel, shot.result, str(shot.failure or ""), target=panel, pair=pair
     ), shot.failure
@@ -603,6 +605,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
             lines.append(
-                "values jump with the velocity, as yarns fail one by one: --uncertainty gives means"
+                f"values jump with the velocity, as yarns fail one by one: {option('uncertainty')} gives means"
             )
         return "\n".join((*lines, *lines_of(self.left_out)))

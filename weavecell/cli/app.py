@@ -17,6 +17,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 import weavecell
+from fabrics.base import door
 from fabrics.base.errors import InputError, WeavecellError, marked
 from weavecell import api
 from weavecell.api import crossover
@@ -151,7 +152,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             words = list(arguments)
         if words and words[0] in weavecell.REMOVED:
             raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
-        with termination.interrupt_on_sigterm():
+        with termination.interrupt_on_sigterm(), door.open_terminal():
             code = program(words[0] if words else "")(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)

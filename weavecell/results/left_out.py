@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fabrics.base.door import option
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -58,12 +60,11 @@ def find_left_out(
     names = ", ".join(assumed_range.changes(setup))
     if around is None and names:
         brief = "range over what is assumed not computed"
-        text = f"the range over what is assumed is not computed ({names}); --assumed-range does"
+        text = f"the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
         found.append(LeftOut(DATA, brief, text))
     if not mesh_compared:
-        text = (
-            "the error of the mesh is not computed; --uncertainty of an impact, or docs/accuracy.md"
-        )
+        way = option("uncertainty")
+        text = f"the error of the mesh is not computed; {way} of an impact, or docs/accuracy.md"
         found.append(LeftOut(MESH, "", text))
     if not drawn and setup.strength is None:
         found.append(LeftOut(SAMPLING, "", "all yarns have one strength; v50 draws them"))

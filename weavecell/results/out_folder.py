@@ -24,6 +24,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from weavecell.results import file_list, termination
 from weavecell.results.file_list import FileList
@@ -119,8 +120,9 @@ def claim(
     digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
         earlier = _earlier(place) or "an unfinished run"
-        allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"
-        raise InputError(key="--out", value=str(folder), allowed=allowed)
+        others = f"this one has {earlier}, of other input or options"
+        allowed = f"another folder: {others}; without {option('resume')} it is replaced"
+        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
     made = [path for path in (place, *place.parents) if not path.exists()]
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -130,7 +132,7 @@ def claim(
         allowed = f"a folder that can be written to ({problem.strerror})"
         if isinstance(problem, BlockingIOError):
             allowed = "another folder: another run is writing to this one"
-        raise InputError(key="--out", value=str(folder), allowed=allowed) from None
+        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed) from None
     if not _held:
         atexit.register(release)
         files.watchers.append(_list_file)

@@ -22,6 +22,7 @@ from pathlib import Path
 
 from fabrics import assumed, catalogue, plausible
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import read_csv, replace_whole
 from fabrics.base.units import decimal_comma, refused, si
@@ -261,7 +262,8 @@ def with_curves(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
     if frame is not None and bias is not None:
-        raise InputError("give one curve of shear: --picture-frame or --bias-extension")
+        ways = f"{option('picture_frame', '')} or {option('bias_extension', '')}"
+        raise InputError(f"give one curve of shear: {ways}")
     fitted += [f"note: {note}" for note in plausible.judge(_of_specimen(side, strip))]
     if frame is not None:
         shear = curves.picture_frame(frame, draft.fabric().weave.thickness, side)

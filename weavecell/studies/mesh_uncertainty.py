@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.result import ImpactResult
@@ -145,7 +146,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
         allowed = (
             f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
         )
-        raise InputError(key="--uncertainty", value=asked, allowed=allowed)
+        raise InputError(key=option("uncertainty", ""), value=asked, allowed=allowed)
     if not setup.clamped:
         return halve_elements(setup)
     reach = min(zones[0][0], REACH)

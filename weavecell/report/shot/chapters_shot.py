@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics import backings
+from fabrics.base.door import option
 from weavecell.report import pictures, pictures_body, pictures_histories, pictures_uncertainty
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
@@ -323,7 +324,7 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
     )
     lead = (
-        "The option --uncertainty of weavecell impact computes what the results change on a second mesh; a table "
+        f"{option('uncertainty')} of an impact computes what the results change on a second mesh; a table "
         "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
         "depends on the mesh."
     )

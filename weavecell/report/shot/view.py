@@ -22,6 +22,7 @@ import numpy as np
 
 from fabrics.base import files
 from fabrics.base.checks import FloatArray
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.files import replace_whole
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
@@ -127,18 +128,22 @@ def show(
         "movie": (movie, MOVIES),
         "html": (html, (".html",)),
     }
-    for option, (written, kinds) in endings.items():
+    for name, (written, kinds) in endings.items():
         if written is not None and written.suffix not in kinds:
             names = " or ".join(f"*{kind}" for kind in kinds)
-            raise InputError(key=f"--{option}", value=str(written), allowed=f"a file named {names}")
+            raise InputError(
+                key=option(name, ""), value=str(written), allowed=f"a file named {names}"
+            )
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
-        allowed = "given with --screenshot or --movie, of a folder with panel.pvd and histories.h5"
-        raise InputError(key="--cut", allowed=allowed)
+        ways = f"{option('screenshot', '')} or {option('movie', '')}"
+        allowed = f"given with {ways}, of a folder with panel.pvd and histories.h5"
+        raise InputError(key=option("cut", ""), allowed=allowed)
     if panel is None:
         if movie is not None or html is not None:
-            allowed = "a folder with panel.pvd and histories.h5, for --movie and --html"
+            ways = f"{option('movie', '')} and {option('html', '')}"
+            allowed = f"a folder with panel.pvd and histories.h5, for {ways}"
             raise InputError(key="PATH", value=str(path), allowed=allowed)
         _show_elements(file, None, screenshot)
         return
@@ -162,9 +167,9 @@ def _show_elements(file, panel, screenshot):
     # the message says what to do in place of a window
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
-        raise InputError(
-            "there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif"
-        )
+        files = {"html": "FILE.html", "screenshot": "FILE.png", "movie": "FILE.gif"}
+        html, still, film = (f"{option(name, '')} {file}" for name, file in files.items())
+        raise InputError(f"there is no display for a window: give {html}, {still} or {film}")
     scene = pictures_mesh.plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
     add(scene, file, panel)
     if screenshot is not None:
@@ -339,7 +344,7 @@ def _write_movie(panel, movie, cut):
             import imageio.v2 as imageio
         except ModuleNotFoundError:
             allowed = "*.gif, or *.mp4 with the Python package imageio[ffmpeg]"
-            raise InputError(key="--movie", value=str(movie), allowed=allowed) from None
+            raise InputError(key=option("movie", ""), value=str(movie), allowed=allowed) from None
         with (
             replace_whole(movie) as beside,
             imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer,

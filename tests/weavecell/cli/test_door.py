@@ -1,0 +1,94 @@
+"""Messages name options in the words of the door that was used, and suggest names by value."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fabrics import backings, catalogue, projectiles
+from fabrics.base import door, executors
+from fabrics.base.errors import InputError, nearest_name
+from weavecell.scenes import fabric_file
+
+ROOT = Path(__file__).parents[3]
+PARTS = ("api", "studies", "results", "scenes", "report/shot")
+
+
+def test_options_have_the_words_of_the_door():
+    assert door.option("assumed_range") == "assumed_range=True"
+    assert door.option("end_displacement", "") == "end_displacement"
+    with door.open_terminal():
+        assert door.option("assumed_range") == "--assumed-range"
+        assert door.option("end_displacement", "") == "--end-displacement"
+    assert door.option("resume") == "resume=True"
+
+
+def refuse_executor():
+    with pytest.raises(InputError) as refused:
+        executors.open_executor("slurm", 1).__enter__()
+    return str(refused.value)
+
+
+def refuse_two_curves():
+    draft = fabric_file.Draft("mine", {})
+    with pytest.raises(InputError) as refused:
+        fabric_file.with_curves(draft, frame="a.csv", bias="b.csv")
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "tell, terminal, python",
+    [
+        (refuse_executor, "--executor = 'slurm'", "executor = 'slurm'"),
+        (refuse_two_curves, "--picture-frame or --bias-extension", "picture_frame or bias_ext"),
+    ],
+)
+def test_a_message_names_the_option_as_the_user_writes_it(tell, terminal, python):
+    with door.open_terminal():
+        assert terminal in tell()
+    assert python in tell()
+    assert "--" not in tell()
+
+
+def test_no_message_has_an_option_of_the_command_line_in_it():
+    """Texts of the packages below the command line go through `door.option`."""
+    found = []
+    for folder in ("fabrics/base", *(f"weavecell/{part}" for part in PARTS)):
+        for path in (ROOT / folder).glob("*.py"):
+            code = re.sub(r'"""[\s\S]*?"""|#.*', "", path.read_text())
+            for text in re.findall(r'"[^"\n]*--[a-z][^"\n]*"', code):
+                # commands are quoted, and arguments of git begin so
+                if "`--" not in text and path.name != "provenance.py":
+                    found.append((path.name, text))
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "name, suggested",
+    [
+        ("FSP 17 gr", "FSP 1.10 g"),
+        ("FSP 17 grain", "FSP 1.10 g"),
+        ("FSP .22", "FSP 1.10 g"),
+        ("FSP 1.1 g", "FSP 1.10 g"),
+        ("fsp 1.1 g", "FSP 1.10 g"),
+        ("FSP 207 grain", "FSP 13.4 g"),
+        ("FSP 44 gr", "FSP 2.79 g"),
+        ("RCC 1.04 g", "RCC 16 grain"),
+        ("sphere 12.1 mm", "sphere 12 mm"),
+        ("FSP 20 g", None),
+        ("FSP 8 g", None),
+        ("bullet", None),
+    ],
+)
+def test_a_projectile_is_suggested_by_its_value(name, suggested):
+    with pytest.raises(InputError) as refused:
+        projectiles.entry(name)
+    said = re.search('did you mean "([^"]*)"', str(refused.value))
+    assert (said and said[1]) == suggested
+
+
+def test_a_name_with_another_number_is_no_suggestion():
+    assert nearest_name("S-721", catalogue.list_names()) is None
+    assert nearest_name("S728", catalogue.list_names()) == "S-728"
+    assert nearest_name("gelatine 15 %", backings.list_names(), 0.6) is None
+    assert nearest_name("gelatin 10 %", backings.list_names(), 0.6) == "gelatine 10 %"
