@@ -152,7 +152,8 @@ def calibrate(
         fractions = fractions_note(built, fibre_fraction)
         if fractions and solid is None:
             other = {"mesh": "stated", "stated": "mesh"}[fibre_fraction]
-            fractions += f"; --fibre-fraction {other} shows what the others change"
+            way = f"{option('fibre_fraction', '')} {other}"
+            fractions += f"; {way} shows what the others change"
         if fractions:
             logging.getLogger("weavecell").info(fractions)
         with progress.bar(f"Calibration of {fabric.name}") as advance:

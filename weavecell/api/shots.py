@@ -296,9 +296,8 @@ def _with_range(shot, with_ends, folder):
     except KeyboardInterrupt:
         if folder is None:
             return shot
-        message = (
-            f"interrupted; the numbers of the shot are in {folder}, --resume goes on with its range"
-        )
+        going_on = f"{option('resume')} goes on with its range"
+        message = f"interrupted; the numbers of the shot are in {folder}, {going_on}"
         raise run_folder.Interrupted(message) from None
     return replace(shot, assumed_range=around)
 

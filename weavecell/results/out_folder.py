@@ -249,7 +249,7 @@ def _add_names(folder, claimed, names):
             refused.append(f"{name}, {why}")
     if refused:
         allowed = f"another folder: this one has {'; '.join(refused)}; nothing was overwritten"
-        raise InputError(key="--out", value=str(folder), allowed=allowed)
+        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
     for name in strange:
         aside = _aside(folder / name)
         os.replace(folder / name, aside)
