@@ -47,6 +47,16 @@ class FailureLines(Row):
     )
 
 
+class RateTable(Row):
+    """Strength of warp and weft by strain rate (`cloth.criterion_kernels`); no loads without such a law."""
+
+    load = array("2, loads", "-", "loads, rising, over the strength at rest")
+    rate = array("2, loads", "1/s", "rate of damage at each of them")
+    growth = array(
+        "2, loads", "-", "growth of the logarithm of that rate by the load from there on"
+    )
+
+
 class PointLaw(Row):
     """Constants of the contact law of a point of the fabric with the projectile."""
 
@@ -186,13 +196,7 @@ class Constants(Row):
         "N", "half of the lowest strength of a warp line: tensions below need no closer look"
     )
     half_strength2 = number("N", "half of the lowest strength of a weft line")
-    rate_law = array(
-        "2, 3, loads",
-        "-, 1/s, -",
-        "of warp and weft: loads of the strength by strain rate, rate of damage at "
-        "them and its growth from there (`cloth.criterion_kernels`); no points without "
-        "such a law",
-    )
+    rate_law = row(RateTable, "strength of the yarns by strain rate")
     erosion_gap_ratio = number(
         "-", "stretch of the gap left by failed yarns at which an element is eroded"
     )

@@ -46,27 +46,27 @@ def breaks(rate_law, family, dt, rate_damage, k, load):
 @kernel(_nrt=False)
 def highest_load(law):
     """Load beyond which a segment fails at any strain rate."""
-    if law.size == 0:
+    if law.load.size == 0:
         return 1.0
-    return law[0, 0, law.shape[2] - 1]
+    return law.load[0, law.load.shape[1] - 1]
 
 
 @kernel(_nrt=False)
 def damage(law, family, dt, kept, k, load):
     """Damage of the segment at slot k at the end of a step under a load; 0 where there is no
     law."""
-    if law.size == 0:
+    if law.load.size == 0:
         return 0.0
-    for m in range(law.shape[2] - 1):
-        if law[family, 0, m] < load <= law[family, 0, m + 1]:
-            return kept[k] + dt * law[family, 1, m] * math.exp(
-                law[family, 2, m] * (load - law[family, 0, m])
-            )
+    for m in range(law.load.shape[1] - 1):
+        low = law.load[family, m]
+        if low < load <= law.load[family, m + 1]:
+            growth = math.exp(law.growth[family, m] * (load - low))
+            return kept[k] + dt * law.rate[family, m] * growth
     return kept[k]
 
 
 @kernel(_nrt=False)
 def keep_damage(law, kept, k, value):
     """Keep the damage of the segment at slot k, where there is a law."""
-    if law.size > 0:
+    if law.load.size > 0:
         kept[k] = value

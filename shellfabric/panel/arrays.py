@@ -123,7 +123,7 @@ def _constants(panel):
         EA2=weft.EA,
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
-        rate_law=panel.rate_law,
+        rate_law=failure.rate_table(panel.rate_law),
         erosion_gap_ratio=numerics.widest,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
@@ -189,7 +189,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     _fill_half_strengths(const, found["filtered_tension"])
     # arrays that most runs do not need are empty
     found["rate_damage"] = aligned_zeros(2, 0)
-    if const.rate_law.size:
+    if const.rate_law.load.size:
         found["rate_damage"] = aligned_zeros(2, slots)
     found["f_block_cloth"] = aligned_zeros(3, 0)
     if const.has_backing:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.fabric import Fabric
 from shellfabric.panel.grid import PanelGrid
-from shellfabric.state import FailureLines
+from shellfabric.state import FailureLines, RateTable
 
 # of the strength: below it a tension is followed without a delay, above it low-passed
 WATCHED = 0.5
@@ -44,6 +44,12 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
             )
         )
     return families[0], families[1]
+
+
+def rate_table(law: FloatArray) -> RateTable:
+    """Return what kernels need of a law of the strain rate (2, 3, loads), as `Panel.rate_law`."""
+    load, rate, growth = (np.ascontiguousarray(law[:, row]) for row in range(3))
+    return RateTable(load=load, rate=rate, growth=growth)
 
 
 def half_strength(strength: FloatArray, law: FloatArray, family: int) -> FloatArray:

@@ -292,7 +292,7 @@ class YarnPatch:
             "mean_first": np.concatenate(firsts),
             "mean_weights": _side_by_side(weights),
             "rate_damage": rate_damage,
-            "rate_law": self.rate_law,
+            "rate_law": failure.rate_table(self.rate_law),
             "peak_tension": np.zeros(2),
             "peak_segment": np.zeros(2, np.int64),
         }

@@ -1,6 +1,7 @@
 """The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
 
-from shellfabric.jit.table import Row, array, integer, number, tally, total
+from shellfabric.jit.table import Row, array, integer, number, row, tally, total
+from shellfabric.state import RateTable
 
 
 class Zone(Row):
@@ -38,7 +39,7 @@ class Zone(Row):
     filtered = array("all nodes", "N", "F of the failure criterion", kept=True)
     filter_factor = array("2", "-", "share of M that F takes over in a step, of warp and weft")
     rate_damage = array("n", "-", "damage by strain rate; empty without", kept=True)
-    rate_law = array("2, 3, n", "-", "as Constants.rate_law; empty without")
+    rate_law = row(RateTable, "strength of the yarns by strain rate")
     mean_first = array(
         "all yarns int64",
         "-",
