@@ -51,8 +51,8 @@ def rotate_columns(A, pair, turn):
 
 @kernel()
 def principal(A, n):
-    """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes
-    diagonal."""
+    """Diagonalise the symmetric A : (3, 3) by Jacobi's rotations, its eigenvectors as columns of
+    n."""
     for c in range(3):
         for d in range(3):
             if c == d:
@@ -78,7 +78,7 @@ def principal(A, n):
 
 @kernel()
 def inverse(F, G):
-    """G = F^-1 of (3, 3); returns det F."""
+    """Invert (3, 3): G = F^-1; return det F."""
     for c in range(3):
         d = (c + 1) % 3
         e = (c + 2) % 3
@@ -95,7 +95,7 @@ def inverse(F, G):
 
 @kernel()
 def push_forward(F, C, b):
-    """b += F C F^T of (3, 3)."""
+    """Push forward (3, 3): b += F C F^T."""
     for c in range(3):
         for d in range(3):
             for r in range(3):
@@ -105,7 +105,8 @@ def push_forward(F, C, b):
 
 @kernel()
 def from_principal(values, n, b):
-    """The symmetric tensor b of (3, 3) with these principal values, along the columns of n."""
+    """Compute the symmetric tensor b of (3, 3) with these principal values, along the columns of
+    n."""
     v0, v1, v2 = values
     for c in range(3):
         for d in range(3):
@@ -114,8 +115,8 @@ def from_principal(values, n, b):
 
 @kernel()
 def flow_increment(q, hard, law, dt):
-    """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q
-    [Pa] above `hard` [Pa]:
+    """Compute the increment d [-] of the effective plastic strain in a step of dt [s] from a trial
+    stress q [Pa] above `hard` [Pa]:
 
     q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
     above: from the increment without rate, or from the rate at which q itself is the flow stress.
@@ -142,7 +143,8 @@ def flow_increment(q, hard, law, dt):
 
 @kernel()
 def hencky(F, C, alpha, law, viscous, dt, P):
-    """First Piola-Kirchhoff stress, with plastic flow where the trial is outside the yield surface.
+    """Compute the first Piola-Kirchhoff stress, with plastic flow where the trial is outside the
+    yield surface.
 
     Parameters
     ----------
@@ -210,8 +212,8 @@ def hencky(F, C, alpha, law, viscous, dt, P):
 
 @kernel()
 def least_height(inverse, edges):
-    """[m] least distance between opposite faces of a brick of these edges at rest : (3,), of the
-    inverse of F."""
+    """Compute the least distance [m] between opposite faces of a brick of these edges at rest :
+    (3,), from the inverse of F."""
     least = np.inf
     for i in range(3):
         square = inverse[i, 0] ** 2 + inverse[i, 1] ** 2 + inverse[i, 2] ** 2
@@ -221,7 +223,7 @@ def least_height(inverse, edges):
 
 @kernel()
 def forces_slice(i, block, dt):
-    """Forces of the bricks i along x: see `forces`."""
+    """Compute the forces of the bricks i along x: see `forces`."""
     law = block.law
     nodes = np.empty(8, np.int64)
     places = np.empty((8, 3))
@@ -287,7 +289,8 @@ def forces_slice(i, block, dt):
 
 @entry(parallel=True)
 def forces(block, dt):
-    """Internal forces of every brick, into block.own, and its energies, at the places of now.
+    """Compute the internal forces of every brick, into block.own, and its energies, at the places
+    of now.
 
     dt : [s] since the last call
     """
@@ -297,7 +300,7 @@ def forces(block, dt):
 
 @kernel()
 def move_slice(i, block, kick, dt):
-    """Step of the nodes i along x: see `move`."""
+    """Move the nodes i along x by a step: see `move`."""
     nx = block.nx
     ny = block.ny
     nz = block.nz
@@ -338,7 +341,7 @@ def move_slice(i, block, kick, dt):
 
 @entry(parallel=True)
 def move(block, kick, dt):
-    """Velocities over `kick` [s], places over `dt` [s], by the forces of bricks and contacts; work
-    of these, by the sheets of nodes."""
+    """Update velocities over `kick` [s] and positions over `dt` [s], by the forces of bricks and
+    contacts; work of these, by the sheets of nodes."""
     for i in prange(block.nx + 1):
         move_slice(i, block, kick, dt)

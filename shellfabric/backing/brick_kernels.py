@@ -16,7 +16,7 @@ from shellfabric.jit.compile import kernel
 
 @kernel(fastmath={"contract"})
 def brick_nodes(first, i, j, k, ny, nz, nodes):
-    """Numbers of the eight nodes of the brick (i, j, k), in the order of `PATTERNS`; filled."""
+    """Fill in the numbers of the eight nodes of the brick (i, j, k), in the order of `PATTERNS`."""
     sheet = (ny + 1) * (nz + 1)
     row = nz + 1
     n = first + i * sheet + j * row + k
@@ -32,8 +32,8 @@ def brick_nodes(first, i, j, k, ny, nz, nodes):
 
 @kernel(fastmath={"contract"})
 def patterns(x, H):
-    """H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x : (8,
-    3)."""
+    """Compute H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x :
+    (8, 3)."""
     for c in range(3):
         s0 = x[0, c] + x[4, c]
         s1 = x[1, c] + x[5, c]
@@ -51,7 +51,7 @@ def patterns(x, H):
 
 @kernel(fastmath={"contract"})
 def spread_patterns(g, force):
-    """force[a, c] += sum_m h_ma g_mc."""
+    """Add the forces of the modes: force[a, c] += sum_m h_ma g_mc."""
     for c in range(3):
         p = g[0, c]
         q = g[1, c]
@@ -69,7 +69,7 @@ def spread_patterns(g, force):
 
 @kernel(fastmath={"contract"})
 def hourglass(f, x, twist, K, H, D, force):
-    """Forces of the hourglass control of one brick.
+    """Add the forces of the hourglass control of one brick.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def hourglass(f, x, twist, K, H, D, force):
 
 @kernel(fastmath={"contract"})
 def mean_deformation(x, b, f):
-    """f[c, i] = sum_a x_ac b_ai."""
+    """Compute f[c, i] = sum_a x_ac b_ai."""
     for c in range(3):
         f[c, 0] = f[c, 1] = f[c, 2] = 0.0
         for a in range(8):

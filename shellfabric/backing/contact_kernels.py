@@ -39,7 +39,7 @@ MAX_FACET_COORDINATE = 3.0  # coordinate in a facet, -1 .. 1 within it, that a f
 
 @kernel()
 def node_active(i, j, k, block):
-    """Whether a brick is left at the node."""
+    """Tell whether a brick is left at the node."""
     for p in range(max(i - 1, 0), min(i + 1, block.nx)):
         for q in range(max(j - 1, 0), min(j + 1, block.ny)):
             for r in range(max(k - 1, 0), min(k + 1, block.nz)):
@@ -50,7 +50,7 @@ def node_active(i, j, k, block):
 
 @entry()
 def nose_forces(block, position, speed, nose):
-    """Forces of a rigid projectile on the nodes of the block, added to block.outer and drags.
+    """Add the forces of a rigid projectile on the nodes of the block to block.outer and drags.
 
     Energy and forces of the contact, into block.nose_spring_energy, nose_force and nose_drag.
 
@@ -90,8 +90,8 @@ def nose_forces(block, position, speed, nose):
 
 @kernel()
 def top_brick(p, q, block):
-    """First brick of the column (p, q) below all that are gone; nz where there is none. Above it
-    there is debris."""
+    """Find the first brick of the column (p, q) below all that are gone; nz if there is none. Above
+    it there is debris."""
     for r in range(block.nz - 1, -1, -1):
         if block.gone[(p * block.ny + q) * block.nz + r]:
             return r + 1
@@ -100,7 +100,7 @@ def top_brick(p, q, block):
 
 @kernel()
 def weights(a, b, w):
-    """Bilinear weights w : (4,) of the nodes of a facet at (a, b)."""
+    """Fill in the bilinear weights w : (4,) of the nodes of a facet at (a, b)."""
     w[0] = 0.25 * (1 - a) * (1 - b)
     w[1] = 0.25 * (1 + a) * (1 - b)
     w[2] = 0.25 * (1 + a) * (1 + b)
@@ -109,7 +109,7 @@ def weights(a, b, w):
 
 @kernel()
 def tangents(a, b, x, nodes, A, B):
-    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
+    """Compute the slopes A, B : (3,) of a facet along its coordinates, four times over."""
     for c in range(3):
         A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
             x[nodes[2], c] - x[nodes[3], c]
@@ -121,7 +121,7 @@ def tangents(a, b, x, nodes, A, B):
 
 @kernel()
 def beyond(px, py, x, nodes):
-    """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along
+    """Tell which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along
     z."""
     p = q = 0
     for m, (go_p, go_q) in enumerate(((0, -1), (1, 0), (0, 1), (-1, 0))):
@@ -135,7 +135,7 @@ def beyond(px, py, x, nodes):
 
 @kernel()
 def locate(at, block, column, place, nodes):
-    """Facet under a point, from the column it was last over.
+    """Find the facet under a point, from the column it was last over.
 
     Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it
     even: then its sides decide which facet is next.
@@ -256,8 +256,8 @@ def closest_point(p, x, nodes, place, A, B):
 
 @kernel()
 def outward_normal(A, B, normal):
-    """Unit normal : (3,) of a facet with the slopes A, B, out of the block: against z at rest;
-    filled."""
+    """Compute the unit normal : (3,) of a facet with the slopes A, B, out of the block: against z
+    at rest."""
     normal[0] = A[2] * B[1] - A[1] * B[2]
     normal[1] = A[0] * B[2] - A[2] * B[0]
     normal[2] = A[1] * B[0] - A[0] * B[1]
@@ -266,8 +266,8 @@ def outward_normal(A, B, normal):
 
 @kernel()
 def depth_and_opening(p, speed, block, facet, thickness):
-    """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w
-    of the nodes of the facet."""
+    """Compute the depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from
+    the weights w of the nodes of the facet."""
     nodes, w, normal = facet
     inside = thickness
     opening = 0.0
@@ -284,7 +284,7 @@ def depth_and_opening(p, speed, block, facet, thickness):
 
 @entry()
 def at_points(values, rest, weights, nj, found):
-    """Values at points of elements.
+    """Interpolate values at points of elements.
 
     Parameters
     ----------
@@ -311,8 +311,8 @@ def at_points(values, rest, weights, nj, found):
 
 @entry()
 def to_nodes(forces, weights, nj, found):
-    """Forces (elements p, 3) at points of elements to the nodes: three arrays `found`, overwritten;
-    see `at_points`."""
+    """Share forces (elements p, 3) at points of elements out to the nodes: three arrays `found`,
+    overwritten; see `at_points`."""
     stride = nj + 1
     for total in found:
         total[:] = 0.0
@@ -328,8 +328,8 @@ def to_nodes(forces, weights, nj, found):
 
 @kernel()
 def find_contacts(ends, block, points, thickness, dt):
-    """Contacts of the points from the first to before the last of `ends` with the face of the
-    block, into points.feet, depth, damping_force, normal and weights."""
+    """Find the contacts of the points from the first to before the last of `ends` with the face of
+    the block, into points.feet, depth, damping_force, normal and weights."""
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)
@@ -368,8 +368,8 @@ def find_contacts(ends, block, points, thickness, dt):
 
 @entry(parallel=True)
 def point_forces(block, points, thickness, dt):
-    """Forces between points and the face of the block: into points.force and points.drag, and added
-    to block.outer and block.drags; the energy of the contact into
+    """Compute the forces between points and the face of the block: into points.force and
+    points.drag, and added to block.outer and block.drags; the energy of the contact into
     block.point_spring_energy.
 
     Parameters

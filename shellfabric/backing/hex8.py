@@ -47,8 +47,8 @@ class Bricks:
 
     @classmethod
     def of(cls, corners: FloatArray) -> Bricks:
-        """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either
-        hand.
+        """Compute bricks from (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4
+        through; either hand.
 
         The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which
         is exact for them.
@@ -73,7 +73,8 @@ class Bricks:
         )
 
     def control(self, moduli: Sequence[float], shear: float) -> FloatArray:
-        """(m, 4, 3) [N/m3] hourglass stiffness: the energy of the 2 x 2 x 2 rule at rest.
+        """Compute the hourglass stiffness (m, 4, 3) [N/m3]: the energy of the 2 x 2 x 2 rule at
+        rest.
 
         Parameters
         ----------

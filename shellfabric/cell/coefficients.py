@@ -8,8 +8,8 @@ from fabrics.base.checks import FloatArray
 
 
 def grid(lowest: float, highest: float, n: int) -> FloatArray:
-    """(n,) uniform, one of them 1, from `lowest` or a step below it to at least `highest`; lowest
-    <= 1 < highest."""
+    """Make a uniform grid (n,), one of them 1, from `lowest` or a step below it to at least
+    `highest`; lowest <= 1 < highest."""
     below = int((1 - lowest) / (highest - lowest) * (n - 1))
     if below:
         step = (1 - lowest) / below
@@ -20,8 +20,8 @@ def grid(lowest: float, highest: float, n: int) -> FloatArray:
 
 
 def bilinear(f: FloatArray) -> FloatArray:
-    """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1
-    of each cell."""
+    """Compute c (n1-1, n2-1, 4) with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s,
+    t <= 1 of each cell."""
     f00 = f[:-1, :-1]
     f10 = f[1:, :-1]
     f01 = f[:-1, 1:]
@@ -35,7 +35,7 @@ def bilinear(f: FloatArray) -> FloatArray:
 def nonnegative(
     f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Nodal values and slopes per cell of the grid, limited so that the bicubic between them is
+    """Limit nodal values and slopes per cell of the grid so that the bicubic between them is
     nowhere negative.
 
     Where yarns come into contact the potential rises from zero as a parabola, and a cubic through
@@ -54,8 +54,8 @@ def nonnegative(
 def spline(
     f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest: tuple[int, int]
 ) -> FloatArray:
-    """(n1-1, n2-1, 9): c with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to nodal
-    values and slopes.
+    """Compute c (n1-1, n2-1, 9) with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to
+    nodal values and slopes.
 
     A quadratic from node 0 to node 1 has the control (f0 + f1) / 2 + (f0' - f1') / 4 in between,
     where the tangents at its ends meet; of what is no quadratic it is the mean of the two tangents.

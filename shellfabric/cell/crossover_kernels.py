@@ -42,8 +42,8 @@ _MAX_STEPS = 200
 
 @kernel()
 def may_part(crossover):
-    """Whether contact can be lost: no law of compression is the printed one, which has
-    d(0) = -infinity (erratum E-05)."""
+    """Tell whether contact can be lost: no law of compression is the printed one, which has d(0) =
+    -infinity (erratum E-05)."""
     warp = crossover.warp
     weft = crossover.weft
     printed1 = warp.a > 0.0 and warp.shift == 0.0
@@ -53,13 +53,13 @@ def may_part(crossover):
 
 @kernel()
 def filled_height(crossover):
-    """[m] height of both yarns together at which the cell is full."""
+    """Return the height [m] of both yarns together at which the cell is full."""
     return crossover.warp.h0 + crossover.weft.h0
 
 
 @kernel()
 def work_share(form):
-    """q, the force that does work on a change of height over the contact force."""
+    """Return q, the force that does work on a change of height over the contact force."""
     if form == VARIATIONAL:
         return 0.25 * math.pi
     return 1.0
@@ -67,7 +67,7 @@ def work_share(form):
 
 @kernel()
 def contact_force(w, h, S0, EA, form):
-    """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
+    """Compute the contact force of one yarn at height h, its slope dF/dh, and the tension."""
     S, dS = arc(w, h)
     T, dT = tension(S, dS, S0, EA)
     if form == EQUILIBRIUM:
@@ -81,8 +81,8 @@ def contact_force(w, h, S0, EA, form):
 
 @kernel()
 def height(w, F, yarn, lowest, form):
-    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and
-    the slope dh/dF.
+    """Solve for the height at which the yarn carries the contact force F > 0, from its free height
+    `lowest`, and the slope dh/dF.
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
@@ -109,7 +109,7 @@ def height(w, F, yarn, lowest, form):
 
 @kernel()
 def compression(F, a, b, shift):
-    """d_c and its slope dd_c/dF at the contact force F > 0 (eqs. 4-12, 4-28)."""
+    """Compute d_c and its slope dd_c/dF at the contact force F > 0 (eqs. 4-12, 4-28)."""
     if a == 0.0:
         return 0.0, 0.0
     root = (F + shift) ** (-1.0 / 3.0)
@@ -118,7 +118,7 @@ def compression(F, a, b, shift):
 
 @kernel()
 def compression_energy(F, a, b, shift):
-    """Work of the contact force up to F: the integral of F dd_c."""
+    """Compute the work of the contact force up to F: the integral of F dd_c."""
     if a == 0.0:
         return 0.0
     d = a - b * (F + shift) ** (-1.0 / 3.0)
@@ -127,7 +127,7 @@ def compression_energy(F, a, b, shift):
 
 @kernel()
 def residual(F, w, free, crossover):
-    """r(F) and its slope; w, free : (warp, weft) half lengths and free heights."""
+    """Compute r(F) and its slope; w, free : (warp, weft) half lengths and free heights."""
     warp = crossover.warp
     weft = crossover.weft
     h1, c1 = height(w[0], F, warp, free[0], crossover.form)
@@ -139,7 +139,7 @@ def residual(F, w, free, crossover):
 
 @kernel()
 def closing_force(w, free, crossover, guess):
-    """The root of r(F); 0 where contact is lost; -1 if none was found.
+    """Find the root of r(F); 0 if contact is lost; -1 if none was found.
 
     r(0) is the gap at the free heights when the law of compression starts from zero.
     """
@@ -176,8 +176,8 @@ def closing_force(w, free, crossover, guess):
 
 @kernel()
 def forces_of_cell(w, crossover, solution):
-    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see
-    `cell`."""
+    """Compute (T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2);
+    see `cell`."""
     warp = crossover.warp
     weft = crossover.weft
     F, h1, h2 = solution
@@ -200,7 +200,7 @@ def forces_of_cell(w, crossover, solution):
 
 @kernel()
 def cell(stretch1, stretch2, crossover, guess):
-    """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
+    """Solve one crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
     T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form
     (erratum E-15), and the gradient of W, N = T dS/d(2w), in the variational form. W is the energy
@@ -236,8 +236,8 @@ def solve_many(stretch1, stretch2, crossover, out):
 
 @entry()
 def tension_bound_table(low, high, over, top, unit, out):
-    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0],
-    N + out[1]).
+    """Tabulate the tension bounds where forces do not exceed N, row N / unit of out (n, 2):
+    max(out[0], N + out[1]).
 
     low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,)
     [N] : by which a tension is at most above the force beside it, and its own most. Of cells that a

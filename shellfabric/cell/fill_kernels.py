@@ -36,8 +36,8 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 
 @kernel()
 def force_at_height(w, h, yarn, form):
-    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one
-    elliptic integral."""
+    """Compute the contact force of a yarn at the height h and its slope: those of `contact_force`,
+    with one elliptic integral."""
     if form != VARIATIONAL or h <= 0.0:
         F, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
         return F, slope
@@ -52,7 +52,7 @@ def force_at_height(w, h, yarn, form):
 
 @kernel()
 def close_cell(w, free, crossover, start):
-    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not
+    """Solve for (F, h1, h2) of a cell in contact, from those of another; F = -1 if the steps do not
     converge."""
     F, h1, h2 = start
     warp = crossover.warp
@@ -82,7 +82,7 @@ def close_cell(w, free, crossover, start):
 
 @entry(nogil=True)
 def fill(stretches1, stretches2, crossover, out):
-    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if
+    """Fill out (8, n1, n2), values as in `crossover_kernels.cell`, on a grid of stretches; False if
     a cell failed."""
     warp = crossover.warp
     weft = crossover.weft

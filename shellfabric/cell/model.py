@@ -115,14 +115,14 @@ class CellModel:
         return tuple(found)
 
     def alone(self, family: int, stretch: ArrayLike) -> FloatArray:
-        """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at
-        stretches of the cell."""
+        """Compute the tension [N] of a yarn of the family 0 (warp) or 1 (weft) that crosses
+        nothing, at stretches of the cell."""
         yarn = self.yarns[family]
         longer = np.maximum(2 * yarn.w * np.asarray(stretch, float) - yarn.S0, 0)
         return yarn.EA * longer / yarn.S0
 
     def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
-        """The cell at given stretches.
+        """Solve the cell at given stretches.
 
         Parameters
         ----------
@@ -146,7 +146,8 @@ class CellModel:
         return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
 
     def range(self) -> tuple[tuple[float, float], ...]:
-        """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
+        """Return the ((lowest, highest), (lowest, highest)) stretches of the table, of warp and
+        weft."""
         weave = self.fabric.weave
         bounds = []
         for w, S0, yarn, crossing in zip(weave.w, weave.S0, weave.yarns, weave.yarns[::-1]):
@@ -246,7 +247,7 @@ class CellTable:
 
     @classmethod
     def straight(cls, model: CellModel, n: int = 8) -> CellTable:
-        """The table of straight yarns that do not press on each other, T = E A (stretch - 1):
+        """Fill the table of straight yarns that do not press on each other, T = E A (stretch - 1):
         nothing is solved."""
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         strains = np.meshgrid(np.maximum(x - 1, 0), np.maximum(y - 1, 0), indexing="ij")
@@ -262,8 +263,8 @@ class CellTable:
     def of_values(
         cls, model: CellModel, x: FloatArray, y: FloatArray, values: dict[str, FloatArray]
     ) -> CellTable:
-        """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of
-        them, (n, n) each."""
+        """Make the table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs
+        of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.cell_formulation == "variational":
             fx = values["N1"] * 2 * w1 * (x[1] - x[0])
@@ -283,8 +284,8 @@ class CellTable:
         fy: FloatArray,
         residual: float = 0.0,
     ) -> CellTable:
-        """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per
-        cell of the grid."""
+        """Make the table with the stretches x, y, the values at them, and the slopes fx, fy of W
+        per cell of the grid."""
         W = values["W"].copy()
         fx = fx.copy()
         fy = fy.copy()
@@ -315,12 +316,13 @@ class CellTable:
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
 
     def stiffness(self) -> float:
-        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of fabric)
-        over the table."""
+        """Return the largest eigenvalue [N/m] of the membrane tangent dN_i/dLambda_j (per width of
+        fabric) over the table."""
         return self._stiffness[0]
 
     def tautness(self) -> float:
-        """[-] that eigenvalue at rest, where fabric begins to be stretched, over its largest."""
+        """Return that eigenvalue at rest, where fabric begins to be stretched, over its largest
+        [-]."""
         return self._stiffness[1] / self._stiffness[0]
 
     @cached_property

@@ -19,8 +19,8 @@ _PIECE = 2000  # cells that are worked on together, so that what is in between s
 
 
 def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
-    """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line,
-    and these."""
+    """Pack the table's potential but for its constants, (cells, 8) [J], each row a cache line, and
+    these, (cells,) [J]."""
     columns = table.spline.reshape(-1, 9)
     rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
     rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
@@ -28,8 +28,8 @@ def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
 
 
 def beyond(table: CellTable) -> tuple[float, ...]:
-    """What `table_kernels` goes on with beyond the table: its reach in cells along both stretches,
-    and at its corner both slopes of the potential and both its curvatures [J]."""
+    """Compute what `table_kernels` goes on with beyond the table: its reach in cells along both
+    stretches, and at its corner both slopes of the potential and both its curvatures [J]."""
     corner = table.spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
     _, first1, second1 = corner.sum(axis=1)
     _, first2, second2 = corner.sum(axis=0)
@@ -39,8 +39,8 @@ def beyond(table: CellTable) -> tuple[float, ...]:
 
 
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
-    """Of warp and weft: the bounds that the forces of the variational form give of the tensions
-    (`_ceiling`)."""
+    """Compute, for warp and weft, the bounds that the forces of the variational form give of the
+    tensions (`_ceiling`)."""
     found = []
     weave = table.model.fabric.weave
     spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]

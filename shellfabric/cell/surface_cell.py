@@ -86,7 +86,7 @@ class SurfaceCell:
         return tuple((1 + axis[0] / w, 1 + axis[-1] / w) for axis, w in axes)
 
     def solve(self, stretch1: FloatArray, stretch2: FloatArray) -> dict:
-        """Forces at the stretches of a grid.
+        """Interpolate the forces at the stretches of a grid.
 
         Parameters
         ----------
@@ -118,7 +118,8 @@ class SurfaceCell:
         return values
 
     def table(self, n: int = 201) -> CellTable:
-        """Tables of n x n stretches over the range of the cell, wider than the surface's region."""
+        """Fill tables of n x n stretches over the range of the cell, wider than the surface's
+        region."""
         bounds = CellModel(self.fabric, cell_model="decoupled").range()
         x, y = (grid(*pair, n) for pair in bounds)
         values = self.solve(x, y)
@@ -172,7 +173,7 @@ class SurfaceCell:
 def potential(
     fx: FloatArray, fy: FloatArray, floor: FloatArray, trust: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """The potential whose slopes are next to given ones, by least squares of the relative
+    """Fit the potential whose slopes are next to given ones, by least squares of the relative
     difference.
 
     Parameters

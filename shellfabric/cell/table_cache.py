@@ -22,7 +22,7 @@ MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB
 
 
 def folder() -> Path | None:
-    """Folder of the kept tables, or None where none are kept."""
+    """Return the folder of the kept tables, or None if none are kept."""
     given = os.environ.get("WEAVECELL_CACHE_DIR")
     if given is not None:
         if given:
@@ -33,7 +33,7 @@ def folder() -> Path | None:
 
 
 def table(model: CellModel, n: int = 201) -> CellTable:
-    """The table of a cell with n x n stretches: a kept one, or one that is filled and kept.
+    """Return the table of a cell with n x n stretches: a kept one, or one that is filled and kept.
 
     Raises
     ------

@@ -14,8 +14,8 @@ _MAX_STEPS = 200
 
 @kernel()
 def elliptic(k2):
-    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits
-    at small k2."""
+    """Compute E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its
+    digits at small k2."""
     a = 1.0
     b = math.sqrt(1.0 + k2)
     total = -0.5 * k2
@@ -35,7 +35,7 @@ def elliptic(k2):
 
 @kernel()
 def arc(w, h):
-    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum
+    """Compute S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum
     E-09)."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
@@ -48,7 +48,7 @@ def arc(w, h):
 
 @kernel()
 def arc_curvature(w, h):
-    """d2S/dh2 of a yarn."""
+    """Compute d2S/dh2 of a yarn."""
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
@@ -59,8 +59,8 @@ def arc_curvature(w, h):
 
 @kernel()
 def free_height(w, S0):
-    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched
-    straight."""
+    """Compute the height at which the yarn has its own length S0, without tension; 0 if it is
+    stretched straight."""
     excess = S0 / (2.0 * w) - 1.0
     if excess <= 0.0:
         return 0.0
@@ -77,13 +77,13 @@ def free_height(w, S0):
 
 @kernel()
 def tension(S, dS, S0, EA):
-    """T of a yarn of the length S >= S0, and its slope where S has the slope dS."""
+    """Compute T of a yarn of the length S >= S0, and its slope where S has the slope dS."""
     return EA * (S - S0) / S0, EA * dS / S0
 
 
 @kernel()
 def yarn_alone(stretch, w0, S0, EA):
-    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full
+    """Compute tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full
     lengths)."""
     slack = 2.0 * stretch * w0 - S0
     if slack <= 0.0:

@@ -21,7 +21,7 @@ from shellfabric.state import unit
 
 @kernel()
 def slip_fraction(time, start, end):
-    """Ramp of the prescribed slip: 0 at `start`, 1 at `end`."""
+    """Compute the ramp of the prescribed slip: 0 at `start`, 1 at `end`."""
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 

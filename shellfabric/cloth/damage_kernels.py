@@ -25,8 +25,8 @@ from shellfabric.state import unit
 
 @unit(later=True)
 def damaged_means(state, const, work, first, last):
-    """Intact fractions of a block's edges and of those that cross them; mean stretches of the
-    crossing edges, weighted by their intact fractions, or 1 where none is left."""
+    """Compute the intact fractions of a block's edges and of those that cross them; mean stretches
+    of the crossing edges, weighted by their intact fractions, or 1 where none is left."""
     s = const.row_stride
     low = max(first - 1, 0)
     begin = scratch_slot(const, first, low)
@@ -52,14 +52,14 @@ def damaged_means(state, const, work, first, last):
 
 @kernel()
 def end_of_block(const, first, last):
-    """Slot of the scratch behind the row of weft edges at the far end of a block."""
+    """Return the slot of the scratch behind the row of weft edges at the far end of a block."""
     return scratch_slot(const, first, last + 1)
 
 
 @unit(later=True)
 def damaged_gradient(state, const, work, first, last):
-    """The variational force of damaged edges: own share, and, of each crossing edge, the share that
-    it gives."""
+    """Compute the variational force of damaged edges: own share, and, of each crossing edge, the
+    share that it gives."""
     end = end_of_block(const, first, last)
     for family in range(2):
         weigh(work.dW_crossing[family], work.intact[family], const.row_stride, end)
@@ -71,7 +71,7 @@ def damaged_gradient(state, const, work, first, last):
 
 @unit(later=True)
 def damaged_tensions(const, work, first, last):
-    """T = kappa T + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have
+    """Compute T = kappa T + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have
     failed."""
     end = end_of_block(const, first, last)
     for family in range(2):
@@ -81,7 +81,7 @@ def damaged_tensions(const, work, first, last):
 
 @kernel(_nrt=False)
 def weigh(x, weight, begin, end):
-    """x times a weight."""
+    """Multiply x by a weight."""
     for j in range(begin, end):
         x[j] *= weight[j]
 
@@ -116,7 +116,7 @@ def damaged_trellis(state, const, work, first, last):
 
 @kernel()
 def trellis_intact_fraction(const, state, k):
-    """Intact fraction of the trellis of element k."""
+    """Compute the intact fraction of the trellis of element k."""
     warp = state.intact_fraction[WARP]
     weft = state.intact_fraction[WEFT]
     return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.row_stride)])
@@ -124,7 +124,7 @@ def trellis_intact_fraction(const, state, k):
 
 @kernel()
 def yarn_properties(const, family):
-    """(w, S0, EA) of a family."""
+    """Return (w, S0, EA) of a family."""
     if family == WARP:
         return (const.w1, const.S01, const.EA1)
     return (const.w2, const.S02, const.EA2)

@@ -19,7 +19,7 @@ from shellfabric.state import unit
 
 @unit("number")
 def kinetic_energy(const, state, i):
-    """[J] kinetic energy of the free nodes of row i, m v(n-1/2) v(n+1/2) / 2."""
+    """Compute the kinetic energy [J] of the free nodes of row i, m v(n-1/2) v(n+1/2) / 2."""
     found = 0.0
     for j in range(const.row_stride):
         k = np.uint64(i * const.row_stride + j)
@@ -37,8 +37,8 @@ def kinetic_energy(const, state, i):
 
 @unit("2 numbers")
 def stored_energy(const, state, first, last):
-    """(energy of the yarns, of the trellis) [J] of the element rows first .. last - 1 and the weft
-    at their far end.
+    """Compute (energy of the yarns, of the trellis) [J] of the element rows first .. last - 1 and
+    the weft at their far end.
 
     From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the
     cells store.
@@ -54,7 +54,7 @@ def stored_energy(const, state, first, last):
 
 @kernel()
 def edges_in_row(const, family):
-    """Edges of a family in a row of slots: the last slot has no weft edge."""
+    """Return the number of edges of a family in a row of slots: the last slot has no weft edge."""
     if family == WARP:
         return const.row_stride
     return const.nj
@@ -62,7 +62,7 @@ def edges_in_row(const, family):
 
 @unit("number")
 def row_energy(const, state, family, i):
-    """[J] of the edges (i, 0), (i, 1), ... of a family."""
+    """Compute the energy [J] of the edges (i, 0), (i, 1), ... of a family."""
     w, S0, EA = yarn_properties(const, family)
     found = 0.0
     for j in range(edges_in_row(const, family)):
@@ -83,8 +83,8 @@ def row_energy(const, state, family, i):
 
 @kernel(_nrt=False)
 def crossing_edges(const, state, family, i, j):
-    """(crossed fraction kappa, mean stretch of what is left) of the edges that cross edge (i, j):
-    four, or two at the ends of their lines."""
+    """Compute (crossed fraction kappa, mean stretch of what is left) of the edges that cross edge
+    (i, j): four, or two at the ends of their lines."""
     s = const.row_stride
     intact = state.intact_fraction[1 - family]
     stretch = state.stretch[1 - family]
@@ -121,7 +121,7 @@ def crossing_edges(const, state, family, i, j):
 
 @kernel(_nrt=False)
 def cell_energy(const, family, own, mean):
-    """[J] W of a crossover of an edge, whose crossing edges have a mean stretch."""
+    """Interpolate W [J] of a crossover of an edge, whose crossing edges have a mean stretch."""
     warp = own
     weft = mean
     if family == WEFT:
@@ -139,7 +139,7 @@ def cell_energy(const, family, own, mean):
 
 @unit("number")
 def trellis_energy(const, state, i):
-    """[J] of the quadrilaterals of row i."""
+    """Compute the energy [J] of the quadrilaterals of row i."""
     found = 0.0
     for j in range(const.nj):
         k = np.uint64(i * const.row_stride + j)
@@ -153,7 +153,8 @@ def trellis_energy(const, state, i):
 
 @kernel(_nrt=False)
 def shear_sine(const, state, k):
-    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
+    """Compute sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has
+    it."""
     s = np.uint64(const.row_stride)
     dot = 0.0
     for c in range(3):

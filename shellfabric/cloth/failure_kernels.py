@@ -37,7 +37,7 @@ from shellfabric.state import unit
 
 @kernel(_nrt=False)
 def mean_tension(const, state, family, i, j):
-    """M [N] of the edge (i, j): see the module."""
+    """Compute M [N] of the edge (i, j): see the module."""
     lines = const.warp_lines
     tension = state.T[family]
     intact = state.intact_fraction[family]
@@ -61,8 +61,8 @@ def mean_tension(const, state, family, i, j):
 
 @kernel(_nrt=False)
 def may_fail(const, state, block):
-    """Whether an edge of a block may break, follow a tension above half of its strength, or have a
-    new peak tension."""
+    """Tell whether an edge of a block may break, follow a tension above half of its strength, or
+    have a new peak tension."""
     most = state.block_max_tension[block]
     return (
         state.warm_blocks[block]
@@ -163,8 +163,8 @@ def flag_elements(const, state, family, i, j):
 
 @unit("2 numbers", later=True)
 def half_step_work(const, state, first, last):
-    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the
-    same rows."""
+    """Compute half of the present forces times the last changes of stretch: (of the yarns,
+    viscous), in the same rows."""
     work = 0.0
     viscous = 0.0
     for family in range(2):

@@ -1,7 +1,7 @@
 """The nodes of a ply with a ring of ghosts about them: what nose, other plies and guard touch.
 
 The arrays of a ply (`state.State`) are in its own frame: displacements, x along its first family of
-yarns. Here places and velocities are in the frame of the first ply of a pack, and node (i, j) has
+yarns. Here positions and velocities are in the frame of the first ply of a pack, and node (i, j) has
 the number
 
     base + i stride + j,     i = -1 ... ni + 1,  j = -1 ... nj + 1
@@ -21,26 +21,27 @@ from shellfabric.state import unit
 
 @kernel(_nrt=False, forceinline=True)
 def turned(turn, x, y):
-    """Components in the frame of a ply of a vector (x, y) of the first one's."""
+    """Turn a vector (x, y) of the first ply's frame into the frame of a ply."""
     return turn[0] * x + turn[1] * y, turn[0] * y - turn[1] * x
 
 
 @kernel(_nrt=False, forceinline=True)
 def turned_back(turn, x, y):
-    """Components in the frame of the first ply of a vector (x, y) of another's."""
+    """Turn a vector (x, y) of another ply's frame back into the frame of the first ply."""
     return turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
 
 
 @kernel(_nrt=False, forceinline=True)
 def grid_of(const):
-    """The grid of a ply by itself: (base, stride, ni, nj)."""
+    """Return the grid of a ply by itself: (base, stride, ni, nj)."""
     stride = const.row_stride + 2
     return stride + 1, stride, const.ni, const.nj
 
 
 @unit()
 def place(state, const, first, last):
-    """Places and velocities of the node rows first .. last of a ply and of their ghosts."""
+    """Write positions and velocities of the node rows first .. last of a ply and of their ghosts to
+    its grid."""
     surface = state.surface
     x = surface.x
     v = surface.v
@@ -69,7 +70,7 @@ def place(state, const, first, last):
 
 @kernel(_nrt=False)
 def place_ghosts(const, x, first, last):
-    """The ghosts of a vector x of the nodes of a ply, whose rows first .. last are new."""
+    """Place the ghosts of a vector x of the nodes of a ply, whose rows first .. last are new."""
     base, stride, ni, nj = grid_of(const)
     for c in range(3):
         line = x[c]
@@ -87,8 +88,8 @@ def place_ghosts(const, x, first, last):
 
 @kernel(_nrt=False, forceinline=True)
 def ghost(mirrored, normal, at, inside):
-    """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the
-    mirror plane."""
+    """Compute a component of the ghost next to the node `at`, whose neighbour is `inside`; normal :
+    to the mirror plane."""
     if mirrored:
         if normal:
             return -inside

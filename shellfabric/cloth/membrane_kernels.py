@@ -64,21 +64,21 @@ SUM = {"reassoc", "nsz", "contract"}  # lets LLVM add up in any order, in vector
 
 @kernel()
 def scratch_slot(const, first, row):
-    """Slot of the scratch where a row of the panel begins, for a block whose first row is
-    `first`."""
+    """Return the slot of the scratch where a row of the panel begins, for a block whose first row
+    is `first`."""
     return (row - first + 2) * const.row_stride
 
 
 @kernel(inline="always")
 def slots_of(arrays, begin, n):
-    """n slots from `begin` on, of each of three arrays."""
+    """Return n slots from `begin` on, of each of three arrays."""
     x, y, z = arrays
     return x[begin : begin + n], y[begin : begin + n], z[begin : begin + n]
 
 
 @unit()
 def stretch_edges(state, const, work, first, last):
-    """Edges of the rows first - 1 .. last of a block: vectors over their length at rest,
+    """Compute edges of the rows first - 1 .. last of a block: vectors over their length at rest,
     stretches."""
     s = const.row_stride
     low = max(first - 1, 0)
@@ -118,7 +118,8 @@ def stretch_edges(state, const, work, first, last):
 
 @kernel(_nrt=False)
 def edge_vectors(per_length, k, at_rest, begin, end, vector, stretch, inverse):
-    """Vectors of edges over their length at rest, their stretches and the inverses of these.
+    """Compute vectors of edges over their length at rest, their stretches and the inverses of
+    these.
 
     per_length : [1/m] inverse length at rest, one number or slots, from k on;  at_rest : (x, y) of
         the vector at rest
@@ -157,23 +158,25 @@ def repeat_rim(const, first, last, x):
 
 @unit()
 def average_crossing(state, const, work, first, last):
-    """Mean stretch of the edges that cross each edge of a block's rows, and each warp edge of the
-    row before."""
+    """Average the stretch of the edges that cross each edge of a block's rows, and each warp edge
+    of the row before."""
     average(const, first, last, work.stretch, work.mean_stretch)
 
 
 @kernel(_nrt=False)
 def average(const, first, last, x, mean):
-    """Means of x of each family over the edges that cross those of the other one."""
+    """Average x of each family over the edges that cross those of the other one."""
     mean_over_weft(const, first, max(first - 1, 0), last, x[WEFT], mean[WEFT])
     mean_over_warp(const, first, last, x[WARP], mean[WARP])
 
 
 @kernel(_nrt=False)
 def mean_over_weft(const, first, low, last, x, mean):
-    """For the warp edges of the rows low .. last - 1 the mean of x over the four weft edges at
-    their two nodes; over
-    two at the ends of a row. first : row of the block that the scratch x and mean is of."""
+    """Average x, for the warp edges of the rows low .. last - 1, over the four weft edges at their
+    two nodes; over two at the ends of a row.
+
+    first : row of the block that the scratch x and mean is of
+    """
     s = const.row_stride
     m = scratch_slot(const, first, low)
     n = (last - low) * s
@@ -197,7 +200,7 @@ def mean_over_weft(const, first, low, last, x, mean):
 
 @kernel(_nrt=False)
 def mean_over_warp(const, first, last, x, mean):
-    """For the weft edges of the rows first .. last the mean of x over the four warp edges at their
+    """Average x, for the weft edges of the rows first .. last, over the four warp edges at their
     two nodes; those beyond the panel repeat its last row (`repeat_rim`)."""
     s = const.row_stride
     m = 2 * s
@@ -219,8 +222,8 @@ def mean_over_warp(const, first, last, x, mean):
 
 @unit()
 def share_forces(state, const, work, first, last):
-    """Forces N of a block's edges in the variational form: half of dW of their own cells, half of
-    those they cross.
+    """Compute the forces N of a block's edges in the variational form: half of dW of their own
+    cells, half of those they cross.
 
     The mean over crossing edges is its own transpose: what an edge gets is the mean of what these
     give.
@@ -242,8 +245,8 @@ def share_forces(state, const, work, first, last):
 
 @kernel(_nrt=False, fastmath=SUM)
 def step_work(again, cv, k, length, stretch, N, kept):
-    """(work of N, work of the viscous force) [J] of a step: the trapezoid of the force over the
-    change of stretch."""
+    """Compute (work of N, work of the viscous force) [J] of a step: the trapezoid of the force over
+    the change of stretch."""
     L, P, D = kept
     work = 0.0
     viscous = 0.0
@@ -261,7 +264,7 @@ def step_work(again, cv, k, length, stretch, N, kept):
 
 @unit()
 def pull_yarns(state, const, work, block, first, last):
-    """Axial forces of a block's edges over their stretch, and the work of the step.
+    """Compute the axial forces of a block's edges over their stretch, and the work of the step.
 
     The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the
     trellis on both sides takes. Summed over the steps the work equals, term by term, what central
@@ -312,8 +315,8 @@ def pull_yarns(state, const, work, block, first, last):
 
 @kernel(_nrt=False)
 def pull_edges(again, k, factors, edges, turned, kept, on):
-    """Pull of edges over their stretch, r (y (N + cv dL) - turned) / l, into `on`; keep what the
-    next step needs.
+    """Compute the pull of edges over their stretch, r (y (N + cv dL) - turned) / l, into `on`; keep
+    what the next step needs.
 
     factors : r = 1 / dX and cv, one number or slots, from k on; y
     edges, turned : l, 1 / l, N; what the trellis takes on both sides
@@ -340,8 +343,8 @@ def pull_edges(again, k, factors, edges, turned, kept, on):
 
 @unit()
 def scatter_forces(state, const, work, block, first, last):
-    """Forces of a block's edges and elements on its nodes, and on the first row of nodes of the
-    next block.
+    """Scatter the forces of a block's edges and elements to its nodes, and to the first row of
+    nodes of the next block.
 
     Eight slots at a time: what a slot gives to the next one stays in registers. work.f_next_row is
     what a row of elements gives to the nodes of the next; a row is read before the next is stored,
@@ -389,8 +392,8 @@ def scatter_forces(state, const, work, block, first, last):
 
 @kernel(_nrt=False, forceinline=True)
 def scatter_component(state, const, work, c, k, m, left, pulls, last):
-    """Nodal forces of eight slots, component c; `last` is what it returned for the eight slots
-    before."""
+    """Scatter the forces of eight slots, component c; `last` is what it returned for the eight
+    slots before."""
     crossed, pull1, pull2 = pulls
     last_X, last_pull, last_Y = last
     A = work.A[c]
@@ -413,8 +416,8 @@ def scatter_component(state, const, work, c, k, m, left, pulls, last):
 
 @kernel(_nrt=False)
 def hand_over(state, const, work, block, first, last):
-    """Forces on the row of nodes behind a block: those of the next block, or on the rim of the
-    panel with its weft."""
+    """Hand over the forces on the row of nodes behind a block: to the next block, or on the rim of
+    the panel with its weft."""
     s = const.row_stride
     k = last * s
     m = scratch_slot(const, first, last)
@@ -432,7 +435,7 @@ def hand_over(state, const, work, block, first, last):
 
 @kernel(_nrt=False)
 def copy_slots(x, m, n, y, k):
-    """y[k : k + n] becomes x[m : m + n]."""
+    """Copy slots: y[k : k + n] becomes x[m : m + n]."""
     source = x[m : m + n]
     target = y[k : k + n]
     for j in range(n):

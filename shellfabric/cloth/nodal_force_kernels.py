@@ -75,7 +75,7 @@ def keep_symmetry(const, force, window):
 
 @kernel(_nrt=False, forceinline=True)
 def give_impulses(state, const, force, window):
-    """v += dt f / m of the nodes of a window."""
+    """Add v += dt f / m of the nodes of a window."""
     first_row, end_row, first_column, end_column = bounds(window)
     for i in range(first_row, end_row):
         for j in range(first_column, end_column, WIDTH):
@@ -89,7 +89,7 @@ def give_impulses(state, const, force, window):
 
 @kernel(_nrt=False, forceinline=True)
 def half_step_work(state, const, force, window, over):
-    """Half a step's work [J] of forces on the present velocities of the nodes.
+    """Compute half a step's work [J] of forces on the present velocities of the nodes.
 
     Forces that are `over` are taken away, and their window is then one of none.
     """

@@ -27,7 +27,7 @@ from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, sto
 
 @kernel(_nrt=False, forceinline=True)
 def quadratic_weights(r):
-    """The weights B of a node and its two neighbours, at r elements from it."""
+    """Compute the weights B of a node and its two neighbours, at r elements from it."""
     low = 0.5 - r
     high = 0.5 + r
     return 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
@@ -35,8 +35,8 @@ def quadratic_weights(r):
 
 @kernel(_nrt=False, forceinline=True)
 def spline_weights(a, n):
-    """Weights of three nodes of a line of n elements at the place a: (first node, values, slopes,
-    second slopes)."""
+    """Compute the weights of three nodes of a line of n elements at the place a: (first node,
+    values, slopes, second slopes)."""
     i = min(max(int(a + 0.5), 0), n)
     r = a - i
     return i - 1, quadratic_weights(r), (r - 0.5, -2.0 * r, 0.5 + r), (1.0, -2.0, 1.0)
@@ -44,7 +44,8 @@ def spline_weights(a, n):
 
 @kernel(_nrt=False, forceinline=True)
 def facet_weights(a, n):
-    """The same of the bilinear facet at the place a."""
+    """Compute the weights of the bilinear facet at the place a, as `spline_weights` returns
+    them."""
     i = min(max(math.floor(a), -1), n - 1)
     f = a - i
     return i, (1.0 - f, f, 0.0), (-1.0, 1.0, 0.0), (0.0, 0.0, 0.0)
@@ -52,7 +53,7 @@ def facet_weights(a, n):
 
 @kernel(_nrt=False, forceinline=True)
 def weights_at(is_facet, a, n):
-    """`facet_weights` or `spline_weights`."""
+    """Choose `facet_weights` or `spline_weights`."""
     if is_facet:
         return facet_weights(a, n)
     return spline_weights(a, n)
@@ -60,7 +61,7 @@ def weights_at(is_facet, a, n):
 
 @kernel(_nrt=False, forceinline=True)
 def foot_at(grid, is_facet, a, b):
-    """The foot of the place (a, b) on a grid (base, stride, ni, nj)."""
+    """Find the foot of the place (a, b) on a grid (base, stride, ni, nj)."""
     base, stride, ni, nj = grid
     i, wa, _, _ = weights_at(is_facet, a, ni)
     j, wb, _, _ = weights_at(is_facet, b, nj)
@@ -69,7 +70,7 @@ def foot_at(grid, is_facet, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def facet_foot(grid, facet, place):
-    """The foot of a place (a, b) on the facet of element (i, j), or beside it."""
+    """Find the foot of a place (a, b) on the facet of element (i, j), or beside it."""
     base, stride, _, _ = grid
     i, j = facet
     f = place[0] - i
@@ -79,7 +80,7 @@ def facet_foot(grid, facet, place):
 
 @kernel(_nrt=False, forceinline=True)
 def vector_of(x, foot):
-    """The vector x of the nodes, such as their places, at a foot."""
+    """Interpolate the vector x of the nodes, such as their places, at a foot."""
     _, _, at, wa, wb = foot
     return vector_at(x, at, wa, wb)
 
@@ -97,7 +98,7 @@ def share_out(f, window, foot, force):
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate(x, at, wa, wb):
-    """Sum of wa wb x over three by three nodes; at : number of the first, and from row to row."""
+    """Sum wa wb x over three by three nodes; at : number of the first, and from row to row."""
     k, s = at
     m = k + s
     o = m + s
@@ -109,7 +110,7 @@ def interpolate(x, at, wa, wb):
 
 @kernel(_nrt=False, forceinline=True)
 def vector_at(x, at, wa, wb):
-    """`interpolate` of the three components of a vector."""
+    """Interpolate the three components of a vector, each by `interpolate`."""
     return (
         interpolate(x[0], at, wa, wb),
         interpolate(x[1], at, wa, wb),
@@ -119,8 +120,8 @@ def vector_at(x, at, wa, wb):
 
 @kernel(_nrt=False, forceinline=True)
 def patch_at(x, grid, is_facet, a, b):
-    """The surface at the place (a, b) of a grid: its foot, place, slopes along a and b, and second
-    slopes aa, ab and bb."""
+    """Evaluate the surface at the place (a, b) of a grid: its foot, place, slopes along a and b,
+    and second slopes aa, ab and bb."""
     base, stride, ni, nj = grid
     i, wa, da, ca = weights_at(is_facet, a, ni)
     j, wb, db, cb = weights_at(is_facet, b, nj)
@@ -132,9 +133,9 @@ def patch_at(x, grid, is_facet, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def spline_weights8(r, moved):
-    """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points
-    that are `moved` are the last three, of the others the first three. Returns (values, slopes,
-    second slopes)."""
+    """Compute `spline_weights` of eight points r from their nearest nodes, over four nodes: those
+    of points that are `moved` are the last three, of the others the first three. Returns (values,
+    slopes, second slopes)."""
     return (
         select_nodes(moved, *quadratic_weights(r)),
         select_nodes(moved, r - 0.5, -2.0 * r, 0.5 + r),
@@ -144,26 +145,26 @@ def spline_weights8(r, moved):
 
 @kernel(_nrt=False, forceinline=True)
 def select_nodes(moved, a, b, c):
-    """a, b, c and nothing; nothing, a, b and c where `moved`."""
+    """Select a, b, c and nothing; nothing, a, b and c where `moved`."""
     return where(moved, 0.0, a), where(moved, a, b), where(moved, b, c), where(moved, c, 0.0)
 
 
 @kernel(forceinline=True)
 def weighted_sum(w, a, b, c, d):
-    """w0 a + w1 b + w2 c + w3 d of eight points."""
+    """Compute w0 a + w1 b + w2 c + w3 d of eight points."""
     return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
 
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate_row8(x, k, w):
-    """`weighted_sum` of four nodes from number k on; the next of eight points begins a node
+    """Compute `weighted_sum` of four nodes from number k on; the next of eight points begins a node
     further."""
     return weighted_sum(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
 
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate_rows8(x, at, w):
-    """`interpolate_row8` along each of four lines.
+    """Compute `interpolate_row8` along each of four lines.
 
     at : number of the first node, numbers from line to line, and whether the fourth line counts,
         which it does if some points are `moved`
@@ -182,14 +183,14 @@ def interpolate_rows8(x, at, w):
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate8(x, at, wa, wb):
-    """`interpolate` of eight points side by side, whose four by four nodes begin at the numbers k
-    .. k + 7."""
+    """Interpolate, as `interpolate` does, at eight points side by side, whose four by four nodes
+    begin at the numbers k .. k + 7."""
     return weighted_sum(wa, *interpolate_rows8(x, at, wb))
 
 
 @kernel(_nrt=False, forceinline=True)
 def vector_at8(x, at, wa, wb):
-    """`interpolate8` of the three components of a vector."""
+    """Interpolate the three components of a vector, each by `interpolate8`."""
     return (
         interpolate8(x[0], at, wa, wb),
         interpolate8(x[1], at, wa, wb),
@@ -199,8 +200,8 @@ def vector_at8(x, at, wa, wb):
 
 @kernel(_nrt=False, forceinline=True)
 def patch_component8(x, at, weights):
-    """(value, slope along a, slope along b) of a component; weights : values, slopes, second slopes
-    along a and b."""
+    """Compute (value, slope along a, slope along b) of a component; weights : values, slopes,
+    second slopes along a and b."""
     (wa, da, _), (wb, db, _) = weights
     v = interpolate_rows8(x, at, wb)
     e = interpolate_rows8(x, at, db)
@@ -209,7 +210,7 @@ def patch_component8(x, at, weights):
 
 @kernel(_nrt=False, forceinline=True)
 def patch8(x, at, weights):
-    """(place, slope along a, slope along b) of eight surface points, each a vector."""
+    """Compute (place, slope along a, slope along b) of eight surface points, each a vector."""
     x_0, x_a, x_b = patch_component8(x[0], at, weights)
     y_0, y_a, y_b = patch_component8(x[1], at, weights)
     z_0, z_a, z_b = patch_component8(x[2], at, weights)
@@ -218,7 +219,7 @@ def patch8(x, at, weights):
 
 @kernel(_nrt=False, forceinline=True)
 def second_component8(x, at, weights):
-    """Second slopes (aa, ab, bb) of a component; weights as of `patch_component8`."""
+    """Compute the second slopes (aa, ab, bb) of a component; weights as in `patch_component8`."""
     (wa, da, ca), (wb, db, cb) = weights
     v = interpolate_rows8(x, at, wb)
     e = interpolate_rows8(x, at, db)
@@ -228,7 +229,7 @@ def second_component8(x, at, weights):
 
 @kernel(_nrt=False, forceinline=True)
 def second_slopes8(x, at, weights):
-    """Second slopes aa, ab, bb of eight surface points, each a vector."""
+    """Compute the second slopes aa, ab, bb of eight surface points, each a vector."""
     x_aa, x_ab, x_bb = second_component8(x[0], at, weights)
     y_aa, y_ab, y_bb = second_component8(x[1], at, weights)
     z_aa, z_ab, z_bb = second_component8(x[2], at, weights)
@@ -265,8 +266,8 @@ def scatter_row8(f, k, force, w):
 
 @kernel(_nrt=False, forceinline=True)
 def point_mean8(x, at, wa, wb):
-    """`interpolate` at eight points side by side whose weights of three by three nodes are
-    alike."""
+    """Interpolate, as `interpolate` does, at eight points side by side whose weights of three by
+    three nodes are alike."""
     k, s = at
     total = broadcast(0.0)
     for n in range(3):
@@ -278,7 +279,7 @@ def point_mean8(x, at, wa, wb):
 
 @kernel(_nrt=False, forceinline=True)
 def point_vector8(x, at, wa, wb):
-    """`point_mean8` of the three components of a vector."""
+    """Interpolate the three components of a vector, each by `point_mean8`."""
     return (
         point_mean8(x[0], at, wa, wb),
         point_mean8(x[1], at, wa, wb),

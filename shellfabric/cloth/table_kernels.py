@@ -43,15 +43,15 @@ from shellfabric.state import unit
 
 @kernel(forceinline=True)
 def saturated(over, reach):
-    """g of a way beyond the table, and its slope."""
+    """Compute g of a way beyond the table, and its slope."""
     part = 1.0 / (1.0 + over / reach)
     return over * part, part * part
 
 
 @unit("number", l1="n", l2="n", grid="7 numbers", table="cells, 4", reaches="2 numbers", T="n")
 def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
-    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at
-    least 0.
+    """Interpolate one tension [N] bilinearly at n pairs of stretches. Returns the largest, at least
+    0.
 
     grid : where the table begins, cells per stretch and number of the last cell, of both stretches;
         cells along the second. Below the table its edge, which is exact there; above it linear, but
@@ -79,7 +79,7 @@ def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
 
 @kernel(forceinline=True)
 def gradient(p, q, c):
-    """W_p and W_q at eight places in the table."""
+    """Compute W_p and W_q at eight places in the table."""
     flat1 = fma(q, fma(q, c[6], c[4]), c[0])
     turn1 = fma(q, fma(q, c[7], c[5]), c[1])
     flat2 = fma(p, fma(p, c[5], c[4]), c[2])
@@ -89,13 +89,13 @@ def gradient(p, q, c):
 
 @kernel(forceinline=True)
 def mixed(p, q, c):
-    """W_pq."""
+    """Compute W_pq."""
     return (c[4] + 2.0 * p * c[5]) + 2.0 * q * (c[6] + 2.0 * p * c[7])
 
 
 @kernel(forceinline=True)
 def gradient_beyond(p, q, c, beyond):
-    """`gradient` at eight places, of which some are beyond the table."""
+    """Compute `gradient` at eight places, of which some are beyond the table."""
     reach1, reach2, t1, t2, k1, k2 = beyond
     over1 = maximum(p - 1.0, 0.0)
     over2 = maximum(q - 1.0, 0.0)
@@ -129,7 +129,7 @@ def gradient_beyond(p, q, c, beyond):
     N2="n",
 )
 def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2):
-    """Gradient of the biquadratic potential, N = factor dW/d(local coordinate).
+    """Compute the gradient of the biquadratic potential, N = factor dW/d(local coordinate).
 
     beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : of N1 and of N2
 
@@ -177,8 +177,8 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
 @kernel(forceinline=True)
 def potential_at(p, q, over1, over2, c, level, beyond):
-    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or
-    of eight."""
+    """Compute the potential [J] at local coordinates that are at most 1, and beyond them; of one
+    place or of eight."""
     reach1, reach2, t1, t2, k1, k2 = beyond
     far1 = saturated(over1, reach1)[0]
     far2 = saturated(over2, reach2)[0]
@@ -195,8 +195,10 @@ def potential_at(p, q, over1, over2, c, level, beyond):
 
 @kernel()
 def potential(l1, l2, grid, table, beyond, level):
-    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,)
-    [J] : of 1."""
+    """Compute the biquadratic potential [J] at a pair of stretches, for `potential_forces`.
+
+    level : (cells,) [J] of 1
+    """
     x0, rx, top1, y0, ry, top2, across = grid
     p = max((l1 - x0) * rx, 0.0)
     q = max((l2 - y0) * ry, 0.0)
@@ -212,7 +214,7 @@ def potential(l1, l2, grid, table, beyond, level):
 
 @kernel()
 def max_value(m0, n, values):
-    """The largest of n values, at least 0."""
+    """Find the largest of n values, at least 0."""
     found = broadcast(0.0)
     for j in range(0, n, WIDTH):
         found = maximum(found, where(head_mask(n - j), load(values, m0 + j), 0.0))

@@ -8,7 +8,7 @@ families, is
 with the B of `cloth.surface_kernels`. Where a yarn has failed, the node beyond is the one that goes
 straight on, 2 x(i) - x(i + 1), which makes B = (-s or 0), 1 - |s|, (s or 0): the surface ends at the
 end of the yarn. So along either family it bends about a node if the yarn is whole on both sides of
-it, and is straight otherwise; neither places nor forces are handed across a gap. At a corner of the
+it, and is straight otherwise; neither positions nor forces are handed across a gap. At a corner of the
 nine nodes one may be left that no yarn joins to the others: then it is straight along both, within
 the element's own four nodes.
 
@@ -29,7 +29,8 @@ WHOLE = 255  # of `bent`
 
 @kernel()
 def node_weights(s, bends):
-    """Weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it."""
+    """Compute the weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from
+    it."""
     if bends:
         return quadratic_weights(s)
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
@@ -37,21 +38,21 @@ def node_weights(s, bends):
 
 @kernel()
 def corner_weights(bent, corner, family, s):
-    """`node_weights` about a corner (q, r) of an element along a family."""
+    """Compute `node_weights` about a corner (q, r) of an element along a family."""
     q, r = corner
     return node_weights(s, bent >> (4 * q + 2 * r + family) & 1 == 1)
 
 
 @kernel()
 def mean_weights(one, other):
-    """Half of both."""
+    """Average two sets of three weights."""
     return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1]), 0.5 * (one[2] + other[2])
 
 
 @kernel()
 def torn_foot(const, bent, element, point):
-    """The foot (`surface_kernels`) of a point (a, b) of those of an element (i, j) in which yarns may
-    end.
+    """Find the foot (`surface_kernels`) of a point (a, b) of those of an element (i, j) in which
+    yarns may end.
 
     It is of the corner next to the point; midway between two corners it is the mean of both, whose
     weights differ along the line between them alone.
@@ -77,7 +78,7 @@ def torn_foot(const, bent, element, point):
 
 @kernel()
 def bent_corners(state, const, i, j):
-    """`bent` of element (i, j)."""
+    """Find `bent` of element (i, j)."""
     if neighbourhood_intact(state, const, i, j):
         return WHOLE
     return bent_beside_failures(state, const, i, j)
@@ -85,7 +86,7 @@ def bent_corners(state, const, i, j):
 
 @unit("integer", later=True)
 def bent_beside_failures(state, const, i, j):
-    """`bent` of an element beside which yarns have failed."""
+    """Find `bent` of an element beside which yarns have failed."""
     bent = 0
     for q in range(2):
         for r in range(2):
@@ -96,7 +97,7 @@ def bent_beside_failures(state, const, i, j):
 
 @kernel()
 def neighbourhood_intact(state, const, i, j):
-    """Whether all yarns of element (i, j) and of its eight neighbours are whole."""
+    """Tell whether all yarns of element (i, j) and of its eight neighbours are whole."""
     for m in range(max(i - 1, 0), min(i + 2, const.ni)):
         for n in range(max(j - 1, 0), min(j + 2, const.nj)):
             if state.element_flag[m * const.row_stride + n]:
@@ -106,7 +107,8 @@ def neighbourhood_intact(state, const, i, j):
 
 @kernel()
 def quadratic_directions(state, const, element, corner):
-    """Whether the surface about a corner (q, r) of an element bends along the warp and the weft."""
+    """Tell whether the surface about a corner (q, r) of an element bends along the warp and the
+    weft."""
     q, r = corner
     m = element[0] + q
     n = element[1] + r
@@ -128,7 +130,7 @@ def quadratic_directions(state, const, element, corner):
 
 @kernel()
 def runs_through(state, const, family, node):
-    """Whether the yarns of a family are whole on both sides of a node."""
+    """Tell whether the yarns of a family are whole on both sides of a node."""
     i, j = node
     before = i, j - 1
     if family == WARP:
@@ -138,7 +140,8 @@ def runs_through(state, const, family, node):
 
 @kernel()
 def edge_intact(state, const, family, node):
-    """Whether the edge that begins at a node has an intact yarn; beyond the panel there is none."""
+    """Tell whether the edge that begins at a node has an intact yarn; beyond the panel there is
+    none."""
     i, j = node
     if (
         (i < 0 and not const.mirror_x)

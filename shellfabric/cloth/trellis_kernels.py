@@ -37,8 +37,8 @@ ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 
 @kernel()
 def trellis_law(gamma, G1, G2, gamma1, gamma2):
-    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35,
-    erratum E-11)."""
+    """Compute the trellis stress, odd in the shear angle gamma, and its integral: three zones (eq.
+    4-35, erratum E-11)."""
     g = abs(gamma)
     rise = (G2 - G1) / (gamma2 - gamma1)
     middle = min(max(g - gamma1, 0.0), gamma2 - gamma1)
@@ -51,20 +51,20 @@ def trellis_law(gamma, G1, G2, gamma1, gamma2):
 
 @kernel()
 def shear_energy(sine, V, G1, G2, gamma1, gamma2):
-    """Energy V U of the trellis in one quadrilateral."""
+    """Compute the energy V U of the trellis in one quadrilateral."""
     return V * trellis_law(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
 @kernel(forceinline=True)
 def arcsine_terms(z, z2, m):
-    """Four terms of P from that of z^m on, over z^m (Estrin's scheme)."""
+    """Sum four terms of P from that of z^m on, over z^m (Estrin's scheme)."""
     return fma(z2, fma(z, ARCSINE[m + 3], ARCSINE[m + 2]), fma(z, ARCSINE[m + 1], ARCSINE[m]))
 
 
 @kernel(forceinline=True)
 def arcsine(sine):
-    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1
-    - x) / 2) above."""
+    """Compute eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of
+    sqrt((1 - x) / 2) above."""
     x = minimum(fabs(sine), 0.999)
     high = greater(x, 0.5)
     root = x
@@ -82,8 +82,8 @@ def arcsine(sine):
 
 @kernel()
 def shear_slope(sine, G1, G2, gamma1, gamma2):
-    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6
-    degrees count as that.
+    """Compute dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than
+    2.6 degrees count as that.
 
     `trellis_law` written without branches.
     """
@@ -99,7 +99,7 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
 
 @kernel(forceinline=True)
 def regularized_stretch(stretch):
-    """Regularized stretch f of the sum of two stretches, and its slope (see above)."""
+    """Compute the regularized stretch f of the sum of two stretches, and its slope (see above)."""
     short = minimum(stretch, 2.0 * FADE_STRETCH)
     missing = 2.0 * FADE_STRETCH - short
     return fma((0.25 / FADE_STRETCH) * missing, missing, stretch), (0.5 / FADE_STRETCH) * short
@@ -107,15 +107,15 @@ def regularized_stretch(stretch):
 
 @kernel()
 def regularized_stretch_scalar(stretch):
-    """`regularized_stretch` of one sum, without the slope."""
+    """Compute `regularized_stretch` of one sum, without the slope."""
     missing = max(2.0 * FADE_STRETCH - stretch, 0.0)
     return stretch + 0.25 / FADE_STRETCH * missing * missing
 
 
 @kernel(forceinline=True)
 def shear_sines(work, j, s):
-    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches,
-    and these, summed."""
+    """Compute, for eight quadrilaterals: sine, over f of the two warp and of the two weft edges'
+    stretches, and these, summed."""
     A = work.A
     B = work.B
     l1, l2 = work.stretch
@@ -178,7 +178,7 @@ def trellis_forces(state, const, work, first, last):
 
 @kernel()
 def clear_slot(work, j):
-    """No element stands at the slot j of the scratch."""
+    """Clear the slot j of the scratch, at which no element stands."""
     work.trellis_turn[0][j] = 0.0
     work.trellis_turn[1][j] = 0.0
     work.trellis_cross[j] = 0.0

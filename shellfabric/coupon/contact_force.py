@@ -38,8 +38,8 @@ BISECTIONS = 60
 
 
 def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, float]:
-    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid
-    section.
+    """Compute the (lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of
+    a solid section.
 
     fibre_diameter : [m]; 12 um is that of aramid fibres
     """
@@ -49,7 +49,7 @@ def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, fl
 
 
 def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as
+    """Compute (S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as
     `yarn_kernels.arc`."""
     k = 0.5 * pi * h / w
     E = ellipe(-(k**2))
@@ -59,7 +59,8 @@ def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
-    """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
+    """Solve for the height (stretches, forces) [m] of a yarn at the stretches and under the contact
+    forces [N].
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArr
 
 
 def compression(yarn: CellYarn, force: FloatArray) -> FloatArray:
-    """[m] of a yarn at the contact forces [N]."""
+    """Compute the compression [m] of a yarn at the contact forces [N]."""
     if yarn.a == 0:
         return np.zeros_like(force)
     return yarn.a - yarn.b * (np.maximum(force, 1e-300) + yarn.shift) ** (-1 / 3)
@@ -100,7 +101,8 @@ def contact_forces(
     stretch2: FloatArray,
     largest: float,
 ) -> FloatArray:
-    """(n1, n2) [N] contact force of the cell at all pairs of stretches of warp and weft.
+    """Solve for the contact force (n1, n2) [N] of the cell at all pairs of stretches of warp and
+    weft.
 
     Parameters
     ----------
@@ -129,8 +131,8 @@ def contact_forces(
 
 
 def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses
-    has none."""
+    """Compute the tension (n2,) [N] of the weft at the stretches of the table, where the warp that
+    it crosses has none."""
     model = table.model
     slack = table.stretch1[:1]
     weft = model.yarns[1]
@@ -143,8 +145,8 @@ def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArr
 
 
 def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
-    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists
-    bending."""
+    """Return the contact forces (n1, n2) [N] on the grid of a table; those of the table if no yarn
+    resists bending."""
     if not any(bending):
         return table.values["F"]
     return contact_forces(table.model, bending, table.stretch1, table.stretch2, _largest(table))

@@ -119,13 +119,13 @@ class Coupon:
         )
 
     def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
-        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis)
-        [J] at x (n, 2)."""
+        """Compute forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns,
+        trellis) [J] at x (n, 2)."""
         f, bound, stored, sheared = kernels.forces(x, self._segments)
         return f, bound, (stored, sheared)
 
     def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
-        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its
+        """Spread a motion u of the held nodes to all, (n, 2) [m]: each free node moves as its
         neighbours' mean."""
         n = len(self.points)
         pairs = np.concatenate(self.edges)
@@ -140,19 +140,20 @@ class Coupon:
         return out
 
     def shear_angles(self, x: FloatArray) -> FloatArray:
-        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has
-        closed."""
+        """Compute the shear angles (q,) [rad] of the quadrilaterals, positive where the angle
+        between warp and weft has closed."""
         return kernels.angles(x, self.quads, *self.spacing)
 
     def stretches(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [-] of the warp and the weft segments."""
+        """Compute the stretches ((e1,), (e2,)) [-] of the warp and the weft segments."""
         return tuple(
             np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1) / length
             for edges, length in zip(self.edges, self.spacing)
         )
 
     def tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [N] tensions of the yarns in the warp and the weft segments."""
+        """Compute the tensions ((e1,), (e2,)) [N] of the yarns in the warp and the weft
+        segments."""
         stretches = self.stretches(x)
         model = self.table.model
         found = []
@@ -171,9 +172,9 @@ class Coupon:
         return tuple(found)
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against
-        the strength, M of `cloth.failure_kernels`; without its low-pass, since the test is
-        quasi-static."""
+        """Average the tensions over the failure length about each segment, ((e1,), (e2,)) [N]: what
+        is held against the strength, M of `cloth.failure_kernels`; without its low-pass, since the
+        test is quasi-static."""
         return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
 
     @cached_property

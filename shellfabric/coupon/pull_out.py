@@ -125,7 +125,7 @@ class PullOut:
         return float(self.table.stretch1[np.flatnonzero(self.tensions <= 0)[-1]])
 
     def tension(self, stretch: FloatArray) -> FloatArray:
-        """[N] axial force of the yarn."""
+        """Interpolate the axial force [N] of the yarn."""
         return np.interp(stretch, self.table.stretch1, self.tensions)
 
     def stretch_ahead(self, behind: FloatArray, *, at_tail: bool = False) -> FloatArray:
@@ -156,8 +156,8 @@ class PullOut:
         return low
 
     def stretches(self, first: FloatArray) -> FloatArray:
-        """(k, crossings) [-] stretches towards the crosshead if all crossovers slide, the first
-        ones `first` (k,)."""
+        """Compute the stretches (k, crossings) [-] towards the crosshead if all crossovers slide,
+        the first ones `first` (k,)."""
         found = [first]
         while len(found) < self.crossings:
             found.append(self.stretch_ahead(found[-1]))

@@ -109,8 +109,8 @@ def bias_coupon(
     elements_per_crossover: int = 1,
     trellis: bool = True,
 ) -> tuple[Coupon, IntArray, tuple[float, float]]:
-    """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of
-    `bias_extension`."""
+    """Mesh the coupon of a bias test: (Coupon, (n,) its grips, (length, width) [m] as meshed);
+    arguments as in `bias_extension`."""
     if not length > width > 0:
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
@@ -136,7 +136,8 @@ def bias_coupon(
 
 
 def yarn_share(fabric: Fabric) -> float:
-    """[-] share of the yarns' stiffness with which a bias coupon is computed: 1 up to STIFFEST.
+    """Compute the share [-] of the yarns' stiffness with which a bias coupon is computed: 1 up to
+    STIFFEST.
 
     The ratio is E A over the shear stiffness of a spacing, spacing x thickness x G1: 2e3 of the
     thesis's fabrics, 3e5 of a dry glass weave, whose yarns act as if they did not stretch.
@@ -153,8 +154,8 @@ def yarn_share(fabric: Fabric) -> float:
 
 
 def softened_work(coupon: Coupon, state: State) -> float:
-    """[-] share of the work up to a state that went into yarns of a lowered stiffness; 0 if they
-    have their own.
+    """Compute the share [-] of the work up to a state that went into yarns of a lowered stiffness;
+    0 if they have their own.
 
     The energy of an equilibrium falls with the share s of the stiffness by dE/ds = E_yarns / s.
     E_yarns itself goes as 1 / s where the shear sets the tensions, so that yarns that do not
@@ -167,16 +168,16 @@ def softened_work(coupon: Coupon, state: State) -> float:
 
 
 def zones(coupon: Coupon, length: float, width: float) -> IntArray:
-    """(q,) index into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns lead to a
-    clamp (Fig. 4-25)."""
+    """Return the index (q,) into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns
+    lead to a clamp (Fig. 4-25)."""
     x, y = coupon.points[coupon.quads].mean(axis=1).T
     reach = (length - width) / 2
     return 2 - (np.abs(y - x) > reach).astype(int) - (np.abs(y + x) > reach)
 
 
 def concentration(gamma: FloatArray, centre: BoolArray) -> float:
-    """[-] shear angle that one element in a hundred exceeds, over the median of the elements
-    `centre`.
+    """Compute the shear angle that one element in a hundred exceeds, over the median of the
+    elements `centre` [-].
 
     A hundredth is about one row of elements, the narrowest band there is.
     """
@@ -184,7 +185,7 @@ def concentration(gamma: FloatArray, centre: BoolArray) -> float:
 
 
 def bias_size(result: Result) -> tuple[float, float]:
-    """(length, width) [m] of the coupon of a bias test, as it was meshed."""
+    """Return (length, width) [m] of the coupon of a bias test, as it was meshed."""
     top = result.coupon.points[result.grips == 1]
     return 2 * float(top[:, 1].min()), float(np.ptp(result.coupon.points[:, 0]))
 
@@ -230,8 +231,8 @@ def picture_frame(
 
 
 def frame_stress(result: Result) -> FloatArray:
-    """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle,
-    over the volume."""
+    """Compute the shear stress (steps,) [Pa] of a picture frame test: work of the frame for a
+    change of angle, over the volume."""
     x, y = result.coupon.points.T
     volume = (
         len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
@@ -348,8 +349,8 @@ def biaxial(
 
 
 def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
-    """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a
-    coupon."""
+    """Compute the strains (steps, 2) [-] along warp and weft of the part |X| < half[0], |Y| <
+    half[1] [m] of a coupon."""
     coupon = result.coupon
     found = []
     inside = [

@@ -35,7 +35,8 @@ WEFT = 1
 
 @kernel()
 def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
-    """W and its slopes W1, W2, W11, W12, W22 with the stretches, from the biquadratic table.
+    """Compute W and its slopes W1, W2, W11, W12, W22 with the stretches, from the biquadratic
+    table.
 
     Below the table the yarn is slack and the lowest edge is exact; above it the tensions go on
     linearly.
@@ -64,7 +65,7 @@ def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
 
 @kernel(_nrt=False)
 def stretch_segments(x, coupon, family):
-    """Stretches and directions of the segments of one family, with the nodes at x."""
+    """Compute stretches and directions of the segments of one family, with the nodes at x."""
     nodes = coupon.nodes[family]
     direction = coupon.direction[family]
     for e in range(nodes.shape[0]):
@@ -80,8 +81,8 @@ def stretch_segments(x, coupon, family):
 
 @kernel(_nrt=False)
 def mean_crossing(coupon, family, e):
-    """Mean stretch of the segments that cross segment e, and the share of each; share 0 where none
-    does."""
+    """Average the stretch of the segments that cross segment e, and return the share of each; share
+    0 if none does."""
     across = coupon.across[family]
     total = 0.0
     count = 0
@@ -96,8 +97,8 @@ def mean_crossing(coupon, family, e):
 
 @kernel(_nrt=False)
 def cell_of(coupon, family, own, mean):
-    """W of the cell of a segment, and its slopes: own, crossing, own own, own crossing, crossing
-    crossing."""
+    """Compute W of the cell of a segment, and its slopes: own, crossing, own own, own crossing,
+    crossing crossing."""
     x0, rx, top1, y0, ry, top2 = coupon.grid
     last1 = int(top1)
     last2 = int(top2)
@@ -140,7 +141,8 @@ def segment_forces(coupon, family):
 
 @kernel(_nrt=False)
 def lone_segment(coupon, family, e):
-    """Energy of a segment that nothing crosses; adds its dE/dLambda and its part of the bound."""
+    """Compute the energy of a segment that nothing crosses; add its dE/dLambda and its part of the
+    bound."""
     w = coupon.half_width[family]
     S0 = coupon.yarn_length[family]
     EA = coupon.stiffness[family]
@@ -233,8 +235,8 @@ def trellis_forces(x, coupon, f, bound):
 
 @entry()
 def forces(x, coupon):
-    """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of
-    yarns and trellis [J]; coupon : Segments."""
+    """Compute forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy
+    of yarns and trellis [J]; coupon : Segments."""
     f = np.zeros_like(x)
     bound = np.zeros(x.shape[0])
     for family in range(2):
@@ -253,7 +255,7 @@ def forces(x, coupon):
 
 @entry()
 def angles(x, quads, dX, dY):
-    """(q,) [rad] shear angles of the quadrilaterals."""
+    """Compute the shear angles (q,) [rad] of the quadrilaterals."""
     gamma = np.empty(quads.shape[0])
     for k in range(quads.shape[0]):
         gamma[k] = shear_angle(x, quads[k], dX, dY)[0]

@@ -45,11 +45,11 @@ class Result:
     force_floor: float
 
     def force(self, grip: int, axis: int) -> FloatArray:
-        """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
+        """Return the force (steps,) [N] of a grip on the coupon, along axis 0 or 1."""
         return np.array([state.reaction[self.grips == grip, axis].sum() for state in self.states])
 
     def shear(self, step: int = -1) -> FloatArray:
-        """(q,) [rad] shear angles after a step."""
+        """Return the shear angles (q,) [rad] after a step."""
         return self.coupon.shear_angles(self.states[step].x)
 
 
@@ -116,7 +116,7 @@ def run(
 
 
 def no_fold(coupon: Coupon) -> Callable[[State], None]:
-    """A hook that ends a run in which an element has folded."""
+    """Return a hook that ends a run in which an element has folded."""
 
     def hook(state):
         gamma = coupon.shear_angles(state.x)
@@ -132,7 +132,7 @@ def no_fold(coupon: Coupon) -> Callable[[State], None]:
 
 
 def at_strength(coupon: Coupon) -> Callable[[State], bool]:
-    """A hook that ends a run once the mean tension of a yarn has reached its strength."""
+    """Return a hook that ends a run once the mean tension of a yarn has reached its strength."""
 
     def hook(state):
         tensions = coupon.mean_tensions(state.x)

@@ -15,8 +15,8 @@ ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem t
 
 
 def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
-    """[m/s] the highest speed of a node that a run goes on with: ten times the velocity that sets
-    nodes in motion.
+    """Return the highest speed [m/s] of a node that a run goes on with: ten times the velocity that
+    sets nodes in motion.
 
     That is the strike velocity or, in a slow strike, the velocity e c at which a yarn of the wave
     speed c that breaks at the strain e lets go of its end. Nodes are faster than either without any
@@ -35,8 +35,8 @@ def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
 
 
 def energy_gain_message(taken: float, strike_energy: float) -> str:
-    """Message for a contact that has taken in `taken` [J]; "" unless it has given more than
-    ENERGY_GAIN_LIMIT."""
+    """Write the message for a contact that has taken in `taken` [J]; "" unless it has given more
+    than ENERGY_GAIN_LIMIT."""
     share = -taken / strike_energy
     if share > ENERGY_GAIN_LIMIT:
         return f"has given {100 * share:.2g} % of the strike energy that it never took"

@@ -9,8 +9,9 @@ from fabrics.base.errors import InputError
 
 
 def free() -> float:
-    """[bytes] that this process can still take: what the system has available, and its own limit of
-    addresses (`ulimit -v`) less those in use; infinite where the system does not state it."""
+    """Return the memory [bytes] that this process can still take: what the system has available,
+    and its own limit of addresses (`ulimit -v`) less those in use; infinite if the system does not
+    state it."""
     try:
         import resource
 

@@ -157,38 +157,39 @@ class ExplicitSolver:
         raise NotImplementedError
 
     def observe(self) -> tuple[dict[str, float], dict[str, float]]:
-        """({name: value}, {name: [J]}): what a sample has besides energies; all energies of the
-        modelled part."""
+        """Return ({name: value}, {name: [J]}): what a sample has besides energies; all energies of
+        the modelled part."""
         raise NotImplementedError
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
-        """[((n,) speeds [m/s] of the nodes, the highest that a run goes on with)] of each part."""
+        """Return [((n,) speeds [m/s] of the nodes, the highest that a run goes on with)] of each
+        part."""
         raise NotImplementedError
 
     def where(self, part: int, node: int) -> str:
-        """Text that says where the node of a part is."""
+        """Say where the node of a part is."""
         raise NotImplementedError
 
     def run_worker(self, shared: IntArray, me: int) -> None:
-        """The share of thread number `me` in the steps of one call of `advance`."""
+        """Run the share of thread number `me` in the steps of one call of `advance`."""
 
     def sampled(self) -> None:
-        """What a model does after a sample that the guards have passed."""
+        """Do what a model does after a sample that the guards have passed."""
 
     def guard_model(self) -> None:
-        """Guards of the model's own."""
+        """Check the guards of the model's own."""
 
     def checkpoint_identity(self) -> tuple[Any, str]:
-        """(what determines the run and its records, name of the module whose code does)."""
+        """Return (what determines the run and its records, name of the module whose code does)."""
         raise NotImplementedError
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """{name: array, or named tuple of arrays} of the state, into which a checkpoint puts back
-        what it has kept."""
+        """Return {name: array, or named tuple of arrays} of the state, into which a checkpoint puts
+        back what it has kept."""
         raise NotImplementedError
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
-        """{name: list of equal rows} of what has been recorded."""
+        """Return {name: list of equal rows} of what has been recorded."""
         return {"samples": self.samples}
 
     # the driver
@@ -231,7 +232,7 @@ class ExplicitSolver:
         return self.steps_per_sample * self.const.dt
 
     def sample(self, name: str) -> FloatArray:
-        """(n,) one column of the samples."""
+        """Return one column (n,) of the samples."""
         return np.array([row[self.sample_names.index(name)] for row in self.samples])
 
     def run(self, hooks: Iterable[Hook] = ()) -> Self:
@@ -370,7 +371,7 @@ class ExplicitSolver:
             )
 
     def stop(self, message: str, where: str, when: str | None = None) -> NoReturn:
-        """End the run: raises UnstableError."""
+        """Stop the run: raise UnstableError."""
         raise UnstableError(message, where=where, when=when or self.when)
 
 

@@ -120,8 +120,8 @@ def _run_recorded(setup, solver, factor, hooks):
 
 
 def run_impact_or_partial(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
-    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had
-    computed.
+    """Fire the shot: (result of `run`, why it became unstable or ""); of an unstable run the result
+    is what it had computed.
 
     Raises
     ------

@@ -47,7 +47,7 @@ class Ply:
 
     Parameters
     ----------
-    fabric : Fabric, as of ImpactSetup
+    fabric : Fabric, as in ImpactSetup
     laws : (warp, weft) CompressionLaw; None takes the fabric's published ones
     angle : [rad] by which it is turned, from warp to weft, above -pi/2 and at most pi/2
     gap : [m] to the next ply at rest; None takes that of `plies.gap.gap_between`
@@ -214,13 +214,13 @@ class ImpactSetup:
         return sum(self.fabric_of(p).weave.areal_density for p in range(self.plies))
 
     def fabric_of(self, ply: int) -> Fabric:
-        """The fabric of a ply, the first is 0."""
+        """Return the fabric of a ply, the first is 0."""
         if self.lay_up:
             return self.lay_up[ply].fabric
         return self.fabric
 
     def angle_of(self, ply: int) -> float:
-        """[rad] by which a ply, the first is 0, is turned."""
+        """Return the angle [rad] by which a ply, the first is 0, is turned."""
         if self.lay_up:
             return self.lay_up[ply].angle
         if self.stacking == "alternating" and ply % 2 == 1:
@@ -228,8 +228,8 @@ class ImpactSetup:
         return 0.0
 
     def is_turned(self, ply: int) -> bool:
-        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its
-        panel."""
+        """Tell whether a ply, the first is 0, is turned by a right angle: its warp is the weft of
+        its panel."""
         return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
 
     @property
@@ -338,8 +338,8 @@ class ImpactSetup:
         return min(max(ceil(max(lengths) - 1e-9), *under_the_nose), MOST_ELEMENTS)
 
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
-        """The set-up with the mesh that follows from the failure length: graded, or uniform if an
-        edge is not clamped.
+        """Return the set-up with the mesh that follows from the failure length: graded, or uniform
+        if an edge is not clamped.
 
         Parameters
         ----------
@@ -399,7 +399,7 @@ class ImpactSetup:
         return self.audit_interval
 
     def cell(self) -> CellModel | SurfaceCell:
-        """The crossover's cell."""
+        """Return the crossover's cell."""
         if self.surface is not None:
             return SurfaceCell(self.fabric, self.surface, self.cell_formulation)
         reach = UNFAILING
@@ -419,7 +419,7 @@ class ImpactSetup:
         )
 
     def table(self, kept: bool = False) -> CellTable:
-        """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
+        """Fill the cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Parameters
         ----------
@@ -436,15 +436,16 @@ class ImpactSetup:
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
-        """A coarse table, of straight yarns where it is no response surface's: for the geometry of
-        a panel alone."""
+        """Fill a coarse table, of straight yarns if it is no response surface's: for the geometry
+        of a panel alone."""
         cell = self.cell()
         if isinstance(cell, SurfaceCell):
             return cell.table(11)
         return CellTable.straight(cell)
 
     def panel(self, table: CellTable | None = None) -> Panel:
-        """One ply, of several the first, with its own table or one that a like set-up has filled.
+        """Build one ply, of several the first, with its own table or one that a like set-up has
+        filled.
 
         Raises
         ------
@@ -467,7 +468,7 @@ class ImpactSetup:
         return Panel(**own)
 
     def target(self, table: CellTable | None = None) -> Pack:
-        """What the projectile strikes, of one ply or several; `table` as of `panel`.
+        """Build what the projectile strikes, of one ply or several; `table` as in `panel`.
 
         Raises
         ------

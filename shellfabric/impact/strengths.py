@@ -83,7 +83,7 @@ def draw_strengths(
 
 
 def with_strengths(pack: Pack, strength: YarnStrength, number: int = 0) -> Pack:
-    """The pack with yarns that differ in strength; its plies are whole.
+    """Return the pack with yarns that differ in strength; its plies are whole.
 
     Parameters
     ----------
@@ -102,7 +102,8 @@ def with_strengths(pack: Pack, strength: YarnStrength, number: int = 0) -> Pack:
 
 
 def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
-    """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
+    """Compute the (warp, weft) strength factors of the lines of a graded panel, from those of all
+    yarns."""
     lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_axes[::-1])
     return tuple(
         grading.weakest(factors, np.fix((1 + 1e-9) * x[axes] / (2 * w)))

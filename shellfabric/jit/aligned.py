@@ -4,8 +4,8 @@ import numpy as np
 
 
 def aligned_zeros(count, slots, kind=float):
-    """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache
-    sets."""
+    """Allocate `count` flat arrays of `slots` zeros, each aligned to a cache line, in different
+    cache sets."""
     width = (-(-slots // 16) | 1) * 16
     # of any kind, up to 63 bytes lie before a cache line
     whole = np.zeros(count * width + 64, kind)

@@ -26,8 +26,8 @@ _WORD = ir.IntType(64)
 
 
 def threads_for(given, elements):
-    """Number of threads of a run: as given, or all that the process may use if the panel is large
-    enough."""
+    """Choose the number of threads of a run: as given, or all that the process may use if the panel
+    is large enough."""
     if given is not None:
         return given
     if hasattr(os, "sched_getaffinity"):
@@ -80,8 +80,10 @@ def _sched_yield(typing):
 
 @kernel()
 def barrier_wait(shared, count):
-    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at
-    first."""
+    """Wait until all `count` threads have arrived: a barrier.
+
+    shared : (SLOTS,) int64, zero at first
+    """
     if count == 1:
         return
     goal = (_fetch_add(shared, COUNTER) // count + 1) * count

@@ -138,7 +138,7 @@ def _signature(*kinds):
 
 @intrinsic
 def fma(typing, a, b, c):
-    """a b + c, of vectors or of floats."""
+    """Compute a b + c, of vectors or of floats."""
     return _signature(a, b, c), _function("fmuladd", 3)
 
 
@@ -150,8 +150,8 @@ def sqrt(typing, a):
 
 @intrinsic
 def rsqrt(typing, a):
-    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of
-    third order from it.
+    """Compute 1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one
+    step of third order from it.
 
     That is exact but for the last digit, and half as dear as a root and a division of sixteen
     digits.
@@ -192,7 +192,7 @@ def fabs(typing, a):
 
 @intrinsic
 def copysign(typing, a, b):
-    """Size of a, sign of b."""
+    """Return the size of a with the sign of b."""
     return FLOAT64X8(a, b), _function("copysign", 2)
 
 
@@ -241,7 +241,7 @@ def both(typing, a, b):
 
 @intrinsic
 def any_lane(typing, mask):
-    """Whether any lane of a mask is set."""
+    """Tell whether any lane of a mask is set."""
 
     def codegen(context, builder, signature, arguments):
         return builder.icmp_unsigned(
@@ -253,7 +253,7 @@ def any_lane(typing, mask):
 
 @intrinsic
 def movemask(typing, mask):
-    """The mask as bits of an integer, lane 0 lowest."""
+    """Return the mask as bits of an integer, lane 0 lowest."""
 
     def codegen(context, builder, signature, arguments):
         return builder.zext(builder.bitcast(arguments[0], ir.IntType(8)), _INT)
@@ -263,7 +263,7 @@ def movemask(typing, mask):
 
 @intrinsic
 def mask_from_bits(typing, number):
-    """Mask from the bits of an integer, lane 0 lowest."""
+    """Return the mask from the bits of an integer, lane 0 lowest."""
 
     def codegen(context, builder, signature, arguments):
         eight = builder.trunc(arguments[0], ir.IntType(8))
@@ -274,7 +274,7 @@ def mask_from_bits(typing, number):
 
 @intrinsic
 def equal_bytes(typing, array, k, value):
-    """Mask of array[k : k + 8] == value; array of bytes."""
+    """Return the mask of array[k : k + 8] == value; array of bytes."""
 
     def codegen(context, builder, signature, arguments):
         part = ir.VectorType(ir.IntType(8), WIDTH)
@@ -288,7 +288,7 @@ def equal_bytes(typing, array, k, value):
 
 @intrinsic
 def head_mask(typing, count):
-    """Mask of the first `count` lanes."""
+    """Return the mask of the first `count` lanes."""
 
     def codegen(context, builder, signature, arguments):
         count = _splat(builder, builder.sext(arguments[0], _INT), _INT64X8)
@@ -327,7 +327,7 @@ def _pointer(context, builder, kind, array, index, part):
 
 @intrinsic
 def load(typing, array, k):
-    """array[k : k + 8] of a flat array of floats; float32 is widened."""
+    """Load array[k : k + 8] of a flat array of floats; float32 is widened."""
 
     def codegen(context, builder, signature, arguments):
         kind = signature.args[0]
@@ -347,7 +347,7 @@ def load(typing, array, k):
 
 @intrinsic
 def store(typing, array, k, value):
-    """array[k : k + 8] = value; float32 arrays take it rounded."""
+    """Store array[k : k + 8] = value; float32 arrays take it rounded."""
 
     def codegen(context, builder, signature, arguments):
         kind = signature.args[0]
@@ -391,7 +391,7 @@ def _load_or_broadcast(values, k):
 
 
 def item_or_scalar(values, k):
-    """values[k] of an array; a float as it is."""
+    """Return values[k] of an array; a float as it is."""
 
 
 @overload(item_or_scalar, inline="always")
@@ -413,7 +413,8 @@ def _lane(typing, value, number):
 
 @kernel()
 def masked_store(array, k, value, count):
-    """Masked store: array[k : k + count] = value, for the last, incomplete vector of an array."""
+    """Store with a mask: array[k : k + count] = value, for the last, incomplete vector of an
+    array."""
     if count >= WIDTH:
         store(array, k, value)
     else:

@@ -4,7 +4,7 @@
         ni = integer("-", "elements along the warp")
         u = array("3 x slots", "m", "displacement of the nodes", kept=True)
 
-From such a class follow the numba type of its rows, room for the arrays (`zeros`), what a
+From such a class follow the numba type of its rows, storage for the arrays (`zeros`), what a
 checkpoint keeps (`kept`) and the page for developers. A kernel gets a row as one pointer to words
 of eight bytes: a number is a word, an array its address and its shape, a total its address. It loads the words of what
 it names; they do not change, so the loads are invariant. Who makes a row keeps the arrays alive,
@@ -77,7 +77,7 @@ class Field:
 
 
 def number(unit: str, meaning: str) -> Any:
-    """Field of a floating-point number."""
+    """Declare the field of a floating-point number."""
     return Field("number", unit, meaning, (types.float64,) * 2)
 
 
@@ -92,45 +92,48 @@ def tally(unit: str, meaning: str, *, kept: bool = False) -> Any:
 
 
 def integer(unit: str, meaning: str) -> Any:
-    """Field of an integer."""
+    """Declare the field of an integer."""
     return Field("integer", unit, meaning, (types.int64,) * 2)
 
 
 def flag(meaning: str) -> Any:
-    """Field of a yes or no."""
+    """Declare the field of a yes or no."""
     return Field("flag", "-", meaning, (types.boolean,) * 2)
 
 
 def numbers(count: int, unit: str, meaning: str, kind: str = "float64") -> Any:
-    """Field of a few numbers that do not change."""
+    """Declare the field of a few numbers that do not change."""
     found = types.UniTuple(getattr(types, kind), count)
     return Field(f"{count} numbers", unit, meaning, (found,) * 2)
 
 
 def array(shape: str, unit: str, meaning: str, *, kept: bool = False) -> Any:
-    """Field of an array, or of a tuple of arrays of one shape: "blocks, 4", "2 x slots uint8"."""
+    """Declare the field of an array, or of a tuple of arrays of one shape: "blocks, 4", "2 x slots
+    uint8"."""
     return Field(shape, unit, meaning, (array_type(shape),) * 2, kept)
 
 
 def per_slot(unit: str, meaning: str) -> Any:
-    """Field of one number for all slots of a uniform grid, of an array of slots on a graded one."""
+    """Declare the field of one number for all slots of a uniform grid, of an array of slots on a
+    graded one."""
     return Field("slots, if graded", unit, meaning, PER_SLOT)
 
 
 def per_family(unit: str, meaning: str) -> Any:
-    """Field of a number for warp and weft on a uniform grid, of an array of slots for each on a
-    graded one."""
+    """Declare the field of a number for warp and weft on a uniform grid, of an array of slots for
+    each on a graded one."""
     kinds = array_type("2"), array_type("2 x slots")
     return Field("2, or 2 x slots if graded", unit, meaning, kinds)
 
 
 def row(table: type[Row], meaning: str) -> Any:
-    """Field of a row of another table."""
+    """Declare the field of a row of another table."""
     return Field(table.__name__, "-", meaning, table.types, table=table)
 
 
 def array_type(shape: str) -> Any:
-    """numba type of the arrays of a shape, of doubles unless the text ends with another type."""
+    """Return the numba type of the arrays of a shape, of doubles unless the text ends with another
+    type."""
     counts, dimensions, kind = parts_of(shape)
     found: Any = types.Array(getattr(types, kind), len(dimensions), "C")
     for count in reversed(counts):
@@ -140,7 +143,7 @@ def array_type(shape: str) -> Any:
 
 @cache
 def parts_of(shape: str) -> tuple[list[int], list[str], str]:
-    """(counts of tuples, names of dimensions, type) of "2 x slots uint8"."""
+    """Split a shape such as "2 x slots uint8": (counts of tuples, names of dimensions, type)."""
     *counts, rest = shape.split(" x ")
     kind = "float64"
     words = rest.split()
@@ -163,8 +166,8 @@ PER_SLOT = types.float64, array_type("slots")  # on a uniform and on a graded gr
 
 
 def type_of(text: str, grid: int) -> Any:
-    """numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2 x per
-    slot", the shape of an array, or several of these between semicolons."""
+    """Return the numba type of a parameter or result: "number", "flag", "3 numbers", "per slot", "2
+    x per slot", the shape of an array, or several of these between semicolons."""
     if ";" in text:
         return types.Tuple([type_of(part.strip(), grid) for part in text.split(";")])
     if text in NAMED:
@@ -293,7 +296,7 @@ class Row:
         return {name: self.__dict__[name] for name in self._fields}
 
     def nested(self) -> dict[str, Any]:
-        """{name: value}, of rows in it too."""
+        """Return {name: value}, of rows in it too."""
         values = self._asdict()
         rows = {name: value for name, value in values.items() if isinstance(value, Row)}
         return values | {name: value.nested() for name, value in rows.items()}
@@ -304,8 +307,8 @@ class Row:
 
     @classmethod
     def zeros(cls, **sizes: int) -> dict[str, Any]:
-        """{name: zeros} of all arrays of the table whose shapes have no other sizes than these.
-        Flat arrays of slots begin with a cache line."""
+        """Allocate {name: zeros} of all arrays of the table whose shapes have no other sizes than
+        these. Flat arrays of slots begin with a cache line."""
         found = {name: _zeros(field.shape, sizes) for name, field in cls.fields.items()}
         arrays = {name: value for name, value in found.items() if value is not None}
         return arrays | cls.totals()
@@ -327,7 +330,7 @@ class Row:
 
     @classmethod
     def kept(cls) -> list[str]:
-        """Names of what a checkpoint has."""
+        """Return the names of what a checkpoint has."""
         return [name for name, field in cls.fields.items() if field.kept]
 
 
@@ -428,7 +431,7 @@ def _zeros(shape, sizes):
 
 
 def width(kind: Any) -> int:
-    """Words of a value of a numba type."""
+    """Count the words of a value of a numba type."""
     if isinstance(kind, types.UniTuple):
         return kind.count * width(kind.dtype)
     if isinstance(kind, types.Array):
@@ -437,7 +440,7 @@ def width(kind: Any) -> int:
 
 
 def words_of(kind: Any, value: Any, name: str) -> list[int]:
-    """The words of a value, which has to be of the numba type.
+    """Return the words of a value, which has to be of the numba type.
 
     Raises
     ------
@@ -547,7 +550,7 @@ def _len(context, builder, sig, arguments):
 
 @intrinsic
 def row_of(typing, rows, number):
-    """rows[number] of `Rows`; a number out of range is not caught."""
+    """Return rows[number] of `Rows`; a number out of range is not caught."""
 
     def codegen(context, builder, sig, arguments):
         pointer, number = arguments

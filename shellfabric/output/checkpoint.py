@@ -57,7 +57,7 @@ class Checkpoints(Every):
 
 
 def stamp(solver: ExplicitSolver) -> dict[str, Any]:
-    """Digests of all that determines a run and its records."""
+    """Digest all that determines a run and its records."""
     known, module = solver.checkpoint_identity()
     return run_cache.stamp(known, module)
 

@@ -23,7 +23,7 @@ class Every:
         self.interval = interval
 
     def due(self, solver: ExplicitSolver) -> bool:
-        """Whether this sample is the one nearest a multiple of the interval.
+        """Tell whether this sample is the one nearest a multiple of the interval.
 
         It depends on the run alone, so that a resumed run acts at the same instants.
         """

@@ -72,8 +72,8 @@ Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` ta
 
 
 def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
-    """((lowest, highest) of the warp, (lowest, highest) of the weft) from a boundary in any of its
-    forms.
+    """Resolve a boundary in any of its forms to ((lowest, highest) of the warp, (lowest, highest)
+    of the weft).
 
     Raises
     ------
@@ -102,17 +102,18 @@ def _both(given):
 
 
 def is_clamped(edge: Any) -> bool:
-    """Whether all four sides are clamped."""
+    """Tell whether all four sides are clamped."""
     return sides(edge) == (("clamped", "clamped"),) * 2
 
 
 def slips(edge: Any) -> bool:
-    """Whether a side of it is not simply clamped or free."""
+    """Tell whether a side of it is not simply clamped or free."""
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
 
 
 def pull_in(edge: Any) -> tuple[float, ...]:
-    """(warp, weft) [m] by which fabric slips into the panel at most, of edges without grips."""
+    """Return (warp, weft) [m] by which fabric slips into the panel at most, of edges without
+    grips."""
     found = []
     for pair in sides(edge):
         lengths = [side.length for side in pair if isinstance(side, PullIn)]

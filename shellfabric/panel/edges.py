@@ -15,8 +15,8 @@ from shellfabric.projectile.frames import axes
 
 
 def shown(panel: PanelGrid) -> list[FloatArray]:
-    """[X, Y] (ni+1, nj+1) [m] of the nodes at rest in the panel's frame, those beyond the opening
-    moved onto its edge: what a picture shows of a grid that lies in the clamp out there."""
+    """Return [X, Y] (ni+1, nj+1) [m] of the nodes at rest in the panel's frame, those beyond the
+    opening moved onto its edge: what a picture shows of a grid that lies in the clamp out there."""
     places = panel.coordinates()
     if not panel.stepped:
         return places
@@ -36,8 +36,8 @@ def shown(panel: PanelGrid) -> list[FloatArray]:
 
 
 def ends(panel: PanelGrid) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at
-    high y."""
+    """Find the nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high
+    x and at high y."""
     free = panel.loose()
     start = panel.nearest_lines
     found = []
@@ -96,8 +96,8 @@ def rim(panel: PanelGrid) -> dict[str, Any]:
 
 
 def yarn_ends(panel: PanelGrid) -> IntArray:
-    """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels`
-    has it."""
+    """Return how warp and weft yarns end at their lowest and highest place, (2, 2), as
+    `bending_kernels` has it."""
     ends = np.full((2, 2), CLAMPED_END)
     for family, pair in enumerate(panel.supports):
         for end, side in enumerate(pair):

@@ -23,8 +23,8 @@ from shellfabric.state import unit
 
 @unit()
 def element_forces(state, const, block, first, last, work):
-    """Internal forces of the element rows first .. last - 1 of one block, from the present
-    displacements."""
+    """Compute the internal forces of the element rows first .. last - 1 of one block, from the
+    present displacements."""
     damaged = state.block_damage[block] != INTACT
     stretches(state, const, first, last, damaged, work)
     trellis_kernels.trellis_forces(state, const, work, first, last)
@@ -42,7 +42,7 @@ def element_forces(state, const, block, first, last, work):
 
 @kernel(_nrt=False)
 def stretches(state, const, first, last, damaged, work):
-    """Stretches of a block's edges, and their means over the edges that cross each."""
+    """Compute the stretches of a block's edges, and their means over the edges that cross each."""
     membrane_kernels.stretch_edges(state, const, work, first, last)
     if damaged:
         damage_kernels.damaged_means(state, const, work, first, last)
@@ -84,8 +84,8 @@ def interpolate_tensions(state, const, block, first, last, damaged, work):
 
 @kernel(_nrt=False)
 def tension_bound(const, p, q, N, unit, ceiling):
-    """Upper bound [N] of the tensions of a family, from the largest table coordinates and the
-    largest force N.
+    """Compute an upper bound [N] of the tensions of a family, from the largest table coordinates
+    and the largest force N.
 
     p, q in cells of the table; unit, ceiling : see `crossover_kernels.tension_bound_table`.
     """
@@ -110,7 +110,7 @@ def refresh_tensions(state, const, first, last, work):
 
 @kernel(_nrt=False)
 def potential_gradient(state, const, block, first, last, damaged, work):
-    """Forces of the variational form, into work.N (see `table_kernels`).
+    """Compute the forces of the variational form, into work.N (see `table_kernels`).
 
     Returns whether a tension may be past the peak so far or half of a strength, so that they have
     to be looked up.

@@ -37,8 +37,8 @@ _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 
 
 
 def exact(side: float) -> Fraction:
-    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a
-    whole number.
+    """Convert a side [crossovers] to a fraction, if it is a whole number or within 1 % of one over
+    a whole number.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def exact(side: float) -> Fraction:
 
 
 def check(grading: Any) -> None:
-    """InputError where a grading is none.
+    """Raise an InputError if a grading is none.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def check(grading: Any) -> None:
 
 
 def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
-    """(n,) [crossovers] sides of the elements from the impact point out to `length`.
+    """Lay out the sides (n,) [crossovers] of the elements from the impact point out to `length`.
 
     Zones are laid out over the whole crossovers of the length. Elements like the last one fill what
     remains, and the last is as much longer as is needed to end at `length`.
@@ -106,8 +106,8 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
 
 
 def with_line_at(sides: FloatArray, place: float) -> FloatArray:
-    """The sides of elements with the grid line inside of `place`, seen from the middle of the grid,
-    moved out to it.
+    """Move the grid line inside of `place`, seen from the middle of the grid, out to it, and return
+    the sides of the elements.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def with_line_at(sides: FloatArray, place: float) -> FloatArray:
 
 
 def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray, IntArray]:
-    """Which lines of the grid are axes of yarns, and which yarn is nearest to each line.
+    """Find which lines of the grid are axes of yarns, and which yarn is nearest to each line.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
 
 
 def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
-    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line
-    stands for.
+    """Find the strength factor (axes,) of the line at each axis: that of the weakest yarn that the
+    line stands for.
 
     A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both.
     Those between a last line and the end of `factors` belong to no line.
@@ -163,13 +163,13 @@ def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
 
 
 def tributary(sides: FloatArray) -> FloatArray:
-    """(n+1,) half of the elements on either side of each line."""
+    """Compute half of the elements on either side of each line, (n+1,)."""
     return 0.5 * (np.append(sides, 0.0) + np.insert(sides, 0, 0.0))
 
 
 def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line stands
-    for."""
+    """Compute (warp, weft) each (ni+1, nj+1) [m2] length of an edge times the width that its line
+    stands for."""
     warp, weft = np.zeros((2, warp_sides.size + 1, weft_sides.size + 1))
     warp[:-1] = np.multiply.outer(warp_sides, tributary(weft_sides))
     weft[:, :-1] = np.multiply.outer(tributary(warp_sides), weft_sides)
@@ -177,8 +177,8 @@ def edge_areas(warp_sides: FloatArray, weft_sides: FloatArray) -> tuple[FloatArr
 
 
 def split(sides: FloatArray) -> FloatArray:
-    """(n+1,) [-] share of the element before each line in the two beside it; one half at the
-    ends."""
+    """Compute the share (n+1,) [-] of the element before each line in the two beside it; one half
+    at the ends."""
     before = np.insert(sides, 0, sides[0])
     behind = np.append(sides, sides[-1])
     return before / (before + behind)
@@ -190,8 +190,8 @@ def slots(
     thickness: float,
     viscosity: Sequence[float],
 ) -> dict[str, FloatArray]:
-    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of
-    Constants: (slots,)}.
+    """Compute what is a float of a plain panel and changes from slot to slot of a graded one: {name
+    of Constants: (slots,)}.
 
     The viscosity grows with the element, so that its highest mode is damped by the same ratio
     everywhere.
@@ -236,8 +236,8 @@ def bending(
     yarns: Sequence[float],
     stiffness: Sequence[float],
 ) -> tuple[FloatArray, ...]:
-    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean
-    of its two segments.
+    """Compute (warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L
+    the mean of its two segments.
 
     Parameters
     ----------

@@ -16,14 +16,15 @@ class Panel(PanelGrid):
     """
 
     def constants(self) -> arrays.Constants:
-        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
+        """Return what the kernels need to know, as plain numbers and arrays
+        (`arrays.constants`)."""
         return arrays.constants(self)
 
     def state(self, strike_velocity: float) -> arrays.State:
-        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+        """Return the panel at rest, flat at z = 0, touched by the projectile that flies at it at
         `strike_velocity` [m/s]."""
         return arrays.state(self, strike_velocity)
 
     def work(self) -> arrays.Work:
-        """Scratch of one thread, for one block of elements."""
+        """Allocate the scratch of one thread, for one block of elements."""
         return arrays.work(self)

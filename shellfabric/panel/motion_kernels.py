@@ -17,7 +17,7 @@ _MIN_VELOCITY = 1e-60
 
 @unit()
 def move_nodes(state, const, begin, end, both):
-    """Central-difference update of the nodes begin .. end - 1: forces f_int [N], or `both` f_int +
+    """Update the nodes begin .. end - 1 by central differences: forces f_int [N], or `both` f_int +
     f_int_above."""
     for k in range(begin, end, WIDTH):
         left = end - k
@@ -34,7 +34,7 @@ def move_nodes(state, const, begin, end, both):
 
 @kernel(_nrt=False, forceinline=True)
 def apply_symmetry(state, const, first, last):
-    """Zero the force across planes of symmetry, on the node rows first .. last - 1."""
+    """Set the force across planes of symmetry to zero, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
         for k in range(const.row_stride):
             state.f_int[0][k] = state.f_int_above[0][k] = 0.0
@@ -46,7 +46,7 @@ def apply_symmetry(state, const, first, last):
 
 @kernel(_nrt=False)
 def row_has_moved(state, const, i):
-    """Whether a node of row i has a displacement."""
+    """Tell whether a node of row i has a displacement."""
     for k in range(np.uint64(i * const.row_stride), np.uint64((i + 1) * const.row_stride)):
         if state.u[0][k] != 0.0 or state.u[1][k] != 0.0 or state.u[2][k] != 0.0:
             return True
@@ -95,6 +95,6 @@ def move_rows(state, const, first, last):
 
 @kernel(_nrt=False)
 def active_blocks(state, const):
-    """(first, last): the blocks first .. last - 1 hold the active rows."""
+    """Return (first, last): the blocks first .. last - 1 hold the active rows."""
     per = const.rows_per_block
     return state.first_row // per, (state.end_row + per - 1) // per

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 def held(state: State, const: Constants) -> BoolArray:
-    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge
-    of the panel."""
+    """Mark the elements, (ni, nj) bool, that have not eroded and whose nodes unbroken yarn joins to
+    an edge of the panel."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -45,8 +45,8 @@ def held(state: State, const: Constants) -> BoolArray:
 
 
 def passed(state: State, const: Constants, held_elements: BoolArray | None = None) -> bool:
-    """Whether no held element is ahead of the nose; `held_elements` is `held` of the state, if it
-    is known."""
+    """Tell whether no held element is ahead of the nose; `held_elements` is `held` of the state, if
+    it is known."""
     if held_elements is None:
         held_elements = held(state, const)
     flag = state.element_flag.copy()

@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 def by_node(slots: Any, const: Constants) -> Any:
-    """(ni+1, nj+1) view of an array that has a slot for each node."""
+    """Return the (ni+1, nj+1) view of an array that has a slot for each node."""
     return slots[: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
 
 
 def by_element(slots: Any, const: Constants) -> Any:
-    """(ni, nj) view of an array that has a slot for each element."""
+    """Return the (ni, nj) view of an array that has a slot for each element."""
     return by_node(slots, const)[:-1, :-1]

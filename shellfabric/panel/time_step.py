@@ -31,8 +31,8 @@ _DAMPED = 0.0025
 
 
 def share(table: Any, viscosity: float) -> float:
-    """[-] of the bound that is taken for 1, for a CellTable and a damping ratio; exactly 1 for what
-    is usual.
+    """Compute the share [-] of the bound that is taken for 1, for a CellTable and a damping ratio;
+    exactly 1 for what is usual.
 
     Usual is crimped fabric in the variational form with viscosity.
     """

@@ -14,8 +14,8 @@ from shellfabric.plies.near_kernels import NEAR
 from shellfabric.plies.state import Guard, NeighbourLists, PackContact, Pressure
 from shellfabric.state import Constants, State
 
-_PAIRS = 60  # room for pairs of tiles, of a tile in the mean
-_FACET_PAIRS = 20  # room for pairs of facets, of a node in the mean
+_PAIRS = 60  # capacity for pairs of tiles, of a tile in the mean
+_FACET_PAIRS = 20  # capacity for pairs of facets, of a node in the mean
 
 
 def pack_contact(
@@ -26,7 +26,7 @@ def pack_contact(
     turns: FloatArray,
     **of_points: Any,
 ) -> PackContact:
-    """The contact between plies at rest.
+    """Set up the contact between plies at rest.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def empty_contact() -> PackContact:
 
 
 def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]:
-    """The states of plies whose surfaces are parts of the grids of their contact."""
+    """Place the states of plies on the grids of their contact, whose parts their surfaces are."""
     found = []
     for p, state in enumerate(states):
         own = slice(p * contact.slots_per_ply, (p + 1) * contact.slots_per_ply)

@@ -42,7 +42,7 @@ def check(friction: float, cfl: float) -> None:
 
 
 def stick_damping(cfl: float, mass: float, step: float) -> float:
-    """Damping c_t [N s/m] of a point in stick.
+    """Compute the damping c_t [N s/m] of a point in stick.
 
     Parameters
     ----------

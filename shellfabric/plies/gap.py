@@ -22,7 +22,7 @@ from fabrics.ply_laws import TESTED, between_plies
 
 
 def compression_gap(areal_density: float, plies: int = TESTED) -> float:
-    """[m] all that neighbouring plies close in the tests of packs; parameters as
+    """Return all [m] that neighbouring plies close in the tests of packs; parameters as
     `fabrics.ply_laws.between_plies`."""
     return float(between_plies(areal_density, plies)[1][-1])
 
@@ -45,8 +45,8 @@ class PlyGap:
 
 
 def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
-    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness, less what
-    `law` closes of it.
+    """Choose a fabric's own gap, that of the pressure law of packs, or a share of its thickness,
+    less what `law` closes of it.
 
     The pressure law is that of Kevlar 129 and needs the areal density that was measured with it.
     Any other fabric, and one below the areal density at which that law ends, has the share of
@@ -66,7 +66,7 @@ def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
 
 
 def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
-    """The gap between plies of two fabrics with their own contact laws: the mean of both."""
+    """Average the gap between plies of two fabrics with their own contact laws."""
     one, other = (ply_gap(fabric, ply_laws.default(fabric)) for fabric in (front, rear))
     value, low, high = (
         0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high")

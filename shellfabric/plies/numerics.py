@@ -60,8 +60,8 @@ class PlyContact:
 def law_tables(
     laws: Sequence[PlyLaw], areas: Sequence[float], densities: Sequence[float], contact: PlyContact
 ) -> tuple[FloatArray, FloatArray]:
-    """(laws, cells + 1, 4) tables of contact points for `law_kernels`, and the widths (laws,) [m]
-    of their cells.
+    """Tabulate the laws of contact points for `law_kernels`, (laws, cells + 1, 4), and the widths
+    (laws,) [m] of their cells.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ _FAR = 1e30
 
 @unit()
 def press(contact, me, count):
-    """Forces between neighbours, of the points of one thread's plies."""
+    """Compute the forces between neighbours, of the points of one thread's plies."""
     lists = contact.lists
     pressure = contact.pressure
     for p in range(me, contact.failures.size, count):
@@ -126,7 +126,7 @@ def press(contact, me, count):
 
 @unit()
 def press_others(contact):
-    """Forces between plies that are no neighbours."""
+    """Compute the forces between plies that are no neighbours."""
     lists = contact.lists
     for n in range(lists.n_contact_pairs):
         tile = lists.contact_pairs[n, 0]
@@ -139,8 +139,8 @@ def press_others(contact):
 
 @unit()
 def press_tile(contact, tile, p):
-    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do
-    not touch is from that, into lists.tile_gap."""
+    """Compute the forces of the points of a tile of ply p on the next ply; how far the nearest of
+    those that do not touch is from that, into lists.tile_gap."""
     lists = contact.lists
     pressure = contact.pressure
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
@@ -169,8 +169,8 @@ def press_tile(contact, tile, p):
 
 @unit(later=True)
 def press_through_hole(contact, tile, other, p, q):
-    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not
-    touch."""
+    """Compute the forces on a tile of ply q of the points of a tile of ply p that the next ply does
+    not touch."""
     pressure = contact.pressure
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
@@ -208,8 +208,8 @@ def press_through_hole(contact, tile, other, p, q):
 
 @kernel(_nrt=False, forceinline=True)
 def height_over(contact, g, s, k, S):
-    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its
-    plane."""
+    """Compute the height [m] by which all nodes of element k (grid of stride S) are off those of
+    element g across its plane."""
     x = contact.x
     n = cross(difference(x, g, g + s + 1), difference(x, g + s, g + 1))
     size = math.sqrt(dot(n, n))
@@ -232,8 +232,8 @@ def height_over(contact, g, s, k, S):
 
 @kernel(_nrt=False, forceinline=True)
 def place_of_point(contact, row, j):
-    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one
-    point an element."""
+    """Return the place (a, b) [elements] of the point of a row of points in the j-th element: rows
+    have one point an element."""
     pressure = contact.pressure
     points = pressure.points_per_side
     i = row // points**2
@@ -262,7 +262,7 @@ def newton_step(w, slopes, second, thickness):
 
 @kernel(_nrt=False, forceinline=True)
 def bounded_step(w, slopes, step, place, room):
-    """A step that keeps to a room (low, high) from `place`; where it is cut along one axis, the
+    """Bound a step to a room (low, high) from `place`; where it is cut along one axis, take the
     best along the other."""
     low, high = room
     y_a, y_b = slopes
@@ -279,8 +279,8 @@ def bounded_step(w, slopes, step, place, room):
 
 @unit("3 numbers", a="number", b="number")
 def press_point(contact, p, q, row, j, a, b, tile):
-    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b)
-    on: its place, and how far the point is from touching [m].
+    """Compute the force of a point of ply p on ply q, whose closest point is looked for from the
+    place (a, b) on: its place, and how far the point is from touching [m].
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
@@ -319,8 +319,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
 @kernel(_nrt=False, forceinline=True)
 def slot_of(p, q):
-    """Row of what a point of ply p remembers (`Pressure.last_closure`) for ply q: the first for
-    the next ply."""
+    """Return the row of what a point of ply p remembers (`Pressure.last_closure`) for ply q: the
+    first for the next ply."""
     if q == p + 1:
         return 0
     return 1 + (q - p - 2) % (SLOTS - 1)
@@ -328,8 +328,8 @@ def slot_of(p, q):
 
 @kernel(_nrt=False)
 def point_energy(contact, p, i, j, number):
-    """[J] that a point of the element (i, j) of ply p stores by the closure of when it last
-    touched."""
+    """Compute the energy [J] that a point of the element (i, j) of ply p stores by the closure of
+    when it last touched."""
     pressure = contact.pressure
     area = pressure.area_ratio[pressure.first_element[p] + i * contact.nj[p] + j]
     closure = pressure.last_closure[number] - pressure.unearned_closure[number]
@@ -338,7 +338,7 @@ def point_energy(contact, p, i, j, number):
 
 @kernel(_nrt=False)
 def held_energy(contact, p, i, j, number):
-    """`point_energy` of a point that touched a step ago, else 0."""
+    """Compute `point_energy` of a point that touched a step ago, else 0."""
     pressure = contact.pressure
     if pressure.last_contact_step[number] != contact.step - 1.0:
         return 0.0
@@ -347,7 +347,7 @@ def held_energy(contact, p, i, j, number):
 
 @kernel(_nrt=False, forceinline=True)
 def closest_point(contact, q, x, a, b, thickness):
-    """The point of ply q that is closest to x, looked for from the place (a, b) on.
+    """Find the point of ply q that is closest to x, looked for from the place (a, b) on.
 
     Returns
     -------
@@ -399,7 +399,7 @@ def closest_point(contact, q, x, a, b, thickness):
 
 @kernel(_nrt=False, forceinline=True)
 def touches_next(contact, p, row, j, x):
-    """Whether a point of ply p, which is at x, is within the thickness of the next ply."""
+    """Tell whether a point of ply p, which is at x, is within the thickness of the next ply."""
     pressure = contact.pressure
     n = pressure.first_point[p] + row * contact.nj[p] + j
     a = pressure.closest_a[n]
@@ -414,15 +414,15 @@ def touches_next(contact, p, row, j, x):
 
 @kernel(_nrt=False, forceinline=True)
 def is_in_tile(contact, tile, a, b):
-    """Whether the place (a, b) is in an element of a tile."""
+    """Tell whether the place (a, b) is in an element of a tile."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     return i0 <= int(a) < i1 and j0 <= int(b) < j1
 
 
 @kernel(_nrt=False, forceinline=True)
 def bounds(contact, p, torn, facet):
-    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); of torn
-    fabric in a facet alone."""
+    """Return where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b));
+    of torn fabric in a facet alone."""
     i, j = facet
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
@@ -521,9 +521,9 @@ def earned_closure8(contact, thickness, points, closure, closing, which):
 
 @kernel(_nrt=False, forceinline=True)
 def press_points8(contact, p, row, j, q, count):
-    """`press_point` of those of `count` points from number q on, which begin in the j-th element of
-    a row of points, that need no more than the formulas: (those left, as bits, how far the nearest
-    of the others is from touching)."""
+    """Press, as `press_point` does, those of `count` points from number q on, which begin in the
+    j-th element of a row of points, that need no more than the formulas: (those left, as bits, how
+    far the nearest of the others is from touching)."""
     pressure = contact.pressure
     x = contact.x
     S = contact.row_stride[p + 1]
@@ -614,8 +614,8 @@ def newton_steps8(x, patch, w, slopes, thickness, fit):
 
 @kernel(_nrt=False, forceinline=True)
 def whole8(contact, p, node, points):
-    """Those of eight points, as bits, that are not beside torn fabric of either ply; node : the
-    nearest to the first point; points : number of the first, how many there are."""
+    """Return those of eight points, as bits, that are not beside torn fabric of either ply; node :
+    the nearest to the first point; points : number of the first, how many there are."""
     pressure = contact.pressure
     q, count = points
     fit = (1 << count) - 1
@@ -630,7 +630,8 @@ def whole8(contact, p, node, points):
 
 @kernel(_nrt=False, forceinline=True)
 def within8(contact, p, A, B):
-    """Those of eight places, as bits, that are within the bounds of whole fabric of ply p."""
+    """Return those of eight places, as bits, that are within the bounds of whole fabric of ply
+    p."""
     (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, (0, 0))
     beside = movemask(greater(low_a, A)) | movemask(greater(low_b, B))
     return ~(beside | movemask(greater(A, high_a)) | movemask(greater(B, high_b)))
@@ -638,7 +639,7 @@ def within8(contact, p, A, B):
 
 @kernel(_nrt=False, forceinline=True)
 def push8(contact, front, closest, area, n, closure, touching, points):
-    """`push` between those of eight points of a ply and the next whose bits are set.
+    """Push, as `push` does, those of eight points of a ply and the next whose bits are set.
 
     Parameters
     ----------

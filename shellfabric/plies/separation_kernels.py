@@ -1,6 +1,6 @@
 """Distance of two facets, and the direction across the gap between them.
 
-A facet is a triangle of three nodes (columns of an array of places), or a bare yarn, whose last
+A facet is a triangle of three nodes (columns of an array of positions), or a bare yarn, whose last
 node is given twice.
 """
 
@@ -14,8 +14,8 @@ _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
 
 @kernel(_nrt=False, forceinline=True)
 def to_face(x, p, a, b, c):
-    """The vector from node p to its foot on the plane of a triangle, and whether that is within the
-    triangle; at its edges the distances of edges are as small."""
+    """Compute the vector from node p to its foot on the plane of a triangle, and whether that is
+    within the triangle; at its edges the distances of edges are as small."""
     u = difference(x, a, b)
     v = difference(x, a, c)
     r = difference(x, a, p)
@@ -32,7 +32,7 @@ def to_face(x, p, a, b, c):
 
 @kernel(_nrt=False, forceinline=True)
 def between_edges(x, a, b, c, d):
-    """The shortest vector from the edge of nodes a and b to that of c and d."""
+    """Compute the shortest vector from the edge of nodes a and b to that of c and d."""
     u = difference(x, a, b)
     v = difference(x, c, d)
     r = difference(x, a, c)
@@ -55,7 +55,7 @@ def between_edges(x, a, b, c, d):
 
 @kernel(_nrt=False, forceinline=True)
 def edges_of(nodes, first):
-    """Edges of a facet: 3 of a triangle, 1 of a bare yarn."""
+    """Return the number of edges of a facet: 3 of a triangle, 1 of a bare yarn."""
     if nodes[first + 1] == nodes[first + 2]:
         return 1
     return 3
@@ -63,7 +63,7 @@ def edges_of(nodes, first):
 
 @kernel(_nrt=False, forceinline=True)
 def span(x, nodes, first, n):
-    """The least and the largest of n.x over the three nodes from number `first` on."""
+    """Find the least and the largest of n.x over the three nodes from number `first` on."""
     low = 1e30
     high = -1e30
     for i in range(first, first + 3):
@@ -76,8 +76,8 @@ def span(x, nodes, first, n):
 
 @kernel(_nrt=False, forceinline=True)
 def lower_bound(x, nodes):
-    """A distance [m] that two facets are apart at least, by the planes of both: 0 where these say
-    nothing."""
+    """Compute a distance [m] that two facets are apart at least, by the planes of both: 0 if these
+    say nothing."""
     found = 0.0
     for first in (0, 3):
         a = nodes[first]
@@ -97,9 +97,9 @@ def lower_bound(x, nodes):
 
 @kernel(_nrt=False)
 def separation(x, nodes):
-    """Of the facets nodes[:3] and nodes[3:]: width [m] of the widest slab between them, and its
-    direction, a unit vector from the first to the second. The width is not above 0 where they touch
-    or cross."""
+    """Compute, of the facets nodes[:3] and nodes[3:], the width [m] of the widest slab between
+    them, and its direction, a unit vector from the first to the second. The width is not above 0
+    where they touch or cross."""
     least = 1e60
     best = (0.0, 0.0, 0.0)
     for i in range(3):

@@ -15,7 +15,7 @@ from shellfabric.state import PointLaw, Scratch
 def constants(
     points: int, mass: float, dt: float, penalty: float, damping: float
 ) -> dict[str, Any]:
-    """Constants of the points, by the names that the kernels know; an explicit spring
+    """Compute the constants of the points, by the names that the kernels know; an explicit spring
     (`implicit_factor` 0).
 
     Parameters
@@ -59,5 +59,5 @@ def contact_state(near: Sequence[int], points: int, friction: float) -> dict[str
 
 
 def scratch() -> Scratch:
-    """Room for one call."""
+    """Allocate the scratch of one call."""
     return Scratch(**Scratch.zeros())

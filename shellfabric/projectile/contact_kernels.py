@@ -75,8 +75,8 @@ MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 
 @unit("2 numbers", work=Scratch)
 def contact_forces(state, const, work):
-    """Contact forces at the present places (`grid_kernels.place`), into state.f_contact; the force
-    on the projectile into state.f_contact_nose.
+    """Compute the contact forces at the present positions (`grid_kernels.place`), into
+    state.f_contact; the force on the projectile into state.f_contact_nose.
 
     The elements of the block of rows and columns state.contact_window, which lies in
     const.window_limits, are looked at, unless eroded: what no yarn holds is out of contact. Returns
@@ -107,8 +107,8 @@ def contact_forces(state, const, work):
 
 @kernel(_nrt=False)
 def see_nose(state, const, work):
-    """Place, velocity and axes of the nose in the frame of the surface, into work.nose_place,
-    nose_velocity and axes; no force on it yet."""
+    """Turn position, velocity and axes of the nose into the frame of the surface, in
+    work.nose_place, nose_velocity and axes; no force on it yet."""
     turn = state.surface.turn
     x = state.projectile_position
     v = state.projectile_velocity
@@ -138,15 +138,15 @@ def reset_element(state, const, e):
 
 @kernel(_nrt=False)
 def number_in_window(const, i, j):
-    """Number of element (i, j) among those that the nose may touch."""
+    """Return the number of element (i, j) among those that the nose may touch."""
     first_row, _, first_column, end_column = const.window_limits
     return (i - first_row) * (end_column - first_column) + j - first_column
 
 
 @kernel(_nrt=False)
 def near_elements(state, const, i, j, work):
-    """Those of eight elements from (i, j) on, as bits, whose surface the nose may touch, or has
-    touched a step ago. Those that no yarn holds any more erode."""
+    """Return those of eight elements from (i, j) on, as bits, whose surface the nose may touch, or
+    has touched a step ago. Those that no yarn holds any more erode."""
     _, _, _, end_column = bounds(state.contact_window)
     count = min(WIDTH, end_column - j)
     e = number_in_window(const, i, j)
@@ -165,8 +165,8 @@ def near_elements(state, const, i, j, work):
 
 @kernel(_nrt=False, forceinline=True)
 def beside_nose8(state, const, i, j, work):
-    """Those of eight elements from (i, j) on, as bits, that are ahead of the nose or beside the
-    cylinder, by the boxes of the four by four nodes which their surfaces follow from."""
+    """Return those of eight elements from (i, j) on, as bits, that are ahead of the nose or beside
+    the cylinder, by the boxes of the four by four nodes which their surfaces follow from."""
     base, stride, _, _ = grid_of(const)
     k = base + (i - 1) * stride + j - 1
     x = state.surface.x
@@ -188,13 +188,13 @@ def beside_nose8(state, const, i, j, work):
 
 @kernel(_nrt=False, forceinline=True)
 def half_width8(axis, half):
-    """Half the width along an axis of eight boxes of these half widths."""
+    """Compute half the width along an axis of eight boxes of these half widths."""
     return abs(axis[0]) * half[0] + abs(axis[1]) * half[1] + abs(axis[2]) * half[2]
 
 
 @kernel(_nrt=False, forceinline=True)
 def range8(x, k, stride):
-    """Least and largest x of four by four nodes from each of the numbers k .. k + 7 on."""
+    """Find the least and largest x of four by four nodes from each of the numbers k .. k + 7 on."""
     low = high = load(x, k)
     for m in range(4):
         for n in range(4):
@@ -206,8 +206,8 @@ def range8(x, k, stride):
 
 @unit("2 numbers", work=Scratch)
 def contact_elements(state, const, i, j, work):
-    """Contact of the points of up to eight elements from (i, j) on: (work taken, spring energy) [J].
-    The forces go to the grid.
+    """Compute the contact of the points of up to eight elements from (i, j) on: (work taken, spring
+    energy) [J]. The forces go to the grid.
 
     Points with the same place in their elements are looked at together; those that touch, or did a
     step ago, are few and dealt with one by one, and so are those beside failed yarns.
@@ -234,8 +234,8 @@ def contact_elements(state, const, i, j, work):
 
 @kernel(_nrt=False, forceinline=True)
 def touch_together(state, const, points, whole, work):
-    """Contact of eight points (number in the element, from element (i, j) on), of those whose
-    elements are `whole`, as bits."""
+    """Compute the contact of eight points (number in the element, from element (i, j) on), of those
+    whose elements are `whole`, as bits."""
     if whole == 0:
         return
     i, j, number = points
@@ -269,7 +269,7 @@ def touch_together(state, const, points, whole, work):
 
 @kernel(_nrt=False)
 def touch_alone(state, const, point, work):
-    """`contact_point` of a point beside failed yarns."""
+    """Compute `contact_point` of a point beside failed yarns."""
     i, j, number, lane = point
     surface = state.surface
     foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
@@ -290,7 +290,7 @@ def touch_alone(state, const, point, work):
 
 @kernel(_nrt=False, forceinline=True)
 def place_in_element(const, number):
-    """Place (s, t) of a point in its element, from 0 to 1."""
+    """Return the place (s, t) of a point in its element, from 0 to 1."""
     a, b = divmod(number, const.points_per_side)
     return (a + 0.5) / const.points_per_side, (b + 0.5) / const.points_per_side
 
@@ -313,7 +313,8 @@ def store_point(rows, lane, vector):
 
 @kernel(_nrt=False)
 def contact_point(state, const, point, work):
-    """Contact of a point (element (i, j), number in it, lane of the arrays of `Scratch`).
+    """Compute the contact of a point (element (i, j), number in it, lane of the arrays of
+    `Scratch`).
 
     Its force goes to work.force, what work it takes to work.contact_work, and what its spring holds to
     work.spring_energy.
@@ -385,7 +386,7 @@ def contact_point(state, const, point, work):
 
 @kernel(forceinline=True)
 def implicit_penalty_force(const, spring, gap, last, usual):
-    """Implicit penalty force [N] on a point.
+    """Compute the implicit penalty force [N] on a point.
 
     spring : stiffness [N/m] and damping [N s/m]
     gap : distance [m] and predicted opening velocity [m/s]

@@ -9,16 +9,16 @@ from fabrics.base.checks import FloatArray
 
 
 def axes(angle: float) -> FloatArray:
-    """(2, 2) the first two axes, as rows, of a frame that is turned by `angle` [rad], in the frame
-    that it is turned from."""
+    """Return the first two axes, as rows (2, 2), of a frame that is turned by `angle` [rad], in the
+    frame that it is turned from."""
     c = cos(angle)
     s = sin(angle)
     return np.array([[c, s], [-s, c]])
 
 
 def turned_back(vectors: FloatArray, rows: FloatArray | None) -> FloatArray:
-    """Vectors (..., 2) or (..., 3) of a frame with such axes, in the frame that it is turned from;
-    None: one frame."""
+    """Turn vectors (..., 2) or (..., 3) of a frame with such axes back into the frame that it is
+    turned from; None: one frame."""
     if rows is None:
         return vectors
     return np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)

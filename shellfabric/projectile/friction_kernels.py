@@ -20,7 +20,7 @@ from shellfabric.jit.compile import kernel
 
 @kernel()
 def friction_force(last_slip, last_force, limit, spring, dt, normal, v):
-    """Friction at one point over one step.
+    """Compute the friction at one point over one step.
 
     Parameters
     ----------

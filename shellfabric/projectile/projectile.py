@@ -139,7 +139,7 @@ class Projectile:
         return None
 
     def steel_bar(self) -> Bar:
-        """The bored steel cylinder of this mass, diameter and length.
+        """Return the bored steel cylinder of this mass, diameter and length.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Projectile:
                 )
 
     def energy(self, speed: float) -> float:
-        """[J] kinetic energy at a speed [m/s]."""
+        """Compute the kinetic energy [J] at a speed [m/s]."""
         return 0.5 * self.mass * speed**2
 
     @property
@@ -255,7 +255,8 @@ class Projectile:
         return min(self.edge_radius, tip)
 
     def seen_from(self, angle: float) -> Projectile:
-        """The same shot in a frame that is turned by `angle` [rad] about the panel's normal."""
+        """Return the same shot in a frame that is turned by `angle` [rad] about the panel's
+        normal."""
         if not self.roaming and SHAPES[self.shape].turned:
             return self  # it looks alike from everywhere
         azimuth, roll = (remainder(each - angle, 2 * pi) for each in (self.azimuth, self.roll))
@@ -291,8 +292,8 @@ class Projectile:
         return np.array([x, y, _towards(lean, self.azimuth)])
 
     def distance(self, point: FloatArray | Sequence[float]) -> tuple[float, FloatArray]:
-        """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin;
-        and its gradient."""
+        """Compute the signed distance [m] to a point (3,) of the panel's frame when the nose is at
+        the origin; and its gradient."""
         frame = self.frame
         depth, normal = sdf_kernels.distance(self.nose, frame @ np.asarray(point))
         return depth, frame.T @ normal
@@ -312,8 +313,8 @@ class Projectile:
         return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
 
     def start(self) -> FloatArray:
-        """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the
-        origin."""
+        """Compute the place (3,) [m] of the nose when the body first touches the panel z = 0, on
+        its way to the origin."""
         if self.obliquity == 0 and not self.tilted:
             return np.zeros(3)
         flight = self.flight
@@ -321,8 +322,8 @@ class Projectile:
         return nose - flight * (nose[2] + self.top) / flight[2]
 
     def surface(self, set_back: float = 0.0, rise: int = 61, around: int = 73) -> FloatArray:
-        """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii
-        of an endless one.
+        """Compute the body's surface (n, m, 3) [m] about its nose, m points a ring, for pictures;
+        six radii of an endless one.
 
         Of a solid, what is seen from its axis.
 
@@ -357,7 +358,7 @@ class Projectile:
         return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:
-        """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis
+        """Tell whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis
         1)."""
         frame = self.frame
         flight = self.flight

@@ -40,7 +40,7 @@ STL_HEAD = 7  # numbers before the coefficients
 
 @kernel()
 def flat(r, z, R, rho):
-    """Signed distance to the flat nose and its gradient (n_r, n_z)."""
+    """Compute the signed distance to the flat nose and its gradient (n_r, n_z)."""
     q_r = r - R + rho
     q_z = z + rho
     if q_r > 0.0 and q_z > 0.0:
@@ -53,7 +53,8 @@ def flat(r, z, R, rho):
 
 @kernel()
 def ball(r, z, radius):
-    """Signed distance to a ball about (0, z = 0) and its gradient; at its centre the axis."""
+    """Compute the signed distance to a ball about (0, z = 0) and its gradient; at its centre the
+    axis."""
     length = math.sqrt(r * r + z * z)
     if length == 0.0:
         return -radius, 0.0, 1.0
@@ -62,7 +63,7 @@ def ball(r, z, radius):
 
 @kernel()
 def hemisphere(r, z, R):
-    """Signed distance to a cylinder with a ball for a nose, and its gradient."""
+    """Compute the signed distance to a cylinder with a ball for a nose, and its gradient."""
     if z + R > 0.0:
         return ball(r, z + R, R)
     return r - R, 1.0, 0.0
@@ -70,8 +71,8 @@ def hemisphere(r, z, R):
 
 @unit("3 numbers", later=True, r="number", z="number", R="number", rho="number", form="n")
 def cone(r, z, R, rho, form):
-    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its
-    gradient.
+    """Compute the signed distance to a cone with a rounded tip and shoulder before a cylinder, and
+    its gradient.
 
     The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part
     the plane.
@@ -96,7 +97,8 @@ def cone(r, z, R, rho, form):
 
 @kernel()
 def on_ellipse(t, y, a, b):
-    """Point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at least 0.
+    """Find the point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at
+    least 0.
 
     Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there:
     Newton's method from its left climbs to it without overshooting.
@@ -116,8 +118,8 @@ def on_ellipse(t, y, a, b):
 
 @kernel()
 def nearest_rim(x, y, z, radius, strip, sine, cosine):
-    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and
-    flat of a chisel."""
+    """Find the point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts
+    strip and flat of a chisel."""
     # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
     r = math.sqrt(x * x + y * y)
     e_x = 0.0
@@ -142,7 +144,7 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
     "4 numbers", later=True, x="number", y="number", z="number", R="number", rho="number", form="n"
 )
 def chisel(x, y, z, R, rho, form):
-    """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
+    """Compute the signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
 
     K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest
     point is that of the prism between the planes, if the cylinder holds it; or that of the
@@ -200,8 +202,8 @@ def chisel(x, y, z, R, rho, form):
 
 @kernel()
 def b_spline(t):
-    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and
-    their slopes."""
+    """Compute the weights of the four cubic B-splines at a share t of the interval between the
+    middle two, and their slopes."""
     a = 1.0 - t
     w = (
         a * a * a / 6.0,
@@ -214,7 +216,7 @@ def b_spline(t):
 
 @unit("4 numbers", later=True, x="number", y="number", z="number", form="n")
 def sampled(x, y, z, form):
-    """Signed distance interpolated between samples, and the unit vector along its gradient.
+    """Interpolate the signed distance between samples, and the unit vector along its gradient.
 
     Outside the grid, whose faces lie off the body, what lies between comes on top.
     """
@@ -273,7 +275,8 @@ def sampled(x, y, z, form):
 
 @kernel()
 def from_axis(x, y, r, component):
-    """(x, y) parts of a vector with this component away from the axis, at the distance r from it."""
+    """Return the (x, y) parts of a vector with this component away from the axis, at the distance r
+    from it."""
     if r > 0.0:
         return component * x / r, component * y / r
     return 0.0, 0.0
@@ -281,7 +284,8 @@ def from_axis(x, y, r, component):
 
 @entry()
 def distance(nose, point):
-    """Signed distance of a point (x, y, z) to a projectile and its gradient (n_x, n_y, n_z).
+    """Compute the signed distance of a point (x, y, z) to a projectile and its gradient (n_x, n_y,
+    n_z).
 
     nose : its shape (`state.Nose`)
 

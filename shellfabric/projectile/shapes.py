@@ -45,7 +45,7 @@ def _cone(shot):
 
 
 def chisel(shot: Any) -> tuple[float, float, float]:
-    """Half the strip of the body K within, whose flats are set back by the edge radius."""
+    """Return half the strip of the body K within, whose flats are set back by the edge radius."""
     return (
         0.5 * shot.flat_width - shot.edge_radius * tan(0.5 * shot.flat_angle),
         sin(shot.flat_angle),

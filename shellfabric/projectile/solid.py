@@ -22,8 +22,8 @@ _NEAR, _EVEN = (
 
 
 def volume(points: FloatArray, faces: np.ndarray) -> float:
-    """[m3] within a closed surface of triangles (m, 3) of points (n, 3) [m]; negative where they
-    face inwards."""
+    """Compute the volume [m3] within a closed surface of triangles (m, 3) of points (n, 3) [m];
+    negative if they face inwards."""
     a, b, c = points[faces.T]
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
@@ -50,8 +50,8 @@ class Solid:
 
     @staticmethod
     def axes(points: FloatArray, spacing: float) -> tuple[FloatArray, ...]:
-        """Places (i,), (j,), (k,) [m] of samples that reach beyond points (n, 3) [m] of a
-        surface."""
+        """Return the places (i,), (j,), (k,) [m] of samples that reach beyond points (n, 3) [m] of
+        a surface."""
         half = [int(np.ceil(np.abs(points[:, c]).max() / spacing)) + MARGIN for c in (0, 1)]
         back = int(np.ceil(-points[:, 2].min() / spacing)) + MARGIN
         return (

@@ -16,8 +16,8 @@ X, Y = 0, 1  # axes
 
 @kernel()
 def reachable_nodes(state, const):
-    """First and last row, and column, of the nodes that contact forces can reach: one beyond those
-    of the elements."""
+    """Return the first and last row, and column, of the nodes that contact forces can reach: one
+    beyond those of the elements."""
     i0, i1, j0, j1 = bounds(state.contact_window)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
@@ -85,8 +85,8 @@ def elements_in_reach(state, const, axis, back, slip, lines):
 
 @kernel()
 def erode(state, const, i, j):
-    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap
-    that they left is wider than const.erosion_gap_ratio. Erosion is permanent."""
+    """Apply the erosion criterion: all yarns of the element have failed, or those of one family and
+    the gap that they left is wider than const.erosion_gap_ratio. Erosion is permanent."""
     k = np.uint64(i * const.row_stride + j)
     row = np.uint64(const.row_stride)
     one = np.uint64(1)
@@ -120,8 +120,8 @@ def erode(state, const, i, j):
 
 @kernel()
 def intact_at_point(state, const, k, place):
-    """Intact fraction at the place (s, t) in element k: the mean of the warp and the weft next to
-    it."""
+    """Compute the intact fraction at the place (s, t) in element k: the mean of the warp and the
+    weft next to it."""
     s, t = place
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
@@ -143,8 +143,8 @@ def intact_at_point(state, const, k, place):
 
 @unit("flag", later=True)
 def cloth_ahead_of_nose(state, const):
-    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's
-    radius."""
+    """Tell whether an element that is not eroded lies ahead of the shoulder, within the
+    projectile's radius."""
     i0, i1, j0, j1 = bounds(state.contact_window)
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -162,7 +162,7 @@ def cloth_ahead_of_nose(state, const):
 
 @kernel()
 def from_nose(state, const, x):
-    """A place of the surface in the frame of the projectile."""
+    """Turn a place of the surface into the frame of the projectile."""
     z = x[2] - state.surface.rest[2][grid_of(const)[0]]
     p_x, p_y = turned(state.surface.turn, x[0], x[1])
     return components(const.frame, subtract((p_x, p_y, z), state.projectile_position))

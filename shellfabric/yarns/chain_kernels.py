@@ -38,20 +38,20 @@ def move(zone):
 
 @kernel()
 def nodes_of(zone, family):
-    """First node of a family, and that after its last one."""
+    """Return the first node of a family, and that after its last one."""
     first = zone.first[family]
     return first, first + zone.yarns[family] * zone.nodes[family]
 
 
 @kernel()
 def yarn_of(zone, family, n):
-    """Number of the yarn, in its family, of a node."""
+    """Return the number of the yarn, in its family, of a node."""
     return (n - zone.first[family]) // zone.nodes[family]
 
 
 @kernel(_nrt=False)
 def chain_forces(zone):
-    """Forces of all segments, in place of what zone.f has."""
+    """Compute the forces of all segments, in place of what zone.f has."""
     if zone.segments_to_break > 0:
         break_segments(zone)
     zone.stored = 0.0
@@ -87,7 +87,8 @@ def break_segments(zone):
 
 @kernel(_nrt=False, fastmath=SUM)
 def stretch_segments(zone, family, first, last):
-    """Tensions of the segments of a family, whose nodes are first .. last - 1; their forces on the nodes before them.
+    """Compute the tensions of the segments of a family, whose nodes are first .. last - 1; their
+    forces on the nodes before them.
 
     A loop over all of them, which LLVM turns into vector instructions. What lies between the end of a yarn and the
     next one is not whole. The forces go into zone.pull.
@@ -144,14 +145,14 @@ def stretch_segments(zone, family, first, last):
 
 @kernel(_nrt=False, inline="always")
 def parts_of(vectors, begin, count):
-    """`count` entries from `begin` on, of each of the three rows of an array."""
+    """Return `count` entries from `begin` on, of each of the three rows of an array."""
     end = begin + count
     return vectors[0, begin:end], vectors[1, begin:end], vectors[2, begin:end]
 
 
 @kernel(_nrt=False)
 def pull_nodes(pull, f):
-    """Forces f of the nodes between segments that pull, of one component."""
+    """Add the forces f of the nodes between segments that pull, of one component."""
     before = pull[:-1]
     behind = pull[1:]
     inner = f[1:]
@@ -172,7 +173,7 @@ def follow_tensions(zone):
 
 @kernel(_nrt=False)
 def follow_segment(zone, family, n):
-    """F of one segment, and whether it breaks."""
+    """Let F of one segment follow its M, and tell whether it breaks."""
     half = zone.half_strength[n]
     mean = mean_tension(zone, family, n)
     zone.filtered[n] = criterion_kernels.follow_mean(
@@ -193,7 +194,8 @@ def follow_segment(zone, family, n):
 
 @kernel(_nrt=False)
 def mean_tension(zone, family, n):
-    """M [N] of a segment: mean over the whole segments beside it, by the weights of their yarns."""
+    """Compute M [N] of a segment: mean over the whole segments beside it, by the weights of their
+    yarns."""
     total = 0.0
     weight = 0.0
     yarn = yarn_of(zone, family, n)

@@ -36,7 +36,7 @@ SLACK_SINE = 0.04  # square of the sine between the tangents: below, they are ne
 
 @kernel(_nrt=False)
 def crossing_forces(zone):
-    """Forces of all crossings, into zone.f."""
+    """Add the forces of all crossings to zone.f."""
     stored = 0.0
     for i in range(zone.yarns[0]):
         for j in range(zone.yarns[1]):
@@ -47,7 +47,8 @@ def crossing_forces(zone):
 
 @kernel(_nrt=False)
 def compression(zone, closure):
-    """(force [N], energy [J]) of a crossing closed by `closure` [m]: the force is linear between samples and beyond."""
+    """Compute (force [N], energy [J]) of a crossing closed by `closure` [m]: the force is linear
+    between samples and beyond."""
     k = min(int(closure * zone.law_scale), zone.law_force.size - 1)
     beyond = closure - k / zone.law_scale
     force = zone.law_force[k]
@@ -101,20 +102,20 @@ def common_perpendicular(zone, i, j):
 
 @kernel()
 def moved(s, step, count):
-    """An index of a chain after a bounded step, within the chain."""
+    """Return an index of a chain after a bounded step, within the chain."""
     step = min(max(step, -MOST_MOVE), MOST_MOVE)
     return min(max(s + step, 0.5), count - 1.5)
 
 
 @kernel()
 def has_left(s, count):
-    """Whether a crossing has come to an end of a chain: the yarn has left it."""
+    """Tell whether a crossing has come to an end of a chain: the yarn has left it."""
     return s == 0.5 or s == count - 1.5
 
 
 @kernel(_nrt=False)
 def crossing_force(zone, i, j):
-    """Force of one crossing; the energy [J] that it stores."""
+    """Compute the force of one crossing; return the energy [J] that it stores."""
     found = common_perpendicular(zone, i, j)
     n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack = found
     pinned = zone.pinned[i, j]
@@ -152,7 +153,8 @@ def crossing_force(zone, i, j):
 
 @kernel(_nrt=False)
 def drop(zone, i, j, whole):
-    """End the contact of a crossing, for good if a yarn of it is not whole, and book what it stored."""
+    """Drop the contact of a crossing, for good if a yarn of it is not whole, and book what it
+    stored."""
     slider = zone.slider[i, j]
     square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2
     dropped = zone.contact_energy[i, j] + 0.5 * zone.friction_stiffness * square
@@ -170,7 +172,8 @@ def drop(zone, i, j, whole):
 
 @kernel(_nrt=False)
 def normal_force(zone, i, j, distance, opening):
-    """Normal force [N] with its damping, at a distance [m] that opens at the velocity `opening` [m/s]."""
+    """Compute the normal force [N] with its damping, at a distance [m] that opens at the velocity
+    `opening` [m/s]."""
     onset = min(zone.gap, max(zone.contact_onset[i, j], distance))
     force = 0.0
     energy = 0.0

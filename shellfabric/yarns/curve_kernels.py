@@ -20,7 +20,8 @@ ONE = np.uint64(1)  # numba asks of a signed index whether it is negative
 
 @kernel(_nrt=False, forceinline=True)
 def spline(s, count):
-    """(nearest inner node, its three weights, their slopes) at the index s of a chain of `count` nodes."""
+    """Compute (nearest inner node, its three weights, their slopes) at the index s of a chain of
+    `count` nodes."""
     k = min(max(int(s + 0.5), 1), count - 2)
     u = s - k
     return k, quadratic_weights(u), (u - 0.5, -2.0 * u, u + 0.5)
@@ -28,7 +29,7 @@ def spline(s, count):
 
 @kernel(_nrt=False, forceinline=True)
 def gather(x, n, weights):
-    """Sum of the nodes n - 1, n, n + 1 of x (3, nodes) times their weights."""
+    """Sum the nodes n - 1, n, n + 1 of x (3, nodes) times their weights."""
     n = np.uint64(n)
     before = scaled(weights[0], column(x, 0, n - ONE))
     found = add(before, scaled(weights[1], column(x, 0, n)))

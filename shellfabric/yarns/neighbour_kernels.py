@@ -30,7 +30,7 @@ FASTER = 2.0  # than they do now: how fast two yarns may come closer while a poi
 
 @kernel(_nrt=False)
 def neighbour_forces(zone):
-    """Forces of all neighbours, into zone.f."""
+    """Add the forces of all neighbours to zone.f."""
     stored = 0.0
     for family in range(2):
         for yarn in range(zone.yarns[family] - 1):
@@ -73,7 +73,7 @@ def closest_point(zone, family, start, n):
 
 @kernel(_nrt=False)
 def neighbour_force(zone, family, start, n):
-    """Force of one point on the next yarn; the energy [J] that it stores."""
+    """Compute the force of one point on the next yarn; return the energy [J] that it stores."""
     touch = zone.touch_distance[family]
     m, weights, d, square, step = closest_point(zone, family, start, n)
     if not (zone.whole[n - 1] and zone.whole[n] and zone.whole[m - 1] and zone.whole[m]):

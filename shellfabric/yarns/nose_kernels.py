@@ -29,7 +29,8 @@ MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
 
 @kernel(_nrt=False)
 def nose_forces(zone, state, const):
-    """Forces of the nose, into zone.f and state.f_contact_nose; counts points of whole yarns ahead of it."""
+    """Add the forces of the nose to zone.f and state.f_contact_nose; count points of whole yarns
+    ahead of it."""
     for c in range(3):
         state.f_contact_nose[c] = 0.0
     zone.stored_at_nose = 0.0
@@ -54,7 +55,8 @@ def nose_forces(zone, state, const):
 
 @kernel(_nrt=False)
 def beyond_reach(zone, state, const, n):
-    """[m] by which a node is farther from the line of flight than the nose, and a segment, reach."""
+    """Compute the distance [m] by which a node is farther from the line of flight than the nose,
+    and a segment, reach."""
     place = subtract(column(zone.x, 0, n), three(state.projectile_position, 0))
     x, y, _ = components(const.frame, place)
     reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
@@ -63,7 +65,7 @@ def beyond_reach(zone, state, const, n):
 
 @kernel(_nrt=False)
 def nose_point(zone, state, const, n, kind, weights, whole, held):
-    """Contact of one point."""
+    """Compute the contact of one point."""
     if not whole:
         zone.lost_with_yarns += zone.nose_energy[n, kind]
         zone.nose_energy[n, kind] = 0.0
@@ -102,7 +104,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
 
 @kernel(_nrt=False)
 def nose_friction(zone, state, const, n, kind, weights, normal, push):
-    """Friction of one point (`friction_kernels.friction_force`), without damping."""
+    """Compute the friction of one point (`friction_kernels.friction_force`), without damping."""
     velocity = add_scaled(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
     spring = zone.nose_stiffness, 0.0
     limit = const.friction * push

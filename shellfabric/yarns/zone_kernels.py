@@ -8,7 +8,8 @@ from shellfabric.yarns.neighbour_kernels import neighbour_forces
 
 @entry(_nrt=False)
 def inner_forces(zone):
-    """Forces of the yarns on themselves and on each other, into zone.f, at the present places."""
+    """Compute the forces of the yarns on themselves and on each other, into zone.f, at the present
+    places."""
     chain_forces(zone)
     follow_tensions(zone)
     crossing_forces(zone)
