@@ -254,19 +254,17 @@ class Constants(Row):
     has_backing = flag("whether a backing block is coupled to the ply")
 
 
-class ModuleTable(Row):
-    """The force modules of a ply (`panel.forces`)."""
+class PartTable(Row):
+    """The parts that act in a step of a ply (`parts.Part`), a number for each."""
 
-    cell = array("n int64", "-", "address of the cell of a unit; 0 of a module that does not act")
-    own = array("n int64", "-", "address of the module's row; 0 without one")
-    behind = array(
-        "1 int64", "-", "cell of what is behind the ply, called after each step; 0 if none"
+    flight = array(
+        "parts int64", "-", "cell of the unit that acts as the projectile flies on; 0 of none"
     )
-    nose = array(
-        "2 int64",
-        "-",
-        "cell and row of what the nose touches in place of the membrane; 0 if it is the membrane",
-    )
+    forces = array("parts int64", "-", "cell of the unit that acts with the forces of the ply")
+    nose = array("parts int64", "-", "cell of what the nose meets in place of the membrane")
+    after = array("parts int64", "-", "cell of what acts when all have moved")
+    own = array("parts int64", "-", "address of the part's row; 0 without one")
+    replaces_membrane = flag("whether a part stands in for the membrane under the nose")
 
 
 class State(Row, kept=True):
@@ -278,7 +276,7 @@ class State(Row, kept=True):
     f_int_above = array(
         "3 x slots", "N", "part of it from the block above, on the first row of nodes of a block"
     )
-    modules = row(ModuleTable, "what acts on the ply besides membrane, nose and other plies")
+    parts = row(PartTable, "what acts on the ply besides membrane, nose and other plies")
     surface = row(Surface, "what touches the ply sees of it")
     yarns_ahead = tally("-", "points of whole resolved yarns ahead of the nose")
     yarn_work = total("J", "work done so far on resolved yarns and on the contacts of theirs")
@@ -463,23 +461,8 @@ class Work(Row):
     contact_scratch = row(Scratch, "of the contact with the projectile")
 
 
-class Body(Row):
-    """What moves a projectile along its axis that is not rigid: a unit with a row of its own."""
-
-    cell = array("1 int64", "-", "address of the cell of the unit; 0 of a rigid projectile")
-    own = array("1 int64", "-", "address of the row of the unit; 0 of a rigid projectile")
-    force = array("1", "N", "force on the projectile along its axis in this step")
-    motion = array(
-        "6",
-        "m/s, m",
-        "along the axis: velocities of tip, tail and centre of mass, and how far they have come",
-    )
-
-
 class Stack(Row, kept=True):
     """What the plies of a run share: the projectile, steps, who is awake."""
-
-    body = row(Body, "what moves the projectile along its axis, unless it is rigid")
 
     awake = array("plies boolean", "-", "whether anything has acted on the ply yet")
     waits_for_plies = array(
@@ -505,6 +488,12 @@ class Stack(Row, kept=True):
         "plies, 2", "-", "cosine and sine of the angle from the first ply's frame to each ply's"
     )
     after_stop = total("s", "for which the run goes on after the projectile has turned back")
+    motion = array(
+        "n",
+        "m/s, m",
+        "of a projectile that is not rigid, along its axis: velocities of tip, tail and centre of "
+        "mass, and how far they have come; empty of a rigid one",
+    )
 
 
 PARAMETERS = {

@@ -31,7 +31,9 @@ from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.hex8 import Bricks
 from shellfabric.backing.state import BlockLaw, BlockPoints, BlockRow
+from shellfabric.parts import own_steps
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.subcycle_kernels import make_steps
 
 ENERGIES = (
     "kinetic",
@@ -348,7 +350,7 @@ class Block:
             # at first a step may take all of its bound, which is that of the block at rest
             count = 1
             if self.row.steps:
-                count = max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
+                count = own_steps(self.dt, CFL * self.stable_step())
         self.row.substeps = count
         self.row.steps += 1
         if count > MAX_SUBSTEPS:
@@ -365,20 +367,19 @@ class Block:
             whole = duration / (0.5 * (kick + step))
             self.row.outer[:] *= whole
             self.row.drags[:] *= whole
-        for _ in range(count):
-            self._step(step)
-            self.row.outer[:] = 0.0
-            self.row.drags[:] = 0.0
+        make_steps(self._step, self.row, count, self.dt)
         self.row.time += self.dt
 
-    def _step(self, dt):
-        kick = float(self.row.kick)
-        kernels.forces(self.row, kick)
-        inside_out = np.isnan(self.row.elastic_energy)
+    def _step(self, row, dt, left):
+        kick = float(row.kick)
+        kernels.forces(row, kick)
+        inside_out = np.isnan(row.elastic_energy)
         if inside_out.any():
             raise self._unstable("a brick is turned inside out", int(np.argmax(inside_out)))
-        kernels.move(self.row, 0.5 * (kick + dt), dt)
-        self.row.kick = dt
+        kernels.move(row, 0.5 * (kick + dt), dt)
+        row.kick = dt
+        row.outer[:] = 0.0
+        row.drags[:] = 0.0
 
     def _unstable(self, what, brick=None):
         """The error of a brick; without one, of that which bears the shortest step."""

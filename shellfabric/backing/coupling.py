@@ -14,7 +14,9 @@ whatever the angle of the last ply.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import prod
 from typing import Any
 
 import numba
@@ -25,6 +27,8 @@ from fabrics.base.errors import InputError
 from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.block import ENERGIES, Backing, Block
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.jit.table import Row
+from shellfabric.parts import Part
 from shellfabric.projectile.frames import axes, turned_back
 
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
@@ -151,8 +155,8 @@ def check(panel: Any) -> None:
         raise InputError(key="size", value=backing.size, allowed=allowed)
 
 
-class BackingCoupling:
-    """The block of a run, coupled to its last ply.
+class BackingCoupling(Part):
+    """The block of a run, coupled to its last ply: a part that steps in Python.
 
     Parameters
     ----------
@@ -170,7 +174,15 @@ class BackingCoupling:
     InputError : a step that is too long for the block
     """
 
+    name = "block"
+    of_ply = False
+    ply = -1
+    steps_in_python = True
+    meets_nose = True
+    contacts: Mapping[str, str] = {"backing_damped": "the contact with the block"}
+
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
+        self.backing = backing
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.const = const
         self.threads = panel.numerics.threads
@@ -198,6 +210,11 @@ class BackingCoupling:
         self._weights = np.array(
             [((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t) for s in along for t in along]
         )
+
+    def begin(self, state: Any, const: Any, stack: Any) -> None:
+        """See Part. The block takes the step that it is ahead."""
+        stack.after_stop = self.backing.after_stop
+        self.step(state)
 
     def step(self, state: Any) -> None:
         """One step of the block under its contacts with fabric and projectile; stores the contact
@@ -255,10 +272,34 @@ class BackingCoupling:
         if self.const.mirror_y:
             self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
+    def rows(self) -> dict[str, Row]:
+        """See Part."""
+        assert self.block.points is not None  # they are made in the first step
+        return {"row": self.block.row, "points": self.block.points}
+
+    def identity(self) -> tuple[Any, ...]:
+        """See Part."""
+        return self.name, self.backing
+
     def energies(self) -> dict[str, float]:
         """{name: [J]} of NAMES, of the modelled part."""
         return dict(zip(NAMES, self.block.energies().values()))
 
-    def result(self) -> BackingResult:
-        """The block as it is."""
-        return result_of(self.block)
+    def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:
+        """See Part."""
+        return {"backing": result_of(self.block)}
+
+
+def bricks_of(panel: Any) -> int:
+    """Return the number of bricks of the block behind a panel; 0 without one."""
+    if panel.backing is None:
+        return 0
+    return prod(panel.backing.count)
+
+
+def make_blocks(pack: Any, consts: Any, velocity: float) -> tuple[Part, ...]:
+    """Make the block behind the last ply of a pack that stands before one."""
+    backing = pack.plies[0].backing
+    if backing is None:
+        return ()
+    return (BackingCoupling(backing, pack.plies[-1], consts[-1]),)

@@ -24,7 +24,7 @@ from numba.extending import overload
 
 from shellfabric.cloth.membrane_kernels import WARP, WEFT
 from shellfabric.jit.compile import kernel
-from shellfabric.state import ModuleTable, unit
+from shellfabric.state import PartTable, unit
 
 FREE_END = 0
 SYMMETRY_END = 1
@@ -188,10 +188,10 @@ def turn(state, const, family, before, behind, B, acting):
     return B * (1.0 - cosine)
 
 
-@unit("number", later=True, own=ModuleTable)
+@unit("number", later=True, own=PartTable)
 def bending_forces(state, const, own, first, last, acting):
     """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`
-    (a unit of `panel.forces`, without a row)."""
+    (a unit of `parts.Part`, without a row)."""
     total = 0.0
     for family in range(2):
         if bends(const.bending, family):

@@ -28,7 +28,7 @@ from shellfabric.cloth.bending_kernels import rest_length
 from shellfabric.cloth.membrane_kernels import DRAWN_OUT, ONE, scratch_slot
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
-from shellfabric.state import ModuleTable, unit
+from shellfabric.state import PartTable, unit
 
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
@@ -61,10 +61,10 @@ def has_packed(state, const, work, first, last):
     return -reduce_max(0.0 - least) < 16.0 * share * share
 
 
-@unit("number", own=ModuleTable)
+@unit("number", own=PartTable)
 def packing_forces(state, const, own, first, last, acting):
     """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to
-    state.f_int if `acting` (a unit of `panel.forces`, without a row)."""
+    state.f_int if `acting` (a unit of `parts.Part`, without a row)."""
     total = 0.0
     per = const.rows_per_block
     for block in range(first // per, (last + per - 1) // per):

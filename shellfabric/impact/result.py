@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -148,18 +149,15 @@ def collect_result(
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock = solver.const.dt * np.arange(1, len(fine) + 1)
-    bar = None
-    if solver.bar and setup.projectile.bar:
-        bar = dynamics.history(clock, fine, solver.bar, setup.projectile.bar)
-    backing = None
-    if solver.backing:
-        backing = solver.backing.result()
+    of_parts: dict[str, Any] = {}
+    for part in (part for parts in solver.parts for part in parts):
+        of_parts |= part.result(clock, fine)
     recorded: tuple[histories.Histories, ...] = ()
     if setup.history and solver.histories:
         recorded = histories.unpack(solver.histories, panels, setup.history)
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
     deflection = plies["deflection"][:, -1]
-    speed = dynamics.velocity(solver.state, solver.const, solver.bar)
+    speed = dynamics.velocity(solver.state, solver.const, solver.stack.motion)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
@@ -178,8 +176,8 @@ def collect_result(
         deepest=solver.deepest,
         held_apart=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
-        bar=bar,
-        backing=backing,
+        bar=of_parts.get("bar"),
+        backing=of_parts.get("backing"),
         projectile_position=last[0].projectile_position.copy(),
         last=last,
         snapshots=tuple(solver.snapshots),

@@ -281,36 +281,51 @@ class Cell:
 
 
 @intrinsic
-def call_module(typing, cell, own, state, const, first, last, acting):
-    """Call the unit that a cell leads to, given by its address, as `panel.forces` has it: (state,
-    const, own, first, last, acting) -> number."""
-    kinds = state, const, types.voidptr, *(types.int64,) * 3
+def call_flight(typing, cell, own, state, const, force):
+    """Call the unit of a part (`parts.Part`) that acts as the projectile flies on."""
+    return _call_through(types.none, state, const, types.float64)
+
+
+@intrinsic
+def call_forces(typing, cell, own, state, const, first, last, acting):
+    """Call the unit of a part that acts with the forces of its ply; the energy that it returns."""
+    return _call_through(types.float64, state, const, types.int64, types.int64, types.int64)
+
+
+@intrinsic
+def call_phase(typing, cell, own, state, const):
+    """Call the unit of a part that meets the nose, or acts when all have moved."""
+    return _call_through(types.none, state, const)
+
+
+def _call_through(returns, state, const, *others):
+    """Signature and code of a call of the unit that a cell leads to, given by its address, with the
+    row at the address `own`."""
+    kinds = state, const, types.voidptr, *others
 
     def codegen(context, builder, sig, arguments):
-        kind = context.call_conv.get_function_type(types.float64, kinds).as_pointer()
+        kind = context.call_conv.get_function_type(returns, kinds).as_pointer()
         unit = builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
         own = builder.inttoptr(arguments[1], context.get_value_type(types.voidptr))
         given = [*arguments[2:4], own, *arguments[4:]]
-        return _call(context, builder, unit, types.float64, kinds, given)
+        return _call(context, builder, unit, returns, kinds, given)
 
-    return types.float64(types.int64, types.int64, state, const, *kinds[3:]), codegen
+    return returns(types.int64, types.int64, state, const, *others), codegen
 
 
 class PythonCell:
-    """A cell that leads to a Python function without parameters: a module (`call_module`) that
-    stores nothing.
+    """A cell that leads to a Python function without parameters, in place of a unit that
+    `call_phase` calls.
 
-    state, const : rows of the types that it is called with
+    state, const : numba types of the rows that it is called with
     """
 
-    def __init__(self, function: Callable[[], object], state: Row, const: Row) -> None:
-        kinds = state._numba_type_, const._numba_type_, types.voidptr, *(types.int64,) * 3
-
+    def __init__(self, function: Callable[[], object], state: Any, const: Any) -> None:
         def call(*arguments):
             function()
             return 0
 
-        self._code = _code(types.float64, kinds, call)
+        self._code = _code(types.none, (state, const, types.voidptr), call)
         self.address = ctypes.cast(self._code, ctypes.c_void_p)
         self.place = ctypes.addressof(self.address)
 

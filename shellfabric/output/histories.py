@@ -165,7 +165,7 @@ class Recorder(Every):
     def __call__(self, solver: Any) -> None:
         if self.due(solver):
             parts = [
-                _record(*solver.parts[p], yarns, sides, solver.neighbour_forces(p))  # type: ignore[call-arg]
+                _record(*solver.plies[p], yarns, sides, solver.neighbour_forces(p))  # type: ignore[call-arg]
                 for p, (yarns, sides) in zip(self.chosen, self.what)
             ]
             solver.histories.append(np.concatenate([[solver.time], *parts]))

@@ -98,7 +98,7 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
     rest."""
     found: list[Snapshot] = []
-    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.pack.places)):
+    for ply, ((panel, _, state), z) in enumerate(zip(solver.plies, solver.pack.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
         # the place of the nose is counted from the first ply

@@ -12,10 +12,11 @@ from shellfabric.cell import packed_table
 from shellfabric.cloth.nodal_force_kernels import clear_window
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel import edges, failure, forces, grading
+from shellfabric.panel import edges, failure, grading
 from shellfabric.panel.grid import PanelGrid
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.panel.slots import by_node
+from shellfabric.parts import make_table, parts_of
 from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, State, Surface, Work
 
@@ -166,6 +167,8 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
         # edges with a prescribed pull-in move before any wave comes to them
         state.first_row = 0
         state.end_row = ni
+    for part in parts_of(state.parts):
+        part.cut(state)
     return state
 
 
@@ -204,7 +207,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["steps"][...] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
-    found["modules"] = forces.make_table(panel.force_modules(), panel.sides is not None)
+    found["parts"] = make_table(panel.make_parts(), panel.sides is not None)
     return State(**found)
 
 

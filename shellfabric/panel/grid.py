@@ -40,6 +40,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.panel import boundary, forces, grading, time_step
 from shellfabric.panel.boundary import Boundary
 from shellfabric.panel.numerics import Numerics
+from shellfabric.parts import Part
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
 
@@ -82,7 +83,8 @@ class PanelGrid:
         `cloth.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
         the impact point, or None (see `grading`); not with grips at the edges
-    modules : further forces on the ply, functions that make a `forces.Module` of the panel
+    parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
+        of the panel
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
@@ -111,7 +113,7 @@ class PanelGrid:
     backing: Backing | None = None
     packed_area: float = entries()["packed_area"].value
     grading: tuple | None = None
-    modules: tuple[Callable[[PanelGrid], forces.Module], ...] = ()
+    parts: tuple[Callable[[PanelGrid], Part], ...] = ()
     ply_angle: float = 0.0
 
     def __post_init__(self):
@@ -399,16 +401,16 @@ class PanelGrid:
             return stiffness
         return (stiffness + locked) ** 2 / (4 * locked)
 
-    def force_modules(self) -> tuple[forces.Module, ...]:
-        """What acts on it besides membrane and nose, each with a row of its own."""
-        return forces.make_modules(self)
+    def make_parts(self) -> tuple[Part, ...]:
+        """Make what acts on it besides membrane and nose, each with a row of its own."""
+        return forces.make_parts(self)
 
     @cached_property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
         mass = self.weave.areal_density
         membrane = self.membrane_stiffness / (mass * min(self.spacing) ** 2)
-        return (membrane + sum(module.stiffness for module in forces.make_modules(self))) ** -0.5
+        return (membrane + sum(part.stiffness for part in forces.make_parts(self))) ** -0.5
 
     @cached_property
     def yarns_a_line(self) -> tuple[float, ...]:

@@ -246,7 +246,7 @@ class Monitor:
     """
 
     def __init__(self, solver: Any) -> None:
-        self.found = np.zeros((len(solver.parts), 3))
+        self.found = np.zeros((len(solver.plies), 3))
         plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
@@ -255,12 +255,12 @@ class Monitor:
         """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
         from shellfabric.panel.quality_kernels import sample
 
-        if solver.zone is not None:
+        if solver.replaces_membrane:
             return  # about the nose there are yarns in the place of the panel's edges
         if len(solver.samples) % EVERY or any(state.failures for state in solver.states):
             return
         for (_, const, state), row, (i, j), light in zip(
-            solver.parts, self.found, self._places, self._light
+            solver.plies, self.found, self._places, self._light
         ):
             sample(state, const, i, j, *light, row)
         self.found[:-1, -1] = solver.deepest
@@ -310,12 +310,12 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     energies = {name: solver.sample(name) for name in solver.energy_names}
     cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
-    broken = float(cut_yarns[-1] > 0 and solver.zone is None)
+    broken = float(cut_yarns[-1] > 0 and not solver.replaces_membrane)
     depth = max(float(state.max_penetration) for state in solver.states)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
     largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}
-    contacts = {"contact", "ply_contact", "ply_collisions", "backing_damped"} & energies.keys()
+    contacts = (solver.contacts.keys() - {"ply_friction"}) & energies.keys()
     given = max(-float(energies[name].min()) for name in contacts)
     found = [
         indicator("time step", const.dt / bound),
@@ -336,8 +336,8 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         *_path(solver),
         *_extrapolation(solver),
     ]
-    found += solver.yarn_indicators
-    if len(solver.parts) > 1:
+    found += solver.part_indicators
+    if len(solver.plies) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         collided = float(energies["ply_collisions"][-1])
         found.append(indicator("ply collisions", max(collided, 0.0) / strike))
@@ -348,7 +348,7 @@ def _path(solver):
     """The indicator of a projectile that moves sideways over a graded panel."""
     shares = [
         panel.share_of_first_zone(state.projectile_position)
-        for panel, const, state in solver.parts
+        for panel, const, state in solver.plies
         if panel.sides is not None and const.window_follows
     ]
     return [indicator("path over fine mesh", max(shares))] if shares else []

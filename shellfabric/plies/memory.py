@@ -9,9 +9,9 @@ of them).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import prod
 from typing import Any
 
+from shellfabric.backing.coupling import bricks_of
 from shellfabric.driver import memory
 from shellfabric.panel.model import Panel
 from shellfabric.yarns.model import crossings_of
@@ -34,13 +34,11 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     written : whether pictures and files are made of the results
     """
     counts = [ply.elements for ply in plies]
-    backing = plies[0].backing
     element = ELEMENT
     if len(plies) > 1:
         element = PACK
     run = sum(counts) * element
-    if backing:
-        run += BRICK * prod(backing.count)
+    run += BRICK * bricks_of(plies[0])
     run += CROSSING * crossings_of(plies[0])
     if written:
         run = max(run, WRITTEN * max(counts))
@@ -55,10 +53,10 @@ def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> 
     InputError : with the numbers of elements and both amounts of memory
     """
     opening = plies[0].opening
-    backing = plies[0].backing
+    bricks = bricks_of(plies[0])
     content = f"{sum(ply.elements for ply in plies):,} elements"
-    if backing:
-        content += f" with a block of {prod(backing.count):,}"
+    if bricks:
+        content += f" with a block of {bricks:,}"
     if snapshots:
         content += f" and {snapshots:,} snapshots"
     value: Any = opening

@@ -42,7 +42,7 @@ from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.plies.state import PackContact
-from shellfabric.state import Body, Constants, Stack, State, Work
+from shellfabric.state import Constants, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
 STACKINGS = ("aligned", "alternating")
@@ -263,7 +263,7 @@ class Pack:
         found["ply_steps"][:] = AT_REST
         found["projectile_velocity"][:] = strike_velocity * self.plies[0].shot.flight
         found["turns"][:] = self.turns
-        stack = Stack(body=Body(**Body.zeros()), **found)
+        stack = Stack(motion=np.zeros(0), **found)
         states = []
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)

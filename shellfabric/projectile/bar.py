@@ -5,13 +5,13 @@ of the bore are not given (erratum E-37). Here it is 4.5 mm wide, from the tail,
 mass requires. Tip and tail then swing about the centre of mass with the period of the first
 free-free mode, 2 L / c for a bar of one section.
 
-In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.move_bar`).
+In a run the bar is the body of the projectile (`dynamics.BarBody`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import ceil, pi
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.materials import Isotropic, load, round_projectile
+from shellfabric.parts import own_steps
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ class Bar:
 
     def substeps(self, dt: float) -> int:
         """Number of steps of the bar in a step `dt` [s] of the target."""
-        return max(1, ceil(dt / (self.cfl * self.longest_step)))
+        return own_steps(dt, self.cfl * self.longest_step)
 
     def _squares(self, number):
         """[1/s2] square of a frequency; 0 is the rigid motion, -1 the fastest."""

@@ -14,9 +14,9 @@ next to where it is loaded, whatever its length; this growth alone spreads the f
 (sigma_y / rho)^(1/2). A force that is held over a step does the work force times advance of the
 tip, and the bar's momentum grows by force times time, both exactly.
 
-In a run the bar is a module of the projectile (`state.Body`): `move_bar` is its unit, `BarRow`
-its row. The projectile moves rigidly across its axis. What contact sees is the tip: its place, and
-as its velocity its advance over the step divided by the step.
+In a run the bar is a part (`dynamics.BarBody`): `move_bar` is its unit, `BarRow` its row. The
+projectile moves rigidly across its axis. What contact sees is the tip: its place, and as its
+velocity its advance over the step divided by the step.
 """
 
 import math
@@ -26,9 +26,10 @@ import numpy as np
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile.state import BarRow
 from shellfabric.state import unit
+from shellfabric.subcycle_kernels import subcycle
 
 WORK, PLASTIC = 0, 1  # of BarRow.energy
-TIP, TAIL, CENTRE = 0, 1, 2  # of BarRow.motion: velocities; three further on the ways
+TIP, TAIL, CENTRE = 0, 1, 2  # of Stack.motion: velocities; three further on the ways
 
 
 @kernel()
@@ -73,26 +74,31 @@ def update_stress(bar):
     return work
 
 
+@kernel()
+def step_bar(pushed, dt, left):
+    """One of the bar's own steps, of `pushed`: the bar and the force [N] at its tip."""
+    bar, force = pushed
+    update_velocities(bar, force, 0.5 * dt)
+    for k in range(bar.u.size):
+        bar.u[k] += dt * bar.v[k]
+    bar.energy[PLASTIC] += update_stress(bar)
+    update_velocities(bar, force, 0.5 * dt)
+
+
 @entry()
 def advance(bar, force, dt):
     """Move the bar over the time `dt` [s] under a force [N] that is held at its tip.
 
-    The force is positive forwards along the axis: what stops the projectile is negative. The parts
-    of the step are short enough for the bar at rest (`bar.Bar.substeps`). Where an element is
+    The force is positive forwards along the axis: what stops the projectile is negative. Its own
+    steps are short enough for the bar at rest (`bar.Bar.substeps`). Where an element is
     squeezed below 0.95 of its length there are more in its measure: a wave crosses it sooner.
     """
     least = 1.0
     before = bar.u[0]
     for k in range(bar.h.size):
         least = min(least, stretch_of(bar, k))
-    parts = math.ceil(bar.substeps / max(min(least + 0.05, 1.0), 0.01))
-    part = dt / parts
-    for _ in range(parts):
-        update_velocities(bar, force, 0.5 * part)
-        for k in range(bar.u.size):
-            bar.u[k] += part * bar.v[k]
-        bar.energy[PLASTIC] += update_stress(bar)
-        update_velocities(bar, force, 0.5 * part)
+    count = math.ceil(bar.substeps / max(min(least + 0.05, 1.0), 0.01))
+    subcycle(step_bar, (bar, force), count, dt)
     bar.energy[WORK] += force * (bar.u[0] - before)
     note_motion(bar)
 
@@ -138,17 +144,15 @@ def elastic_energy(bar):
     return energy
 
 
-@unit("number", later=True, own=BarRow)
-def move_bar(state, const, own, first, last, acting):
-    """A step of the bar under own.force; the velocity of the projectile along its axis is that of
-    the tip, as contact sees it. Returns the stored energy [J], as the units of all modules do.
-    """
+@unit(later=True, own=BarRow, force="number")
+def move_bar(state, const, own, force):
+    """A step of the bar under a force [N]; the velocity of the projectile along its axis is that of
+    the tip, as contact sees it."""
     rigid = 0.0
     for c in range(3):
         rigid += const.frame[2, c] * state.projectile_velocity[c]
     before = own.u[0]
-    advance(own, own.force[0], const.dt)
+    advance(own, force, const.dt)
     tip = (own.u[0] - before) / const.dt
     for c in range(3):
         state.projectile_velocity[c] += const.frame[2, c] * (tip - rigid)
-    return elastic_energy(own)

@@ -1,7 +1,7 @@
 """The projectile's body in a run: rigid, or an elastic-plastic bar along its axis.
 
-`bar` describes the bar, `bar_kernels` moves it; to the time loop it is a module (`state.Body`).
-A modelled part of the panel has as much of the bar: masses and sections are its share of them.
+`bar` describes the bar, `bar_kernels` moves it; in a run it is a part, `BarBody`. A modelled part of
+the panel has as much of the bar: masses and sections are its share of them.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
+from shellfabric.parts import Part
 from shellfabric.projectile import bar_kernels
 from shellfabric.projectile.state import BarRow
-from shellfabric.state import Body
 
 if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
@@ -73,11 +73,9 @@ def history(t: FloatArray, fine: FloatArray, row: Any, bar: Bar) -> BarHistory:
     return BarHistory(t, **named, period=bar.period, shortening=shortening)
 
 
-def columns(bar: Bar | None) -> tuple[str, ...]:
-    """Names of the columns of the history of a projectile: of a bar, or of a rigid one."""
-    if bar is None:
-        return RIGID
-    return BAR
+def columns(motion: FloatArray) -> tuple[str, ...]:
+    """Return the names of the columns of the history of a projectile with this `Stack.motion`."""
+    return (*RIGID, *BAR[len(RIGID) :][: motion.size])
 
 
 def make_row(bar: Bar, share: float, dt: float, velocity: float) -> BarRow:
@@ -106,26 +104,66 @@ def make_row(bar: Bar, share: float, dt: float, velocity: float) -> BarRow:
     return row
 
 
-def body_of(row: BarRow, graded: bool) -> Body:
-    """The body of a projectile that is a bar along its axis, before a uniform or a graded panel."""
-    cell = bar_kernels.move_bar.cell(int(graded))
-    return Body(
-        cell=np.array([cell.place]),
-        own=np.array([row._address]),
-        force=row.force,
-        motion=row.motion,
-    )
+class BarBody(Part):
+    """A projectile that is a bar along its axis.
+
+    Parameters
+    ----------
+    bar : Bar
+    share : of it that is in the model
+    dt : [s] time step of the fabric
+    velocity : [m/s] along its axis
+    """
+
+    name = "bar"
+    of_ply = False
+    flight = bar_kernels.move_bar
+
+    def __init__(self, bar: Bar, share: float, dt: float, velocity: float) -> None:
+        self.bar = bar
+        self.row = make_row(bar, share, dt, velocity)
+        self.motion = self.row.motion
+
+    def identity(self) -> tuple[Any, ...]:
+        """See Part."""
+        return self.name, self.bar
+
+    def energies(self) -> dict[str, float]:
+        """See Part."""
+        row = self.row
+        values = (
+            bar_kernels.kinetic_energy(row),
+            bar_kernels.elastic_energy(row),
+            float(row.energy[bar_kernels.PLASTIC]),
+        )
+        return dict(zip(ENERGIES, values))
+
+    def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:
+        """See Part."""
+        return {"bar": history(clock, steps, self.row, self.bar)}
 
 
-def audit(state: Any, const: Any, force: FloatArray, bar: Any) -> tuple[dict[str, float], float]:
-    """Energies of the projectile at the present whole step.
+def make_bodies(pack: Any, consts: Any, velocity: float) -> tuple[Part, ...]:
+    """Make the body of a projectile that is not rigid and strikes a pack at a velocity [m/s]."""
+    first = pack.plies[0]
+    shot = first.shot
+    if shot.bar is None:
+        return ()
+    along = velocity * float(shot.flight @ shot.frame[2])
+    return (BarBody(shot.bar, first.share, consts[0].dt, along),)
 
-    A rigid body's velocity stands half a step back, and so does a bar's across its axis.
+
+def audit(
+    state: Any, const: Any, force: FloatArray, motion: FloatArray
+) -> tuple[dict[str, float], float]:
+    """Energies of the projectile at the present whole step, but those of a body that is not rigid.
+
+    A rigid body's velocity stands half a step back, and so does that of any body across its axis.
 
     Parameters
     ----------
     force : (3,) [N] on the projectile
-    bar : its BarRow, or None of a rigid one
+    motion : `Stack.motion`
 
     Returns
     -------
@@ -134,25 +172,23 @@ def audit(state: Any, const: Any, force: FloatArray, bar: Any) -> tuple[dict[str
     energies = dict.fromkeys(ENERGIES, 0.0)
     kick = const.dt * force * const.free_dofs / const.projectile_mass
     speed = state.projectile_velocity
-    if bar is None:
+    if not motion.size:
         energies["kinetic_projectile"] = 0.5 * const.projectile_mass * float(speed @ (speed + kick))
         return energies, float(speed[2] + 0.5 * kick[2])
     axis = const.frame[2]
     across = speed - axis * (axis @ speed)
     pushed = kick - axis * (axis @ kick)
     beside = 0.5 * const.projectile_mass * float(across @ (across + pushed))
-    velocity = across[2] + 0.5 * pushed[2] + axis[2] * bar.motion[bar_kernels.CENTRE]
-    energies["kinetic_projectile"] = bar_kernels.kinetic_energy(bar) + beside
-    energies["elastic_projectile"] = bar_kernels.elastic_energy(bar)
-    energies["plastic_projectile"] = float(bar.energy[bar_kernels.PLASTIC])
+    velocity = across[2] + 0.5 * pushed[2] + axis[2] * motion[bar_kernels.CENTRE]
+    energies["kinetic_projectile"] = beside
     return energies, float(velocity)
 
 
-def velocity(state: Any, const: Any, bar: Any) -> FloatArray:
-    """(3,) [m/s] of the projectile's centre of mass, half a step back; of a bar along its axis at
-    the present step."""
+def velocity(state: Any, const: Any, motion: FloatArray) -> FloatArray:
+    """(3,) [m/s] of the projectile's centre of mass, half a step back; of a body that is not rigid
+    along its axis at the present step."""
     speed = state.projectile_velocity.copy()
-    if bar is not None:
+    if motion.size:
         axis = const.frame[2]
-        speed += axis * (bar.motion[bar_kernels.CENTRE] - axis @ speed)
+        speed += axis * (motion[bar_kernels.CENTRE] - axis @ speed)
     return speed

@@ -18,5 +18,9 @@ class BarRow(Row):
     plastic = array("elements", "-", "plastic (logarithmic) strain", kept=True)
     stress = array("elements", "Pa", "Kirchhoff stress, positive in tension", kept=True)
     energy = array("2", "J", "work of the force at the tip, plastic work", kept=True)
-    force = array("1", "N", "as of Body", kept=True)
-    motion = array("6", "m/s, m", "as of Body", kept=True)
+    motion = array(
+        "6",
+        "m/s, m",
+        "along the axis: velocities of tip, tail and centre of mass, and how far they have come",
+        kept=True,
+    )

@@ -33,12 +33,12 @@ from shellfabric.solver.ply_kernels import (
 from shellfabric.solver.stack_kernels import (
     CHECK,
     RUNNING,
+    finish_parts,
     fly,
     implicit_nose_contact,
     internal_work,
     note,
     press_plies,
-    step_behind,
     wakes,
 )
 
@@ -102,7 +102,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             if several:
                 add_guard_work(states, consts, contact, True)
             reason = note(states, consts, stack, history[made])
-            step_behind(states, consts, stack)
+            finish_parts(states, consts, stack)
             made += 1
             now = internal_work(states, contact)
             exchanged += abs(now - before)

@@ -8,8 +8,6 @@ the plies of a pack; the results are the same to the last bit with any number of
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,11 +17,12 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.jit.compile import PythonCell, compiling_units
+from shellfabric.jit.compile import compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.panel import edges, forces, quality
+from shellfabric.panel import edges, quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.perforation import held, passed
+from shellfabric.parts import make_table, parts_of
 from shellfabric.plies import memory, near_kernels
 from shellfabric.plies.arrays import on_grids
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
@@ -44,8 +43,9 @@ CONTACTS = {
     "ply_contact": "the contact between plies",
     "ply_friction": "the friction between plies",
     "ply_collisions": "the guard between plies",
-    "backing_damped": "the contact with the block",
 }
+# what makes the parts of a run besides those of its plies: (pack, constants, velocity) -> parts
+OF_A_RUN = dynamics.make_bodies, coupling.make_blocks
 PLY_SAMPLES = (
     "cut_yarns",
     "reaction_warp",
@@ -70,14 +70,12 @@ class PackSolver(ExplicitSolver):
     Attributes
     ----------
     pack : Pack, of one ply too
-    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile
+    plies : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile
         meets them
+    parts : (plies, ...) of parts.Part, what acts in the step of each ply
     panel, const, state : of the first ply
     states, consts, stack, contact : what the kernels work on; of a single ply the contact between
         plies has no points
-    bar : state.BarRow of a projectile that is a bar, or None
-    zone : state.Zone of resolved yarns about the nose, or None
-    backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
         `push` is the force of the nose on it, `deflection` the largest of its fabric
         (`ply_audit.deflection`), `energy` what it moves with, stores and has lost, the peaks its
@@ -98,7 +96,6 @@ class PackSolver(ExplicitSolver):
         memory holds
     """
 
-    contacts = CONTACTS
     counters = (*ExplicitSolver.counters, "perforated_samples")
     module = "shellfabric.impact.run"  # whose code determines a run
 
@@ -126,28 +123,63 @@ class PackSolver(ExplicitSolver):
         self.contact = pack.plies_contact(self.consts, self.states)
         if len(pack.plies) > 1:
             self.states = on_grids(self.states, self.contact)
-        self.parts = tuple(zip(pack.plies, self.consts, self.states))
-        self.panel, self.const, self.state = self.parts[0]
-        self._graded = self.const._numba_type_ != Constants.types[UNIFORM]
-        self.bar = self._make_bar()
-        self.modules = tuple(forces.modules_of(state.modules) for state in self.states)
-        self.zone = yarns.zone_of(self.modules[0])
+        self._graded = self.consts[0]._numba_type_ != Constants.types[UNIFORM]
+        self.parts = self._join_parts()
+        self.plies = tuple(zip(pack.plies, self.consts, self.states))
+        self.panel, self.const, self.state = self.plies[0]
+        contacts = dict(CONTACTS)
+        for part, _ in self._all_parts():
+            contacts |= part.contacts
+        self.contacts = contacts
         self._begin_run()
 
-    def _make_bar(self):
-        """The row of a projectile that is a bar, which moves it from now on, or None."""
-        projectile = self.panel.shot
-        if projectile.bar is None:
-            return None
-        along = self.strike_velocity * float(projectile.flight @ projectile.frame[2])
-        bar = dynamics.make_row(projectile.bar, self.panel.share, self.const.dt, along)
-        self.stack = self.stack._replace(body=dynamics.body_of(bar, self._graded))
-        return bar
+    def _join_parts(self):
+        """Make the parts of the run, and have the steps of the plies call them and those of their
+        own; the parts of each ply."""
+        found = [list(parts_of(state.parts)) for state in self.states]
+        for make in OF_A_RUN:
+            for part in make(self.pack, self.consts, self.strike_velocity):
+                found[part.ply].append(part)
+        tables = [
+            make_table(parts, self._graded, state) for parts, state in zip(found, self.states)
+        ]
+        self.states = tuple(
+            state._replace(parts=table) for state, table in zip(self.states, tables)
+        )
+        self.consts = tuple(self._seen(p, const, found) for p, const in enumerate(self.consts))
+        for part in (part for parts in found for part in parts):
+            if part.motion is not None:
+                self.stack = self.stack._replace(motion=part.motion)
+        return tuple(map(tuple, found))
+
+    def _seen(self, ply, const, parts):
+        """The constants of a ply with what it sees of its own parts, and of those of the run."""
+        for place, own in enumerate(parts):
+            for part in own:
+                if place == ply or not part.of_ply:
+                    const = part.seen(const, ply)
+        return const
+
+    def _all_parts(self):
+        """((part, state of the ply in whose step it acts), ...)."""
+        return [(part, state) for parts, state in zip(self.parts, self.states) for part in parts]
+
+    def part(self, name: str) -> Any:
+        """Return the first part of a name, or None."""
+        for part, _ in self._all_parts():
+            if part.name == name:
+                return part
+        return None
+
+    @property
+    def replaces_membrane(self) -> bool:
+        """Whether a part stands in for the membrane under the nose."""
+        return any(state.parts.replaces_membrane for state in self.states)
 
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack = self.pack
-        plies = len(self.parts)
+        plies = len(self.plies)
         self._plies = Rows(self.states), Rows(self.consts)
         self._works = [Rows(pack.works())]
         compile_ahead.fill(int(self._graded), plies > 1)
@@ -155,24 +187,19 @@ class PackSolver(ExplicitSolver):
         threads = barrier.threads_for(self.panel.numerics.threads, pack.elements)
         self.threads = min(threads, plies)  # which share the plies
         self.reduces_threads = self.panel.numerics.threads is None
-        self.history_columns = len(dynamics.columns(self.panel.projectile.bar))
+        self.history_columns = len(dynamics.columns(self.stack.motion))
         self.ply_samples = []
         self.history_request = None
         self.histories = []
-        self.backing = None
         self.perforated_samples = 0
         # the forces at rest
         self._run_thread(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 0, 1, np.inf)
-        if self.panel.backing is not None:
-            self.stack.after_stop = self.panel.backing.after_stop
-            last, const, state = self.parts[-1]
-            self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
-            self.backing.step(state)
-            self._behind = PythonCell(partial(self.backing.step, state), state, const)
-            state.modules.behind[0] = self._behind.place
+        for parts, state, const in zip(self.parts, self.states, self.consts):
+            for part in parts:
+                part.begin(state, const, self.stack)
         self._works += [Rows(pack.works()) for _ in range(1, self.threads)]
         self._ends = [edges.ends(panel) for panel in pack.plies]
-        self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
+        self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.plies]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
 
@@ -192,18 +219,15 @@ class PackSolver(ExplicitSolver):
         return float(np.abs(both).max() / self.strike_energy)
 
     @property
-    def yarn_indicators(self) -> tuple[quality.Indicator, ...]:
-        """Slip of the resolved yarns beside the rim of their zone; of one ply of pinned yarns that has stopped the
-        projectile, the friction that yarns which may slip would need to stop it."""
-        if self.zone is not None:
-            found = quality.indicator("slip at the rim", yarns.slip_at_rim(self.zone))
-            return (replace(found, meaning=f"{found.meaning}; {yarns.width_in_words(self.panel)}"),)
-        if len(self.parts) > 1 or self.reason != STOPPED:
-            return ()
-        needed = yarns.friction_to_hold(self.panel, self.strike_velocity)
-        if needed is None:
-            return ()
-        return (quality.indicator("friction to hold yarns", needed),)
+    def part_indicators(self) -> tuple[quality.Indicator, ...]:
+        """Those of the parts; of one ply of pinned yarns that has stopped the projectile, the
+        friction that yarns which may slip would need to stop it."""
+        found = [one for part, _ in self._all_parts() for one in part.indicators()]
+        if len(self.plies) == 1 and self.reason == STOPPED and not self.replaces_membrane:
+            needed = yarns.friction_to_hold(self.panel, self.strike_velocity)
+            if needed is not None:
+                found.append(quality.indicator("friction to hold yarns", needed))
+        return tuple(found)
 
     @property
     def held_apart(self) -> int:
@@ -231,7 +255,7 @@ class PackSolver(ExplicitSolver):
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of
         a single ply."""
-        if len(self.parts) == 1:
+        if len(self.plies) == 1:
             return []
         return list(self.contact.pressure.force[ply][:, :, : self.states[ply].mass.size])
 
@@ -244,13 +268,14 @@ class PackSolver(ExplicitSolver):
         nose = state.f_contact[2]
         front = 0 * nose
         rear = 0 * nose
-        if self.backing:
+        before_block = state.f_block_cloth[2].size > 0
+        if before_block:
             rear = -state.f_block_cloth[2]
         neighbours = self.neighbour_forces(ply)
         if neighbours:
             front = neighbours[BEFORE][2].copy()
             rear = rear - neighbours[BEHIND][2]
-        if neighbours or self.backing:
+        if neighbours or before_block:
             return [nose, front, rear]
         return [nose]
 
@@ -288,14 +313,17 @@ class PackSolver(ExplicitSolver):
         pushes = np.array([state.f_contact_nose for state in self.states])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.states[-1].f_block_nose)
-        if self.zone is not None:
-            yarns.show(self.zone, self.state)
-        projectile, speed = dynamics.audit(self.state, self.const, force, self.bar)
-        energies = projectile | {name: sum(one[name] for one in plies) for name in plies[0]}
-        if self.backing:
-            energies |= self.backing.energies()
-        else:
-            energies |= dict.fromkeys(coupling.NAMES, 0.0)
+        for part, state in self._all_parts():
+            part.show(state)
+        energies, speed = dynamics.audit(self.state, self.const, force, self.stack.motion)
+        for one in plies:
+            ply_audit.add_energies(energies, one)
+        energies |= dict.fromkeys(coupling.NAMES, 0.0)  # of every run, for its tables
+        samples: dict[str, float] = {}
+        for part, _ in self._all_parts():
+            samples |= part.samples()
+            if not part.of_ply:
+                ply_audit.add_energies(energies, part.energies())
         if len(plies) > 1:
             energies |= self._contact_energies()
         own = self._observe_plies([sum(one.values()) for one in plies], pushes[:, 2])
@@ -304,7 +332,8 @@ class PackSolver(ExplicitSolver):
             "v": speed,
             "z": self.state.projectile_position[2] + self.const.foremost_offset,
         }
-        return observed | dict(zip(PLY_SAMPLES[:3], own[:, :3].sum(axis=0))), energies
+        observed |= dict(zip(PLY_SAMPLES[:3], own[:, :3].sum(axis=0)))
+        return observed | samples, energies
 
     def _of_first(self, ply, vector):
         """A vector (3,) of the frame of a ply in that of the first."""
@@ -316,7 +345,7 @@ class PackSolver(ExplicitSolver):
         the nose [N]."""
         rows = []
         self._held = []
-        for ply, (panel, const, state) in enumerate(self.parts):
+        for ply, (panel, const, state) in enumerate(self.plies):
             held_elements = None
             if state.failures:
                 held_elements = held(state, const)
@@ -360,7 +389,7 @@ class PackSolver(ExplicitSolver):
         return np.array(
             [
                 ply_audit.peak_tensions(panel, const, state, self.steps)
-                for panel, const, state in self.parts
+                for panel, const, state in self.plies
             ]
         )
 
@@ -369,19 +398,23 @@ class PackSolver(ExplicitSolver):
         limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
         found = [
             (np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel))
-            for panel, _, state in self.parts
+            for panel, _, state in self.plies
         ]
-        if self.zone is not None:
-            found.append((np.sqrt((self.zone.v**2).sum(axis=0)), limit(self.panel)))
-        return found
+        return found + [speeds for _, speeds in self._moving_parts()]
+
+    def _moving_parts(self):
+        """[(part, its `Part.speeds`)] of those that have nodes of their own."""
+        found = [(part, part.speeds(self.strike_velocity)) for part, _ in self._all_parts()]
+        return [(part, speeds) for part, speeds in found if speeds is not None]
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
-        if part == len(self.parts):
-            return f"node {int(node)} of the resolved yarns"
-        row = self.parts[part][1].row_stride
+        if part >= len(self.plies):
+            mover, _ = self._moving_parts()[part - len(self.plies)]
+            return mover.where(node)
+        row = self.plies[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
-        if len(self.parts) == 1:
+        if len(self.plies) == 1:
             return place
         return f"ply {part + 1}, {place}"
 
@@ -400,12 +433,12 @@ class PackSolver(ExplicitSolver):
         ):
             self.reason = STOPPED
         failed = any(state.failures for state in self.states)
-        ends = self.reason != RUNNING or self.zone is not None
-        if ends or not failed or self.backing is not None:
+        meets_parts = any(part.meets_nose for part, _ in self._all_parts())
+        if self.reason != RUNNING or not failed or meets_parts:
             return
         through = all(
             passed(state, const, held_elements)
-            for (_, const, state), held_elements in zip(self.parts, self._held)
+            for (_, const, state), held_elements in zip(self.plies, self._held)
         )
         if through:
             self.perforated_samples += 1
@@ -415,15 +448,11 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that strikes resolved yarns keeps to theirs; the guard of
-        a pack holds."""
-        nose = self.state.projectile_position
-        if self.zone is not None and not yarns.holds_nose(self.panel, nose):
-            x, y = 1e3 * nose[:2]
-            self.stop(
-                "the projectile leaves the zone of resolved yarns",
-                f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
-            )
+        """See ExplicitSolver. Those of the parts; the guard of a pack holds."""
+        for part, state in self._all_parts():
+            wrong = part.guard(state)
+            if wrong is not None:
+                self.stop(*wrong)
         fault = int(self.contact.guard.fault)
         if fault:
             self.stop(f"the guard between plies {FAULTS[fault]}", "the pack")
@@ -433,31 +462,25 @@ class PackSolver(ExplicitSolver):
         pack = self.pack
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += (
-            self.panel.backing,
-            self.panel.projectile.bar,
             pack.gaps,
             pack.contact,
             pack.friction,
             pack.laws,
             pack.angles,
         )
-        for modules, (_, const, state) in zip(self.modules, self.parts):
+        for parts, (_, const, state) in zip(self.parts, self.plies):
             known += const.nested(), state.mass, state.inverse_mass
-            known += tuple((module.energy, module.stiffness) for module in modules)
-        known += yarns.identity(self.panel)
+            known += tuple(part.identity() for part in parts)
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of the contact between plies, the rest follows from what its tables
         keep."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        for p, modules in enumerate(self.modules):
-            rows = {module.energy: module.own for module in modules if module.own}
-            found |= {f"modules/{p:02d}/{energy}": row for energy, row in rows.items()}
-        if self.bar:
-            found["bar"] = self.bar
-        if self.backing:
-            found |= {"block": self.backing.block.row, "block_points": self.backing.block.points}
+        for p, parts in enumerate(self.parts):
+            for number, part in enumerate(parts):
+                place = f"parts/{p:02d}/{number:02d} {part.name}"
+                found |= {f"{place}/{name}": row for name, row in part.rows().items()}
         return found | {
             "contact": self.contact,
             "contact/lists": self.contact.lists,

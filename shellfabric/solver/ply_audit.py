@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
-from shellfabric.panel import forces, grading
+from shellfabric.panel import grading
 from shellfabric.panel.slots import by_element, by_node
+from shellfabric.parts import parts_of
 from shellfabric.solver import ply_kernels as kernels
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
-    """{name: [J]} of the modelled part of a ply, with those of its force modules.
+    """{name: [J]} of the modelled part of a ply, with those of its parts.
 
     Parameters
     ----------
@@ -54,14 +55,20 @@ def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
     found[form] = (
         float(state.edge_work.sum()) - (out[kernels.STORED] - rest) - state.lost_with_yarns
     )
-    modules = forces.modules_of(state.modules)
-    for module, stored in zip(modules, out[kernels.BENDING :]):
-        found[module.energy] = found.get(module.energy, 0.0) + stored
-    for module in modules:
-        if module.books is not None:
-            for name, energy in module.books(module.own).items():
-                found[name] = found.get(name, 0.0) + energy
+    parts = parts_of(state.parts)
+    for part, stored in zip(parts, out[kernels.PARTS :]):
+        if part.energy:
+            found[part.energy] = found.get(part.energy, 0.0) + stored
+    for part in parts:
+        if part.of_ply:
+            add_energies(found, part.energies())
     return found
+
+
+def add_energies(total: dict[str, float], energies: dict[str, float]) -> None:
+    """Add energies {name: [J]} to a total, which gets the names that it does not have."""
+    for name, energy in energies.items():
+        total[name] = total.get(name, 0.0) + energy
 
 
 def stored_energy(const: Constants, state: State) -> float:
@@ -71,7 +78,7 @@ def stored_energy(const: Constants, state: State) -> float:
 
 def audited(const: Constants, state: State) -> FloatArray:
     """(n,) [J] what `ply_kernels.energies` finds."""
-    out = np.empty(kernels.BENDING + state.modules.cell.size)
+    out = np.empty(kernels.PARTS + state.parts.forces.size)
     kernels.energies(state, const, out)
     return out
 

@@ -25,32 +25,31 @@ from shellfabric.cloth import (
 from shellfabric.cloth.grid_kernels import place
 from shellfabric.cloth.membrane_kernels import DAMAGED, REDO
 from shellfabric.cloth.nodal_force_kernels import give_impulses
-from shellfabric.jit.compile import call_module, entry, kernel
+from shellfabric.jit.compile import call_forces, call_phase, entry, kernel
 from shellfabric.panel import element_kernels
 from shellfabric.panel.motion_kernels import AT_REST, active_blocks, move_rows
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.state import unit
 
-KINETIC, STORED, SHEAR, BENDING, PACKING = range(5)  # of `energies`; then other modules
+KINETIC, STORED, SHEAR, PARTS = range(4)  # of `energies`; those of the parts are the last
 
 
 @kernel(_nrt=False)
-def module_force(state, const, m, first, last, acting):
-    """Energy [J] that force module m stores at the node rows first .. last; adds its forces if
-    `acting`."""
-    table = state.modules
-    if table.cell[m] == 0:
+def part_forces(state, const, m, first, last, acting):
+    """Energy [J] that part m stores at the node rows first .. last; adds its forces if `acting`."""
+    parts = state.parts
+    if parts.forces[m] == 0:
         return 0.0
-    return call_module(table.cell[m], table.own[m], state, const, first, last, acting)
+    return call_forces(parts.forces[m], parts.own[m], state, const, first, last, acting)
 
 
 @kernel(_nrt=False)
 def other_forces(state, const, first, last, acting):
-    """Energy [J] that the force modules store at the node rows first .. last; adds their forces if
+    """Energy [J] that the parts store at the node rows first .. last; adds their forces if
     `acting`."""
     total = 0.0
-    for m in range(state.modules.cell.size):
-        total += module_force(state, const, m, first, last, acting)
+    for m in range(state.parts.forces.size):
+        total += part_forces(state, const, m, first, last, acting)
     return total
 
 
@@ -186,14 +185,31 @@ def touch(state, const, work):
     """The nose's forces, on the membrane or on what is in its place, but where they are to be
     computed after those of the other plies, which implicit springs depend on (see
     `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
-    nose = state.modules.nose
-    if nose[0] != 0:
-        call_module(nose[0], nose[1], state, const, 0, const.ni, 1)
+    if state.parts.replaces_membrane:
+        meet_nose(state, const)
         return False
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
     return waits
+
+
+@kernel(_nrt=False)
+def meet_nose(state, const):
+    """The nose's forces on the part that stands in for the membrane."""
+    parts = state.parts
+    for m in range(parts.nose.size):
+        if parts.nose[m] != 0:
+            call_phase(parts.nose[m], parts.own[m], state, const)
+
+
+@kernel(_nrt=False)
+def finish_parts(state, const):
+    """What the parts of a ply do when all have moved."""
+    parts = state.parts
+    for m in range(parts.after.size):
+        if parts.after[m] != 0:
+            call_phase(parts.after[m], parts.own[m], state, const)
 
 
 @kernel(_nrt=False, inline="always")
@@ -235,15 +251,15 @@ def initial_forces(state, const, work):
 
 @entry(nogil=True)
 def energies(state, const, out):
-    """Energy audit [J] at the present whole step, into out (3 + modules,): kinetic, yarns, trellis,
-    of the modules (bending, packing, ...).
+    """Energy audit [J] at the present whole step, into out (3 + parts,): kinetic, yarns, trellis,
+    of the parts (bending, packing, ...).
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a
     linear system.
     """
     out[:] = 0.0
-    for m in range(state.modules.cell.size):
-        out[BENDING + m] = module_force(state, const, m, 0, const.ni, False)
+    for m in range(state.parts.forces.size):
+        out[PARTS + m] = part_forces(state, const, m, 0, const.ni, False)
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
     out[STORED], out[SHEAR] = energy_kernels.stored_energy(const, state, 0, const.ni)

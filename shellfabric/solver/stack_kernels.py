@@ -14,7 +14,7 @@ from shellfabric.cloth.grid_kernels import grid_of, place_ghosts, turned, turned
 from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.cloth.vector_kernels import nodal, scaled
 from shellfabric.jit.barrier import barrier_wait
-from shellfabric.jit.compile import call_module, kernel
+from shellfabric.jit.compile import call_flight, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.plies.frame_kernels import apply_impulses, collect_forces
 from shellfabric.plies.near_kernels import list_contact_pairs
@@ -57,11 +57,8 @@ def fly(states, consts, stack):
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
         push_projectile(stack, const, last, state.f_block_nose)
-    if stack.body.cell[0] != 0:
-        stack.body.force[0] = force
-        first = row_of(states, 0)
-        call_module(stack.body.cell[0], stack.body.own[0], first, row_of(consts, 0), 0, 0, 1)
     const = row_of(consts, 0)
+    move_body(row_of(states, 0), const, force)
     for p in range(len(states)):
         velocity = row_of(states, p).projectile_velocity
         of_first = stack.projectile_velocity
@@ -70,6 +67,15 @@ def fly(states, consts, stack):
             velocity[2] = of_first[2]
         for c in range(3):
             stack.projectile_position[p, c] += const.dt * velocity[c]
+
+
+@kernel(_nrt=False)
+def move_body(state, const, force):
+    """The step of a projectile that is not rigid, under a force [N] along its axis."""
+    parts = state.parts
+    for m in range(parts.flight.size):
+        if parts.flight[m] != 0:
+            call_flight(parts.flight[m], parts.own[m], state, const, force)
 
 
 @kernel(_nrt=False)
@@ -180,23 +186,23 @@ def axial_force(state, const):
 def normal_velocity(state, const, stack):
     """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
     velocity = state.projectile_velocity[2]
-    if stack.body.cell[0] == 0:
+    if stack.motion.size == 0:
         return velocity
     tip = 0.0
     for c in range(3):
         tip += const.frame[2, c] * state.projectile_velocity[c]
-    return velocity + const.frame[2, 2] * (stack.body.motion[CENTRE] - tip)
+    return velocity + const.frame[2, 2] * (stack.motion[CENTRE] - tip)
 
 
 @kernel(inline="always")
 def record_step(state, const, stack, force, row):
     """One row of the history: foremost z, v_z and the force [N] along z; of a body that is not
-    rigid also its motion (`state.Body`)."""
+    rigid also its motion."""
     row[0] = state.projectile_position[2] + const.foremost_offset
     row[1] = normal_velocity(state, const, stack)
     row[2] = force
     for m in range(3, row.size):
-        row[m] = stack.body.motion[m - 3]
+        row[m] = stack.motion[m - 3]
 
 
 @unit("integer", row="9")
@@ -226,7 +232,7 @@ def note(states, consts, stack, row):
     pushed = False
     for p in range(len(states)):
         state = row_of(states, p)
-        failed |= stack.ply_failures[p] > 0 or state.modules.nose[0] != 0
+        failed |= stack.ply_failures[p] > 0 or state.parts.replaces_membrane
         pushed |= stack.f_contact_nose[p, 2] != 0.0 or state.f_block_nose[2] != 0.0
         pushed |= state.yarns_ahead > 0
     idle = failed and not pushed
@@ -245,12 +251,11 @@ def note(states, consts, stack, row):
 
 
 @kernel(_nrt=False)
-def step_behind(states, consts, stack):
-    """The step of what is behind the last ply, which is at rest while that is."""
-    last = len(states) - 1
-    state = row_of(states, last)
-    if stack.awake[last] and state.modules.behind[0] != 0:
-        call_module(state.modules.behind[0], 0, state, row_of(consts, last), 0, 0, 1)
+def finish_parts(states, consts, stack):
+    """What the parts of all plies that are awake do when all have moved."""
+    for p in range(len(states)):
+        if stack.awake[p]:
+            ply_kernels.finish_parts(row_of(states, p), row_of(consts, p))
 
 
 @kernel(_nrt=False)

@@ -1,4 +1,4 @@
-"""A zone of yarns in the step of its ply: a force module, and what the nose meets. The one file that knows both.
+"""A zone of yarns in the step of its ply: its energy, and what the nose meets. The one file that knows both.
 
 The last node of a chain IS the membrane's node of the rim crossing: one place, one velocity, one
 mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are those of one
@@ -19,6 +19,7 @@ import numpy as np
 from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
+from shellfabric.subcycle_kernels import subcycle
 from shellfabric.yarns.chain_kernels import move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.state import Zone
@@ -34,26 +35,31 @@ def yarn_forces(state, const, own, first, last, acting):
     return own.stored_at_crossings
 
 
-@unit("number", later=True, own=Zone)
-def march_zone(state, const, own, first, last, acting):
-    """[J] that the contact of the nose with a zone stores; moves the zone through a step of its ply."""
+@unit(later=True, own=Zone)
+def march_zone(state, const, own):
+    """Move the zone through a step of its ply, under the nose."""
     steps = own.substeps
     end = three(state.projectile_position, 0)
     own.outer_force[PRESENT] = 0.0
-    for k in range(1, steps + 1):
-        left = (steps - k) * own.dt
-        for c in range(3):
-            state.projectile_position[c] = end[c] - left * state.projectile_velocity[c]
-        move(own)
-        follow_rim(own, state, left)
-        inner_forces(own)
-        nose_forces(own, state, const)
-        count_outer_forces(own, state, 1.0 / steps)
+    subcycle(step_zone, (own, state, const, end), steps, const.dt)
     for c in range(3):
         state.projectile_position[c] = end[c]
     give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
     write_to_ply(own, state)
-    return own.stored_at_nose
+
+
+@kernel(_nrt=False)
+def step_zone(body, dt, left):
+    """One of the zone's own steps, the time `left` [s] before the nose is at the `end` of its way; body : zone, state,
+    const and this end."""
+    zone, state, const, end = body
+    for c in range(3):
+        state.projectile_position[c] = end[c] - left * state.projectile_velocity[c]
+    move(zone)
+    follow_rim(zone, state, left)
+    inner_forces(zone)
+    nose_forces(zone, state, const)
+    count_outer_forces(zone, state, 1.0 / zone.substeps)
 
 
 @kernel(_nrt=False)

@@ -7,12 +7,11 @@ has its own time step (`coupling_kernels`).
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from math import ceil, inf
+from math import inf
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,13 +20,13 @@ from fabrics.base.errors import InputError
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
-from shellfabric.panel.forces import Module
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.slots import by_node
+from shellfabric.parts import Part, own_steps
 from shellfabric.state import Constants, State
-from shellfabric.yarns import coupling_kernels
-from shellfabric.yarns.patch import RIM_ROWS, YarnPatch, kinetic_energy, slipped
+from shellfabric.yarns.part import ResolvedYarns
+from shellfabric.yarns.patch import RIM_ROWS, YarnPatch
 from shellfabric.yarns.state import Zone
 
 DATA = tomllib.loads((Path(__file__).parent / "assumed.toml").read_text("utf-8"))
@@ -44,8 +43,6 @@ WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 # of Numerics: what the contact of the nose with the membrane has, and that with yarns has not
 MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "widest")
 REACH = 2.0  # spacings between the nose and the rim at least
-# energies of a zone that a ply without one does not have
-ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
 
 
 @dataclass(frozen=True)
@@ -182,6 +179,15 @@ class YarnPanel(Panel):
             found.append((max(middle - int(half), 0), min(middle + int(half), count)))
         return found[0], found[1]
 
+    def holds_nose(self, position: FloatArray) -> bool:
+        """Return whether the nose at a position [m] is over the zone, by its radius from the pinned rows."""
+        axes = zip(position, self.lines(), self.rim_rows, self.spacing)
+        for place, lines, (first, last), spacing in axes:
+            reach = self.projectile.radius + RIM_ROWS * spacing
+            if not lines[first] + reach <= place <= lines[last] - reach:
+                return False
+        return True
+
     @cached_property
     def patch(self) -> YarnPatch:
         """The yarns of the zone."""
@@ -225,28 +231,15 @@ class YarnPanel(Panel):
         (i0, _), (j0, _) = self.rim_rows
         return super().constants()._replace(window_limits=(i0, i0, j0, j0), window_follows=False)
 
-    def force_modules(self) -> tuple[Module, ...]:
+    def make_parts(self) -> tuple[Part, ...]:
         """As of Panel, with the resolved yarns."""
-        own = Module(
-            ENERGIES[0],
-            coupling_kernels.yarn_forces,
-            self.zone(),
-            nose=coupling_kernels.march_zone,
-            books=audit,
-        )
-        return *super().force_modules(), own
+        return *super().make_parts(), ResolvedYarns(self)
 
-    def state(self, strike_velocity: float) -> State:
-        """As of Panel; without the membrane inside the rim, and with the nose before the yarns that stand out."""
-        state = super().state(strike_velocity)
-        self._cut_out(state)
+    def cut_out(self, state: State) -> None:
+        """Take the membrane inside the rim out of a state, and put the nose before the yarns that stand out."""
         highest = max(self.patch.amplitudes) + 0.25 * self.weave.thickness
         flight = self.shot.flight
         state.projectile_position[:] -= highest / flight[2] * flight
-        return state
-
-    def _cut_out(self, state):
-        """Take the membrane inside the rim out of a state."""
         (i0, i1), (j0, j1) = self.rim_rows
         const = self.constants()
         grid = partial(by_node, const=const)
@@ -293,18 +286,10 @@ class YarnPanel(Panel):
     def zone(self) -> Zone:
         """The arrays of the zone at rest."""
         (i0, _), (j0, _) = self.rim_rows
-        steps = ceil(self.time_step / self._longest_step * (1 - 1e-9))
+        steps = own_steps(self.time_step, self._longest_step)
         return self.patch.arrays(
             self.time_step / steps, steps, (i0, j0), self.counts[1] + 1, self.projectile.friction
         )
-
-
-def zone_of(modules: Iterable[Module]) -> Zone | None:
-    """The zone among the modules of a ply; None where its crossings are all pinned to the membrane."""
-    for module in modules:
-        if isinstance(module.own, Zone):
-            return module.own
-    return None
 
 
 def crossings_of(panel: Panel) -> int:
@@ -313,31 +298,6 @@ def crossings_of(panel: Panel) -> int:
         return 0
     rows, columns = panel.patch.crossings
     return rows * columns
-
-
-def width_in_words(panel: Panel) -> str:
-    """The half width of the zone of a panel."""
-    assert isinstance(panel, YarnPanel)
-    return f"panel.zone is {1e3 * panel.resolved.width:g} mm"
-
-
-def holds_nose(panel: Panel, position: FloatArray) -> bool:
-    """Whether the nose at a position [m] is over the zone, by its radius from the pinned rows."""
-    assert isinstance(panel, YarnPanel)
-    axes = zip(position, panel.lines(), panel.rim_rows, panel.spacing)
-    for place, lines, (first, last), spacing in axes:
-        reach = panel.projectile.radius + RIM_ROWS * spacing
-        if not lines[first] + reach <= place <= lines[last] - reach:
-            return False
-    return True
-
-
-def identity(panel: Panel) -> tuple[Any, ...]:
-    """What determines the yarns of a panel besides its constants; () without resolved yarns."""
-    if not isinstance(panel, YarnPanel):
-        return ()
-    patch = panel.patch
-    return panel.resolved, patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
 
 
 def friction_to_hold(panel: Panel, velocity: float) -> float | None:
@@ -361,59 +321,3 @@ def friction_to_hold(panel: Panel, velocity: float) -> float | None:
         return None
     wave = np.mean([yarn.wave_speed for yarn in panel.weave.yarns])
     return float(HOLDING * (velocity / wave) ** (2 / 3))
-
-
-def slip_at_rim(zone: Zone) -> float:
-    """[crossings] longest way of a yarn through a crossing of the rows beside the pinned ones."""
-    row = RIM_ROWS
-    slip = slipped(zone)
-    beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
-    return float(max(part.max() for part in beside))
-
-
-def audit(zone: Zone) -> dict[str, float]:
-    """{energy: [J]} of a zone besides that of its crossings, by the names that its ply's have, or of ENERGIES."""
-    return {
-        "kinetic_fabric": kinetic_energy(zone),
-        "yarn_strain": float(zone.stored),
-        "yarn_snap": float(zone.lost_in_snaps),
-        "viscous": float(zone.damped),
-        "failure_dissipation": float(zone.lost_with_yarns),
-        "neighbour_contact": float(zone.stored_at_neighbours),
-        "crossover_friction": float(zone.friction_work),
-        "slack_contact": float(zone.lost_when_slack),
-    }
-
-
-def show(zone: Zone, state: State) -> None:
-    """Put the membrane inside the rim where the yarns are, with their tensions, for pictures, histories and the
-    deflection. Its nodes bear and weigh nothing.
-
-    A crossing of which a yarn is torn is where the other one is, and stays if both are.
-    """
-    warp, weft = (int(count) for count in zone.yarns)
-    rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
-    stride = rows[1] - rows[0]
-    moved = np.zeros((warp, weft, 3))
-    count = np.zeros((warp, weft))
-    for family in range(2):
-        last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
-        own = slice(zone.first[family], last)
-        shape = (int(zone.yarns[family]), int(zone.nodes[family]))
-        place = zone.x[:, own].T.reshape(*shape, 3)[:, 2:-2:2]
-        whole = np.broadcast_to(~zone.torn[family, : shape[0], None], place.shape[:2])
-        if family == 1:
-            place, whole = place.swapaxes(0, 1), whole.swapaxes(0, 1)
-        moved += whole[..., None] * place
-        count += whole
-        tension = zone.tension[own].reshape(shape)[:, :-1].reshape(shape[0], -1, 2).mean(axis=2)
-        begin = zone.tied_slot[2 * warp * family :][: 2 * shape[0] : 2]
-        steps = (stride, 1)[family] * np.arange(tension.shape[1])
-        state.T[family][begin[:, None] + steps] = tension
-    shown = count > 0
-    slots = (rows[None, :] + np.arange(warp)[:, None] + 1)[shown]
-    moved /= np.maximum(count, 1)[..., None]
-    moved[..., 0] -= zone.tied_rest[2 * warp :: 2, 0]
-    moved[..., 1] -= zone.tied_rest[: 2 * warp : 2, 1, None]
-    for c in range(3):
-        state.u[c][slots] = moved[..., c][shown]

@@ -23,7 +23,7 @@ from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.state import Body, ModuleTable
+from shellfabric.state import PartTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))
 RATES = RateLaw((100.0, 1000.0, 10000.0), (1.0, 1.2, 1.6))
@@ -195,7 +195,7 @@ def leaves(value, name=""):
     """(name, array) of all that is nested in records, lists and dictionaries."""
     if is_dataclass(value):
         value = {each.name: getattr(value, each.name) for each in fields(value)}
-    if isinstance(value, ModuleTable | Body):
+    if isinstance(value, PartTable):
         return  # addresses
     if hasattr(value, "_asdict"):
         value = value._asdict()
@@ -292,7 +292,7 @@ def resume(kind, tmp_path):
 def threads(kind):
     """Two that share the plies of a pack do what one does; a single ply has one."""
     run = changed(kind, numerics=replace(ended(kind).panel.numerics, threads=2))
-    assert run.threads == min(2, len(run.parts))
+    assert run.threads == min(2, len(run.plies))
     assert_same(run, ended(kind))
 
 
@@ -300,7 +300,7 @@ def symmetry(kind):
     """A quarter, a half and the whole are one run; packs until they tear: then the last digit decides what touches."""
     quarter = ended(kind)
     E = ended(kind).strike_energy
-    same = slice(None if len(quarter.parts) == 1 else np.argmax(quarter.sample("cut_yarns") > 0))
+    same = slice(None if len(quarter.plies) == 1 else np.argmax(quarter.sample("cut_yarns") > 0))
     assert len(quarter.samples[same]) > 1
     for part in ("half", "whole")[kind == "backing" :]:  # of which no half is modelled
         other = changed(kind, symmetry=part)
@@ -379,7 +379,7 @@ def fields_of_snapshots(kind):
         ).tolist()
         front, rear = np.pad(total[:, 1:], ((0, 0), (0, 3 - total.shape[1]))).T
         assert front[0] == 0.0
-        assert (rear[-1] > 0) == (run.backing is not None)
+        assert (rear[-1] > 0) == (run.part("block") is not None)
         assert rear[:-1].sum() == pytest.approx(front[1:].sum(), **near)
 
 

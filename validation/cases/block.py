@@ -18,6 +18,7 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from shellfabric.backing.block import Backing
+from shellfabric.backing.coupling import result_of
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack
@@ -97,9 +98,9 @@ def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) 
         t = run.sample("t")
         z = run.sample("z")
         energies = {name: run.sample(name) for name in run.energy_names}
-        block = run.backing.result()
+        block = result_of(run.part("block").block)
         outcome = run.outcome
-        eroded = int(run.backing.result().gone.sum())
+        eroded = int(block.gone.sum())
         lost = energies["kinetic_projectile"]
         hourglass = energies["backing_hourglass"]
     else:

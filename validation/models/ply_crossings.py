@@ -42,7 +42,7 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
     bare = []
     owner = []
     first = 0
-    for p, (panel, c, state) in enumerate(march.parts):
+    for p, (panel, c, state) in enumerate(march.plies):
         shape = (c.ni + 1, c.row_stride)
         size = shape[0] * shape[1]
         rest = np.stack([*panel.coordinates(), np.full(shape, march.pack.places[p])], -1)

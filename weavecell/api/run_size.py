@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, prod
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,15 +97,13 @@ class RunSize(_Size):
         ------
         InputError : values that do not go together
         """
+        from shellfabric.backing.coupling import bricks_of
         from shellfabric.impact.run import check_impact
         from shellfabric.plies import memory
         from shellfabric.yarns.model import crossings_of
 
         pack = check_impact(setup, written=written)
-        backing = pack.plies[0].backing
-        bricks = 0
-        if backing:
-            bricks = prod(backing.count)
+        bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
         kind = "one ply"
         if setup.plies > 1:

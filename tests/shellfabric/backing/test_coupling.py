@@ -39,7 +39,7 @@ def test_momentum_of_all_three_is_kept(fabric):
     march.run()
     state = march.state
     const = march.const
-    block = march.backing.block
+    block = march.part("block").block
     # the block is a step ahead: what it was given last still waits in state.f_block_cloth and state.f_block_nose
     waiting = sum(b.sum() for b in state.f_block_cloth[2:]) + state.f_block_nose[2]
     cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]

@@ -15,7 +15,7 @@ def turns(panel, x):
     state = panel.state(1.0)
     const = panel.constants()
     set_nodal(state.u, x - rest(panel))
-    return bending_kernels.bending_forces(state, const, state.modules, 0, const.ni, True), np.array(
+    return bending_kernels.bending_forces(state, const, state.parts, 0, const.ni, True), np.array(
         state.f_int
     )
 
@@ -73,5 +73,5 @@ def test_the_bound_of_the_time_step_holds_the_stiffest_mode():
     force = turns(panel, x)[1][2][: swing.size].reshape(swing.shape)
     mass = panel.weave.areal_density * np.prod(panel.spacing)
     square = -(force * swing).sum() / (mass * (swing**2).sum())
-    bound = forces.bending(panel).stiffness
+    bound = forces.Bending(panel).stiffness
     assert 0.9 * bound < square / 4 < bound

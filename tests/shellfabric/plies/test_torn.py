@@ -53,7 +53,7 @@ def stored_by_points(contact):
 def least_area(march):
     """[-] of all elements that are fabric, over their area at rest, from their diagonals."""
     least = np.inf
-    for panel, const, state in march.parts:
+    for panel, const, state in march.plies:
         x = np.stack([grid(u, panel) for u in state.u], axis=-1)
         x[..., :2] += np.stack(panel.coordinates(), axis=-1)
         area = areas(x) / (const.dx * const.dy)

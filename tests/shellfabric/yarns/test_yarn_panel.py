@@ -11,12 +11,12 @@ from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.output.checkpoint import Checkpoints
-from shellfabric.panel import quality
-from shellfabric.panel.model import Panel
+from shellfabric.panel import arrays, quality
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.yarns.model import YarnZone, aim, friction_to_hold, slip_at_rim
+from shellfabric.yarns.model import YarnZone, aim, friction_to_hold
+from shellfabric.yarns.part import slip_at_rim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
 SETUP = ImpactSetup(
@@ -54,7 +54,7 @@ def test_nose_membrane_and_zone_keep_their_momentum(table):
     """Of a free panel, to what rim and nose take ahead of the mean force of the last step."""
     solver = PackSolver(replace(SETUP, boundary="free").target(table), 60.0, 40e-6)
     solver.run()
-    zone = solver.zone
+    zone = solver.part("yarns").zone
     state = solver.state
     const = solver.const
     assert zone.substeps == 3
@@ -71,7 +71,7 @@ def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
     state = panel.state(60.0)
     zone = panel.zone()
     own = zone.mass[zone.inverse_mass > 0].sum()
-    plain = Panel.state(panel, 60.0)
+    plain = arrays.undeformed(panel, panel.constants(), 60.0)
     (i0, i1), (j0, j1) = panel.rim_rows
     assert own + state.mass.sum() == pytest.approx(plain.mass.sum(), rel=2e-3)
     assert own > 0.15 * plain.mass.sum()

@@ -1,0 +1,136 @@
+"""The zone of resolved yarns of a panel in a run: what it takes the place of, its books, and what pictures see."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fabrics.base.checks import FloatArray
+from shellfabric.driver.guards import speed_limit
+from shellfabric.panel import quality
+from shellfabric.parts import Part
+from shellfabric.state import State
+from shellfabric.yarns import coupling_kernels
+from shellfabric.yarns.patch import RIM_ROWS, kinetic_energy, slipped
+from shellfabric.yarns.state import Zone
+
+# energies of a zone that a ply without one does not have
+ENERGIES = ("crossover_contact", "neighbour_contact", "crossover_friction", "slack_contact")
+
+
+class ResolvedYarns(Part):
+    """The resolved yarns of a panel, which take the place of the membrane about the nose.
+
+    Parameters
+    ----------
+    panel : yarns.model.YarnPanel
+    """
+
+    name = "yarns"
+    energy = ENERGIES[0]
+    forces = coupling_kernels.yarn_forces
+    nose = coupling_kernels.march_zone
+    meets_nose = True
+
+    def __init__(self, panel: Any) -> None:
+        self.panel = panel
+        self.zone = panel.zone()
+        self.row = self.zone
+
+    def cut(self, state: State) -> None:
+        """See Part."""
+        self.panel.cut_out(state)
+
+    def identity(self) -> tuple[Any, ...]:
+        """See Part."""
+        patch = self.panel.patch
+        drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
+        return self.name, self.panel.resolved, *drawn
+
+    def energies(self) -> dict[str, float]:
+        """{energy: [J]} besides that of the crossings, by the names that its ply's have, or of ENERGIES."""
+        zone = self.zone
+        return {
+            "kinetic_fabric": kinetic_energy(zone),
+            "yarn_strain": float(zone.stored),
+            "yarn_snap": float(zone.lost_in_snaps),
+            "viscous": float(zone.damped),
+            "failure_dissipation": float(zone.lost_with_yarns),
+            "neighbour_contact": float(zone.stored_at_neighbours),
+            "crossover_friction": float(zone.friction_work),
+            "slack_contact": float(zone.lost_when_slack),
+        }
+
+    def show(self, state: State) -> None:
+        """See Part."""
+        show(self.zone, state)
+
+    def speeds(self, strike_velocity: float) -> tuple[FloatArray, float]:
+        """See Part."""
+        limit = speed_limit(strike_velocity, self.panel.weave.yarns)
+        return np.sqrt((self.zone.v**2).sum(axis=0)), limit
+
+    def where(self, node: int) -> str:
+        """See Part."""
+        return f"node {int(node)} of the resolved yarns"
+
+    def guard(self, state: State) -> tuple[str, str] | None:
+        """See Part. A projectile keeps to the zone."""
+        nose = state.projectile_position
+        if self.panel.holds_nose(nose):
+            return None
+        x, y = 1e3 * nose[:2]
+        return (
+            "the projectile leaves the zone of resolved yarns",
+            f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
+        )
+
+    def indicators(self) -> tuple[quality.Indicator, ...]:
+        """See Part: the slip of the yarns beside the rim of their zone."""
+        found = quality.indicator("slip at the rim", slip_at_rim(self.zone))
+        width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
+        return (replace(found, meaning=f"{found.meaning}; {width}"),)
+
+
+def slip_at_rim(zone: Zone) -> float:
+    """[crossings] longest way of a yarn through a crossing of the rows beside the pinned ones."""
+    row = RIM_ROWS
+    slip = slipped(zone)
+    beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
+    return float(max(part.max() for part in beside))
+
+
+def show(zone: Zone, state: State) -> None:
+    """Put the membrane inside the rim where the yarns are, with their tensions, for pictures, histories and the
+    deflection. Its nodes bear and weigh nothing.
+
+    A crossing of which a yarn is torn is where the other one is, and stays if both are.
+    """
+    warp, weft = (int(count) for count in zone.yarns)
+    rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
+    stride = rows[1] - rows[0]
+    moved = np.zeros((warp, weft, 3))
+    count = np.zeros((warp, weft))
+    for family in range(2):
+        last = zone.first[family] + zone.yarns[family] * zone.nodes[family]
+        own = slice(zone.first[family], last)
+        shape = (int(zone.yarns[family]), int(zone.nodes[family]))
+        place = zone.x[:, own].T.reshape(*shape, 3)[:, 2:-2:2]
+        whole = np.broadcast_to(~zone.torn[family, : shape[0], None], place.shape[:2])
+        if family == 1:
+            place, whole = place.swapaxes(0, 1), whole.swapaxes(0, 1)
+        moved += whole[..., None] * place
+        count += whole
+        tension = zone.tension[own].reshape(shape)[:, :-1].reshape(shape[0], -1, 2).mean(axis=2)
+        begin = zone.tied_slot[2 * warp * family :][: 2 * shape[0] : 2]
+        steps = (stride, 1)[family] * np.arange(tension.shape[1])
+        state.T[family][begin[:, None] + steps] = tension
+    shown = count > 0
+    slots = (rows[None, :] + np.arange(warp)[:, None] + 1)[shown]
+    moved /= np.maximum(count, 1)[..., None]
+    moved[..., 0] -= zone.tied_rest[2 * warp :: 2, 0]
+    moved[..., 1] -= zone.tied_rest[: 2 * warp : 2, 1, None]
+    for c in range(3):
+        state.u[c][slots] = moved[..., c][shown]
