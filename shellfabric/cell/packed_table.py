@@ -39,8 +39,8 @@ def beyond(table: CellTable) -> tuple[float, ...]:
 
 
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
-    """Compute, for warp and weft, the bounds that the forces of the variational form give of the
-    tensions (`_ceiling`)."""
+    """Compute the bounds that the forces of the variational form give of the tensions of warp and
+    weft (`_ceiling`)."""
     found = []
     weave = table.model.fabric.weave
     spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]

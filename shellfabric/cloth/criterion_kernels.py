@@ -53,8 +53,8 @@ def highest_load(law):
 
 @kernel(_nrt=False)
 def damage(law, family, dt, kept, k, load):
-    """Damage of the segment at slot k at the end of a step under a load; 0 where there is no
-    law."""
+    """Compute the damage of the segment at slot k at the end of a step under a load; 0 if there is
+    no law."""
     if law.load.size == 0:
         return 0.0
     for m in range(law.load.shape[1] - 1):

@@ -183,7 +183,7 @@ def interpolate_rows8(x, at, w):
 
 @kernel(_nrt=False, forceinline=True)
 def interpolate8(x, at, wa, wb):
-    """Interpolate, as `interpolate` does, at eight points side by side, whose four by four nodes
+    """Interpolate at eight points side by side, as `interpolate` does; their four by four nodes
     begin at the numbers k .. k + 7."""
     return weighted_sum(wa, *interpolate_rows8(x, at, wb))
 
@@ -266,7 +266,7 @@ def scatter_row8(f, k, force, w):
 
 @kernel(_nrt=False, forceinline=True)
 def point_mean8(x, at, wa, wb):
-    """Interpolate, as `interpolate` does, at eight points side by side whose weights of three by
+    """Interpolate at eight points side by side, as `interpolate` does, if their weights of three by
     three nodes are alike."""
     k, s = at
     total = broadcast(0.0)

@@ -114,7 +114,7 @@ def regularized_stretch_scalar(stretch):
 
 @kernel(forceinline=True)
 def shear_sines(work, j, s):
-    """Compute, for eight quadrilaterals: sine, over f of the two warp and of the two weft edges'
+    """Compute the sines of eight quadrilaterals, over f of the two warp and of the two weft edges'
     stretches, and these, summed."""
     A = work.A
     B = work.B

@@ -21,7 +21,7 @@ WATCHED = 0.5
 
 
 def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
-    """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the
+    """Return (warp, weft) FailureLines: of the lines j = const along the warp, i = const along the
     weft."""
     x = panel.lines()
     sides = panel.element_sides
@@ -53,7 +53,7 @@ def rate_table(law: FloatArray) -> RateTable:
 
 
 def half_strength(strength: FloatArray, law: FloatArray, family: int) -> FloatArray:
-    """[N] tension below which an edge of a family is followed without a delay; `law` as
+    """Return the tension [N] below which an edge of a family is followed without a delay; `law` as
     `Panel.rate_law`."""
     half = WATCHED * strength
     if law.size:
@@ -62,8 +62,9 @@ def half_strength(strength: FloatArray, law: FloatArray, family: int) -> FloatAr
 
 
 def filter_factor(fabric: Fabric, family: int, side: ArrayLike, dt: float) -> FloatArray:
-    """[-] share of the way to the present tension that the low-pass goes in a step dt [s], of edges
-    of the length `side` [m]: its time is that of a wave over twice the failure length, or edge."""
+    """Compute the share [-] of the way to the present tension that the low-pass goes in a step dt
+    [s], of edges of the length `side` [m]: its time is that of a wave over twice the failure
+    length, or edge."""
     weave = fabric.weave
     count = (weave.warp_count, weave.weft_count)[family]
     wave_speed = (weave.yarns[family].EA * count / weave.areal_density) ** 0.5
@@ -72,15 +73,15 @@ def filter_factor(fabric: Fabric, family: int, side: ArrayLike, dt: float) -> Fl
 
 
 def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray, FloatArray]:
-    """Weights of the lines in the mean about each of them: the integral of max(0, 1 - |y| / length)
-    / length.
+    """Compute the weights of the lines in the mean about each of them: the integral of max(0, 1 -
+    |y| / length) / length.
 
     A line stands for the fabric up to halfway to its neighbours, so that the integral is exact for
     tensions that are constant there. Beyond the last line there is nothing.
 
     Parameters
     ----------
-    x : (lines,) [m] places of the lines, rising
+    x : (lines,) [m] positions of the lines, rising
     length : [m] half width of the mean
     mirrored : whether the first line is a plane of symmetry, behind which its neighbours have their
         images

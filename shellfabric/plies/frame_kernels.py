@@ -23,13 +23,13 @@ _SEARCHED = 1  # elements about a closest point among which it is looked for bes
 
 @kernel(_nrt=False, forceinline=True)
 def mean_thickness(contact, p, q):
-    """[m] of plies p and q."""
+    """Return the mean thickness [m] of plies p and q."""
     return 0.5 * (contact.thickness[p] + contact.thickness[q])
 
 
 @kernel(_nrt=False, forceinline=True)
 def grid_in_pack(contact, p):
-    """The grid of ply p: (base, stride, ni, nj)."""
+    """Return the grid of ply p: (base, stride, ni, nj)."""
     return contact.base[p], contact.row_stride[p], contact.ni[p], contact.nj[p]
 
 
@@ -62,7 +62,8 @@ def mark_torn(state, const, contact, p):
 
 @kernel(_nrt=False, forceinline=True)
 def is_torn(contact, p, a, b):
-    """Whether a torn element is among those that shape the spline of ply p at the place (a, b)."""
+    """Tell whether a torn element is among those that shape the spline of ply p at the place (a,
+    b)."""
     if contact.failures[p] == 0:
         return False
     base, stride, ni, nj = grid_in_pack(contact, p)
@@ -73,7 +74,7 @@ def is_torn(contact, p, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
-    """Whether the element of ply p at the place (a, b) has eroded, or hangs loose."""
+    """Tell whether the element of ply p at the place (a, b) has eroded, or hangs loose."""
     base, stride, ni, nj = grid_in_pack(contact, p)
     i = min(max(int(a), 0), ni - 1)
     j = min(max(int(b), 0), nj - 1)
@@ -82,8 +83,8 @@ def has_dropped(contact, p, a, b):
 
 @kernel(_nrt=False)
 def nearest_place(contact, p, place, at):
-    """Of the middles of the quarters of the elements about a place (a, b) that have not eroded, the
-    place of that nearest to the point `at`; the place itself if there is none."""
+    """Find the place nearest to the point `at` among the middles of the quarters of the elements
+    about a place (a, b) that have not eroded; the place itself if there is none."""
     a, b = place
     base, s, ni, nj = grid_in_pack(contact, p)
     i0 = min(max(int(a), 0), ni - 1)
@@ -113,9 +114,9 @@ def nearest_place(contact, p, place, at):
 
 @unit()
 def collect_forces(state, const, contact, p):
-    """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own
-    frame; half a step's work of those of the last step, which are over, and half a step's of the
-    new."""
+    """Hand over the forces on the grid of ply p, of plies before it and behind it, as nodal forces
+    in its own frame; half a step's work of those of the last step, which are over, and half a
+    step's of the new."""
     pressure = contact.pressure
     for side in range(2):
         force = pressure.force[p, side]

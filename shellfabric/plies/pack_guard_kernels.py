@@ -1,6 +1,6 @@
 """The guard of a pack (`plies.guard_kernels`): in each step, before its forces have acted.
 
-Places after the step are predicted from all forces that will act in it. The impulses are given as
+Positions after the step are predicted from all forces that will act in it. The impulses are given as
 forces that act in this step alone. Their work is half a step's on the velocities before it, and
 half a step's on those after it, as that of all forces is.
 """

@@ -521,8 +521,8 @@ def earned_closure8(contact, thickness, points, closure, closing, which):
 
 @kernel(_nrt=False, forceinline=True)
 def press_points8(contact, p, row, j, q, count):
-    """Press, as `press_point` does, those of `count` points from number q on, which begin in the
-    j-th element of a row of points, that need no more than the formulas: (those left, as bits, how
+    """Press those of `count` points from number q on, as `press_point` does, which begin in the
+    j-th element of a row of points and need no more than the formulas: (those left, as bits, how
     far the nearest of the others is from touching)."""
     pressure = contact.pressure
     x = contact.x
@@ -639,7 +639,7 @@ def within8(contact, p, A, B):
 
 @kernel(_nrt=False, forceinline=True)
 def push8(contact, front, closest, area, n, closure, touching, points):
-    """Push, as `push` does, those of eight points of a ply and the next whose bits are set.
+    """Push those of eight points of a ply and the next apart whose bits are set, as `push` does.
 
     Parameters
     ----------

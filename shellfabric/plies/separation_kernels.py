@@ -97,8 +97,8 @@ def lower_bound(x, nodes):
 
 @kernel(_nrt=False)
 def separation(x, nodes):
-    """Compute, of the facets nodes[:3] and nodes[3:], the width [m] of the widest slab between
-    them, and its direction, a unit vector from the first to the second. The width is not above 0
+    """Compute the width [m] of the widest slab between the facets nodes[:3] and nodes[3:], and its
+    direction, a unit vector from the first to the second. The width is not above 0
     where they touch or cross."""
     least = 1e60
     best = (0.0, 0.0, 0.0)

@@ -249,7 +249,8 @@ class YarnPatch:
         }
 
     def up(self, family: int) -> FloatArray:
-        """(yarns, crossings of a yarn) 1 where a yarn of the family is on top, -1 where it is below."""
+        """Return (yarns, crossings of a yarn) 1 where a yarn of the family is on top, -1 where it
+        is below."""
         _, yarns, _ = self.layout
         parity = np.add.outer(np.arange(yarns[family]), np.arange(yarns[1 - family])) % 2
         top = 1.0 if self.warp_up == (family == 0) else -1.0
@@ -340,7 +341,7 @@ class YarnPatch:
         row_stride: int = 0,
         nose_friction: float = 0.0,
     ) -> Zone:
-        """The arrays of the patch at rest.
+        """Build the arrays of the patch at rest.
 
         Parameters
         ----------
@@ -412,14 +413,16 @@ def _side_by_side(weights):
 
 
 def kinetic_energy(zone: Zone) -> float:
-    """[J] of the chains' own nodes at the present whole step, m v(n-1/2) v(n+1/2) / 2."""
+    """Compute the kinetic energy [J] of the chains' own nodes at the present whole step, m v(n-1/2)
+    v(n+1/2) / 2."""
     after = zone.v + zone.dt * zone.inverse_mass * zone.f
     own = zone.inverse_mass > 0
     return 0.5 * float((zone.mass * zone.v * after)[:, own].sum())
 
 
 def slipped(zone: Zone) -> FloatArray:
-    """(warp yarns, weft yarns) [crossings] the longer way of the two yarns through a crossing."""
+    """Compute the larger slip (warp yarns, weft yarns) [crossings] of the two yarns through a
+    crossing."""
     rest = np.stack(
         np.broadcast_arrays(
             2.0 * (np.arange(zone.yarns[1])[None, :] + 1),

@@ -230,8 +230,8 @@ def _pair(fractions):
 
 
 def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
-    """The plate curve of a file, or without one the pressure law at the fabric's measured areal
-    density.
+    """Read the plate curve of a file, or without one take the pressure law at the fabric's measured
+    areal density.
 
     Raises
     ------
@@ -277,7 +277,8 @@ def _interval(solid, runs, choices):
 def interval_numbers(
     interval: LawInterval, around: dict[str, tuple[float, float]]
 ) -> dict[str, Any]:
-    """A LawInterval as plain types, for law-interval.json; `around` of `LawInterval.around`."""
+    """Return a LawInterval as plain types, for law-interval.json; `around` of
+    `LawInterval.around`."""
     ends = [
         [None if law is None else {"a_m": law.a, "b_m_N^(1/3)": law.b} for law in pair]
         for pair in interval.ends
@@ -330,7 +331,7 @@ class CalibrationResult(Result):
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """As of `Result`: how far the law misses its samples."""
+        """As in `Result`: how far the law misses its samples."""
         from shellfabric.panel import quality
 
         law = self.law
@@ -356,8 +357,8 @@ class CalibrationResult(Result):
         )
 
     def summary(self) -> dict[str, Any]:
-        """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid
-        law.
+        """Return a and b with their 95 % intervals, rms of the fit, and the range over the assumed
+        solid law.
 
         "outside" says at which forces the ends of that range do not bracket the law.
         """
@@ -413,8 +414,8 @@ class CalibrationResult(Result):
         return points, self._fitted, (plates["F_c"], plates["d_c"])
 
     def plot(self) -> Figure:
-        """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and
-        laws."""
+        """Draw a matplotlib figure: compression of a yarn [um] against contact force [N], samples
+        and laws."""
         from weavecell.report import pictures
 
         return figure(pictures.fit, *self._collect_picture_data())
@@ -547,8 +548,8 @@ class CalibrationResult(Result):
         done.write(folder)
 
     def sections(self) -> tuple[Section, ...]:
-        """Chapters of the report: the fit, the solid if it was fitted, the response of the shells'
-        cell."""
+        """Return the chapters of the report: the fit, the solid if it was fitted, the response of
+        the shells' cell."""
         from weavecell.report import chapters
 
         fabric = self.mesh.fabric

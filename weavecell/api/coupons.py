@@ -312,7 +312,7 @@ class CouponResult(Result):
         return self.case.fabric
 
     def summary(self) -> dict[str, Any]:
-        """Outcome, the checks in words, and every quantity at the end with its unit."""
+        """Return the outcome, the checks in words, and every quantity at the end with its unit."""
         last = {name: float(values[-1]) for name, values in self._columns().items()}
         return self.record.facts | {"checks": self.checks_text} | last | self._what_is_assumed()
 
@@ -328,13 +328,13 @@ class CouponResult(Result):
         return columns
 
     def to_dataframe(self) -> DataFrame:
-        """As of `Result`; its attrs name what is assumed."""
+        """Return the table of `Result`; its attrs name what is assumed."""
         table = super().to_dataframe()
         table.attrs.update(self._what_is_assumed())
         return table
 
     def lines(self) -> list[str]:
-        """What the test came to, as printed."""
+        """Write what the test came to, as printed."""
         facts = self.record.facts
         lines = []
         for name, (unit, values) in self._collect_measures().items():
@@ -369,8 +369,8 @@ class CouponResult(Result):
         )
 
     def table(self) -> DataFrame:
-        """All load steps, in the units of the report, with residual (out-of-balance force over the
-        reaction)."""
+        """Return all load steps, in the units of the report, with residual (out-of-balance force
+        over the reaction)."""
         states = self.solved.states
         return display.frame(self._collect_measures()).assign(
             residual=[f"{state.residual:.1e}" for state in states],
@@ -386,7 +386,7 @@ class CouponResult(Result):
         return {name: (keys.COUPON_MEASURES[name].unit, columns[name]) for name in columns}
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
-        """{file: (caption, function that draws it, its arguments beside pyplot)}."""
+        """Return {file: (caption, function that draws it, its arguments beside pyplot)}."""
         record = self.record
         tolerance = self.case.scene.run.tolerance
         figures: dict[str, tuple[str, Callable, tuple]] = {
@@ -408,8 +408,8 @@ class CouponResult(Result):
         }
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the quantities of the test in the unit of the first, against what is
-        prescribed."""
+        """Draw a matplotlib figure: the quantities of the test in the unit of the first, against
+        what is prescribed."""
         record = self.record
         first, *others = list(record.columns)[1:]
         names = [first, *(name for name in others if record.unit(name) == record.unit(first))]
@@ -522,7 +522,7 @@ class PullOutResult(CouponResult):
     ----------
     record : `fabrics.base.record.Record`, a row a sample of the load
     solved : `shellfabric.coupon.pull_out.PullOutCurve`
-    case, checks, text : as of `CouponResult`
+    case, checks, text : as in `CouponResult`
     """
 
     to_vtk = None  # type: ignore[assignment]  # its states are not kept
@@ -538,7 +538,7 @@ class PullOutResult(CouponResult):
         return self.solved.plateau
 
     def summary(self) -> dict[str, Any]:
-        """Set-up, loads, slip length and work of friction, each with its unit; the checks in
+        """Return set-up, loads, slip length and work of friction, each with its unit; the checks in
         words."""
         return self.record.facts | {"checks": self.checks_text} | self._what_is_assumed()
 
@@ -558,7 +558,7 @@ class PullOutResult(CouponResult):
         }
 
     def lines(self) -> list[str]:
-        """What the test came to, as printed."""
+        """Write what the test came to, as printed."""
         rows = [f"{name:<44}{text}{self._flag(name)}" for name, text in self._rows().items()]
         return rows + self._list_assumed_laws()
 
@@ -567,18 +567,18 @@ class PullOutResult(CouponResult):
         return f"One yarn of {facts['fabric']} drawn through {facts['crossings']} held crossovers."
 
     def table(self) -> DataFrame:
-        """What it came to."""
+        """Return what it came to."""
         from pandas import DataFrame
 
         return DataFrame(self._rows().items(), columns=["quantity", "value"])
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
-        """As of `CouponResult`."""
+        """Return the figures, as `CouponResult` does."""
         caption = "Load on the pulled yarn; below: crossovers that it slides through, and those that its end has left."
         return {"load": (caption, pictures_coupon.pull_out, (self.solved,))}
 
     def plot(self) -> Figure:
-        """A matplotlib figure: the load, and the crossovers in slip and left, against the
+        """Draw a matplotlib figure: the load, and the crossovers in slip and left, against the
         displacement."""
         return figure(pictures_coupon.pull_out, self.solved)
 

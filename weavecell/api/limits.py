@@ -215,8 +215,8 @@ def critical_velocity(
 
 @contextmanager
 def keep_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
-    """A list for the shots of a search, which are written to the folder if an error or the user
-    ends it."""
+    """Yield a list for the shots of a search, which are written to the folder if an error or the
+    user ends it."""
     ended: list[Shot] = []
     try:
         with interrupts():
@@ -328,8 +328,8 @@ class CriticalVelocityResult(StudyResult):
         return [f"the limit rests on a {self.bracket_checks}"]
 
     def summary(self) -> dict[str, Any]:
-        """The entries of critical-velocity.json (docs/reference.md), but of the shots their number
-        and the worst checks of all in words, and what is assumed."""
+        """Return the entries of critical-velocity.json (docs/reference.md), but of the shots their
+        number and the worst checks of all in words, and what is assumed."""
         return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _facts(self):
@@ -357,7 +357,7 @@ class CriticalVelocityResult(StudyResult):
         return table_of(self.shots)
 
     def draw(self, pyplot: Any) -> Figure:
-        """Residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
+        """Draw residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 
         return pictures.residual_velocity(
@@ -365,7 +365,7 @@ class CriticalVelocityResult(StudyResult):
         )
 
     def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
+        """Return {file: what it holds}, as `StudyResult` does."""
         shots = self.to_dataframe().to_dict("records")
         for shot in shots:
             warp = shot.pop("peak_tension_warp_N")
@@ -382,7 +382,7 @@ class CriticalVelocityResult(StudyResult):
         }
 
     def lines(self) -> list[str]:
-        """What is printed."""
+        """Write the lines that are printed."""
         from weavecell.studies import regression_line
 
         limit = self.limit
@@ -417,7 +417,7 @@ class CriticalVelocityResult(StudyResult):
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
-    """{name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
+    """Return {name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
     return {
         "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
         "residual_velocity_m_s": [shot.residual_velocity for shot in shots],
@@ -433,7 +433,7 @@ def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
 
 
 def csv_of(shots: Sequence[Shot]) -> str:
-    """Content of shots.csv; of a search that did not end too."""
+    """Write the content of shots.csv; of a search that did not end too."""
     from pandas import DataFrame
 
     columns = table_of(shots)

@@ -150,8 +150,8 @@ def _file(stem, suffix):
 
 
 def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
-    """A fabric with what a 3D crossover needs, with the linear density of its data sheet; logs what
-    is assumed.
+    """Return a fabric with what a 3D crossover needs, with the linear density of its data sheet;
+    log what is assumed.
 
     The densities of the runs of the thesis (erratum E-07) are those of its shells.
 
@@ -179,7 +179,7 @@ def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
 
 
 def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
-    """Options of `meshing.crossover.build` from keywords, in SI units.
+    """Convert keywords to options of `meshing.crossover.build`, in SI units.
 
     Parameters
     ----------
@@ -210,8 +210,8 @@ def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
 
 
 def size(value: Any) -> Any:
-    """A name, three numbers, an edge length [m], or a MeshFile of the path of a .msh file, as
-    `meshing.inputs.size` takes it, also of a text.
+    """Read a name, three numbers, an edge length [m], or a MeshFile of the path of a .msh file, as
+    `meshing.inputs.size` takes it, also from a text.
 
     Raises
     ------
@@ -298,7 +298,7 @@ class MeshResult(Result):
         return "crossover"
 
     def summary(self) -> dict[str, Any]:
-        """The main figures of the mesh, as texts."""
+        """Return the main figures of the mesh, as texts."""
         mesh = self.mesh
         if self.stem == "patch":
             domain = "{} warp x {} weft yarns".format(*mesh.count)

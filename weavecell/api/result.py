@@ -100,7 +100,7 @@ class Result:
         return type(self).__name__
 
     def summary(self) -> dict[str, Any]:
-        """{name with unit: value} of the result; the checks in words."""
+        """Return {name with unit: value} of the result; the checks in words."""
         raise NotImplementedError
 
     def _columns(self) -> Mapping[str, Any]:
@@ -108,7 +108,7 @@ class Result:
         raise NotImplementedError
 
     def to_dataframe(self) -> DataFrame:
-        """The result as a pandas.DataFrame; names of the columns end in their SI unit."""
+        """Return the result as a pandas.DataFrame; names of the columns end in their SI unit."""
         from pandas import DataFrame
 
         return DataFrame(dict(self._columns()))
@@ -165,7 +165,7 @@ class Result:
 
 
 def plain(value: object) -> bool:
-    """Whether a value is shown: a text, a number or None."""
+    """Tell whether a value is shown: a text, a number or None."""
     return isinstance(value, (str, int, float)) or value is None
 
 
@@ -176,14 +176,14 @@ def _text(value):
 
 
 def save_to(result: Any, out: FilePath | None) -> Any:
-    """The result, which is written to `out` if there is such a path."""
+    """Return the result, and write it to `out` if there is such a path."""
     if out is not None:
         result.save(out)
     return result
 
 
 def figure(draw: Callable, *arguments: Any) -> Figure:
-    """What draw(pyplot, *arguments) returns, in the style of the reports."""
+    """Return what draw(pyplot, *arguments) returns, in the style of the reports."""
     from weavecell.report.pictures_figure import plots
 
     with plots() as pyplot:

@@ -208,8 +208,8 @@ class V50Result(StudyResult):
         return self.study.assumed_range
 
     def summary(self) -> dict[str, Any]:
-        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50
-        of test series."""
+        """Return V50 with its interval, the curve's standard deviation, the limit without scatter,
+        and V50 of test series."""
         return self.study.summary() | self._what_is_assumed()
 
     def _columns(self):
@@ -249,7 +249,7 @@ class V50Result(StudyResult):
 
     @property
     def draws_strengths(self) -> bool:
-        """As of `StudyResult`: it is what is studied."""
+        """As in `StudyResult`: it is what is studied."""
         return True
 
     @property
@@ -257,6 +257,7 @@ class V50Result(StudyResult):
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
     def lines(self) -> list[str]:
+        """Write the lines that are printed: shots, curves, the limit without scatter, assumptions."""
         from weavecell.studies import regression_line
 
         study = self.study
@@ -315,7 +316,8 @@ class V50Result(StudyResult):
         return v50.grade_mesh(self.target.setup).grading
 
     def table(self) -> DataFrame:
-        """V0, V50, V100 and standard deviation of each fitted curve, with their intervals."""
+        """Return V0, V50, V100 and standard deviation of each fitted curve, with their
+        intervals."""
         from pandas import DataFrame
 
         rows = []
@@ -339,7 +341,7 @@ class V50Result(StudyResult):
         )
 
     def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
+        """Return {file: what it holds}, as `StudyResult` does."""
         from weavecell.studies import inputs
 
         study = self.study
@@ -378,7 +380,7 @@ class V50Result(StudyResult):
         }
 
     def draw(self, pyplot: Any) -> Figure:
-        """Probability of perforation and residual velocity against strike velocity [m/s]."""
+        """Draw probability of perforation and residual velocity against strike velocity [m/s]."""
         from weavecell.report import pictures_uncertainty
 
         return pictures_uncertainty.perforation(pyplot, self.study, self.title)

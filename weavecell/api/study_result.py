@@ -28,16 +28,16 @@ class DrawnResult(Result):
     here."""
 
     def draw(self, pyplot: Any) -> Figure:
-        """The picture."""
+        """Draw the picture."""
         raise NotImplementedError
 
     def files(self) -> dict[str, Any]:
-        """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added,
-        a text for CSV; nothing for the picture (.svg or .png)."""
+        """Return {file beside the page: what it holds}: a dict for JSON, to which the provenance is
+        added, a text for CSV; nothing for the picture (.svg or .png)."""
         raise NotImplementedError
 
     def plot(self) -> Figure:
-        """A matplotlib figure."""
+        """Draw a matplotlib figure."""
         return figure(self.draw)
 
     def _write_files(self, folder, stamp):
@@ -71,7 +71,7 @@ class StudyResult(DrawnResult):
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """As of `Result`, of shots at the target."""
+        """As in `Result`, of shots at the target."""
         return find_left_out(
             self.target.setup, getattr(self, "assumed_range", None), drawn=self.draws_strengths
         )
@@ -82,7 +82,7 @@ class StudyResult(DrawnResult):
         return [f"Note: {note}." for note in self.target.setup.notes]
 
     def lines(self) -> list[str]:
-        """What is printed, and stands at the top of a page."""
+        """Write the lines that are printed, and stand at the top of a page."""
         raise NotImplementedError
 
     @property
@@ -91,7 +91,7 @@ class StudyResult(DrawnResult):
         return "Result", self.lines()[0]
 
     def table(self) -> DataFrame:
-        """The table of the page, columns with their units."""
+        """Return the table of the page, columns with their units."""
         return self._labelled_columns()
 
     def _notebook_table(self):

@@ -233,8 +233,8 @@ OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
 
 
 def parse(text: str) -> tuple[str, list[Any]]:
-    """(key, values) of a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100
-    m/s,150 m/s".
+    """Parse a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100 m/s,150 m/s":
+    (key, values).
 
     Raises
     ------
@@ -290,11 +290,11 @@ class SweepTable(StudyResult):
 
     @property
     def draws_strengths(self) -> bool:
-        """As of `StudyResult`: a V50 draws them."""
+        """As in `StudyResult`: a V50 draws them."""
         return self.quantity == "v50"
 
     def summary(self) -> dict[str, Any]:
-        """Number of rows of each outcome."""
+        """Count the rows of each outcome."""
         return dict(Counter(row["outcome"] for row in self.rows))
 
     def _columns(self):
@@ -318,7 +318,7 @@ class SweepTable(StudyResult):
         return f"{self.target.setup.name}: {self.quantity.replace('-', ' ')} over {', '.join(self.keys)}"
 
     def draw(self, pyplot: Any) -> Figure:
-        """The quantity against the first key."""
+        """Draw the quantity against the first key."""
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
@@ -376,7 +376,7 @@ class SweepTable(StudyResult):
             )
 
     def files(self) -> dict[str, Any]:
-        """As of `StudyResult`."""
+        """Return {file: what it holds}, as `StudyResult` does."""
         content = {"quantity": self.quantity, "rows": self.rows}
         return {
             "sweep.json": content,
@@ -385,7 +385,7 @@ class SweepTable(StudyResult):
         }
 
     def lines(self) -> list[str]:
-        """What is printed."""
+        """Write the lines that are printed."""
         from weavecell.studies.sweep import MIXED, QUANTITIES
 
         quantity = QUANTITIES[self.quantity]
@@ -466,7 +466,8 @@ class SweepResult(Result, Sequence):
         return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
     def summary(self) -> dict[str, Any]:
-        """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
+        """Count the shots of each outcome and the doubtful ones, and give the worst checks in
+        words."""
         outcomes: list[str] = [shot.outcome for shot in self.shots]
         return {
             "shots": len(self.shots),
@@ -495,7 +496,7 @@ class SweepResult(Result, Sequence):
         return self._labelled_columns(*_SHOWN)
 
     def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s], a line an outcome."""
+        """Draw a matplotlib figure: residual against strike velocity [m/s], a line an outcome."""
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 

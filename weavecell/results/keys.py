@@ -54,7 +54,7 @@ class Key(NamedTuple):
         return display.si_unit(self.unit)
 
     def value(self, source: Any) -> Any:
-        """Of an object, such as a record."""
+        """Return the value of the key in an object, such as a record."""
         for part in self.field.split("."):
             if isinstance(source, Mapping):
                 source = source[part]
@@ -108,7 +108,7 @@ COUPON_DATASETS = (
 
 
 def table(*names: str) -> tuple[Key, ...]:
-    """The keys of tables of keys.toml, one after the other."""
+    """Return the keys of tables of keys.toml, one after the other."""
     return tuple(key for name in names for key in TABLES[name])
 
 

@@ -161,8 +161,8 @@ def hold(
     inputs: Iterable[object] = (),
     key: Callable[[], str] = str,
 ) -> Iterator[Path | None]:
-    """The folder, which is claimed in this block, while an outer claim goes on; None if nothing is
-    written.
+    """Hold the folder, which is claimed in this block, while an outer claim goes on; None if
+    nothing is written.
 
     What the folder holds outlives a SIGTERM, which is an interrupt in this block. At the end of the
     block the folder is whole: its list says so, with what `key` returns.

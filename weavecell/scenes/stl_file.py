@@ -101,7 +101,7 @@ class Surface:
         return bool(np.any(angles > np.radians(SHARP)))
 
     def explain_axis(self, unit: str) -> str:
-        """Say of a body that its axis misses it, with where it lies and the shift that helps."""
+        """Explain that a body's axis misses it, with where it lies and the shift that helps."""
         (x0, y0, _), (x1, y1, _) = self.mesh.bounds / UNITS[unit]
         return (
             "its z axis, x = y = 0, must lie in the body: it is the projectile's axis; the body lies from x = "

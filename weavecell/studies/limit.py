@@ -50,7 +50,7 @@ def search(
     folder: FilePath | None = None,
     **beside: Any,
 ) -> LimitStudy:
-    """Bisect, scan about the bracket, fire residual shots, and fit them.
+    """Search the limit: bisect, scan about the bracket, fire residual shots, and fit them.
 
     Parameters
     ----------
