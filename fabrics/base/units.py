@@ -39,7 +39,7 @@ FACTORS = {
     "m * N**(1/3)": {"m * N^(1/3)": 1.0, "mm * N^(1/3)": 1e-3},
     "N/(kg/m)": {"mN/tex": 1e3, "cN/dtex": 1e5, "cN/tex": 1e4, "N/tex": 1e6},
     "1/s": {"/ s": 1.0},
-    "rad": {"deg": 0.017453292519943295},
+    "rad": {"deg": 0.017453292519943295, "rad": 1.0},
     "": {"": 1.0, "%": 0.01},
 }
 # SI unit: an example for messages; of others "1" of the unit itself
@@ -50,6 +50,7 @@ EXAMPLES = {
     "kg/m^2": "200 g/m^2",
     "1/m": "8.5 / cm",
     "Pa": "90 GPa",
+    "rad": "45 deg",
     "N": "220 N",
     "N/(kg/m)": "2350 mN/tex",
     "kg": "1.1 g",
@@ -186,6 +187,9 @@ def _converted(value, unit):
 def _factor(written, unit):
     """SI value of one of the unit that is `written`."""
     written = _ALIASES.get(written.lower(), written)
+    # pint would take a number alone for radians
+    if unit == "rad" and not written:
+        raise ValueError("no unit")
     if unit == "1/m":
         written = _YARNS.sub("", written, count=1)
     factor = FACTORS.get(unit, {}).get(written)

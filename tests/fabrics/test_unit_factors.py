@@ -136,3 +136,12 @@ def test_the_usual_units_need_no_pint():
         "print('pint' in sys.modules)"
     )
     assert printed(code) == "False"
+
+
+def test_an_angle_has_a_unit():
+    """A number alone would be radians, whatever was meant."""
+    for text in ("1", "0.5", " 30 "):
+        with pytest.raises(InputError, match='such as "45 deg"'):
+            units.si(text, "rad")
+    assert units.si("0.5 rad", "rad") == 0.5
+    assert units.si("180 deg", "rad") == pytest.approx(3.141592653589793, rel=1e-15)
