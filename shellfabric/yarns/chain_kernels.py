@@ -10,8 +10,9 @@ M, the mean of the tensions of the same segment of neighbouring yarns over the f
 follows M over the time of a wave across that length. It breaks in the step after F has passed the strength.
 
 Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt / 2: works of
-dissipative forces are those of the mean of the old and the new force. That mean is not the change of the energy of a
-segment that snaps taut or goes slack within the step: SNAP has the rest, as "yarn_snap" of the membrane has it.
+dissipative forces are those of the mean of the old and the new force, each in its own direction: a segment that whips
+turns by a few hundredths in a step. That mean is not the change of the energy of a segment that snaps taut or goes
+slack within the step: `zone.lost_in_snaps` has the rest, as "yarn_snap" of the membrane has it.
 """
 
 import math
@@ -21,6 +22,7 @@ from shellfabric.cloth.membrane_kernels import SUM
 from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
 
+TINY = 1e-9  # [N] below which a force has no direction
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 
@@ -128,9 +130,17 @@ def stretch_segments(zone, family, first, last):
         energy = 0.5 * taut * strain * rest
         before = tension[n]
         released = 0.5 * before * before / stiffness * rest
-        snap = rate * (before + taut) * (0.5 * zone.dt) - energy + released
+        # the force at the beginning of the step acts in the direction that it had then
+        held = before + viscous_force[n]
+        rate_before = rate
+        if held > TINY:
+            work_rate = (next_u[n] - u[n]) * pull_x[n]
+            work_rate += (next_v[n] - v[n]) * pull_y[n]
+            work_rate += (next_w[n] - w[n]) * pull_z[n]
+            rate_before = work_rate / held
+        snap = (before * rate_before + taut * rate) * (0.5 * zone.dt) - energy + released
         snapped += snap * ((before == 0.0) != (taut == 0.0))
-        damped += (viscous_force[n] + damping) * rate
+        damped += viscous_force[n] * rate_before + damping * rate
         stored += energy
         tension[n] = taut
         viscous_force[n] = damping

@@ -9,9 +9,11 @@ with the tangents t, the sign of n from the weave (which yarn lies on top), h th
 both yarns in series, w the velocity of the warp over the weft. n is at right angles to both tangents, so that the
 motion of the indices does no work. Crossings of the outer rows are pinned: their indices stay, and nothing slips.
 
-A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is booked. It
-comes back at the distance at which it is found, and that distance follows the yarns as they come
-apart, up to h: coming back does no work. A yarn leaves a crossing for good at its end.
+A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is booked. So
+does one whose indices run along a loop or along the whipping end of a yarn: away from the common
+perpendicular d is not along n, and F_n would do work where n turns. It comes back at the distance
+at which it is found, and that distance follows the yarns as they come apart, up to h: coming back
+does no work. A yarn leaves a crossing for good at its end.
 """
 
 import math
@@ -29,7 +31,10 @@ from shellfabric.jit.compile import kernel
 from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
 MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment
-CLOSE = 5e-3  # of an index: a step that short is taken, and counts from the next time step on
+# of an index: a step that short is taken, and counts from the next time step on. An index that lags
+# does work where n turns along the yarn
+CLOSE = 1e-3
+RUNS = 0.02  # of an index that is left to the common perpendicular: it runs along a loop
 SLACK_LENGTH = 0.5  # of a tangent squared over that at rest: below, the yarn is slack
 SLACK_SINE = 0.04  # square of the sine between the tangents: below, they are nearly parallel
 
@@ -61,11 +66,13 @@ def compression(zone, closure):
 def common_perpendicular(zone, i, j):
     """Move a crossing's indices to the common perpendicular.
 
-    Returns (node, weights) of the warp and of the weft, d, the two tangents, and whether the yarns are slack.
+    Returns (node, weights) of the warp and of the weft, d, the two tangents, and whether the yarns
+    are slack or the indices run.
     """
     first_a = zone.first[0] + i * zone.nodes[0]
     first_b = zone.first[1] + j * zone.nodes[1]
     s_a, s_b = zone.place[i, j, 0], zone.place[i, j, 1]
+    left = 0.0
     for _ in range(3):
         k_a, weights_a, slopes_a = spline(s_a, zone.nodes[0])
         k_b, weights_b, slopes_b = spline(s_b, zone.nodes[1])
@@ -93,11 +100,12 @@ def common_perpendicular(zone, i, j):
         step_b = over * (aa * b - ab * a)
         s_a = moved(s_a, step_a, zone.nodes[0])
         s_b = moved(s_b, step_b, zone.nodes[1])
-        if abs(step_a) < CLOSE and abs(step_b) < CLOSE:
+        left = max(abs(step_a), abs(step_b))
+        if left < CLOSE:
             break
     zone.place[i, j, 0] = s_a
     zone.place[i, j, 1] = s_b
-    return n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack
+    return n_a, weights_a, n_b, weights_b, apart, tangent_a, tangent_b, slack or left > RUNS
 
 
 @kernel()

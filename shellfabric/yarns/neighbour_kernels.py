@@ -19,10 +19,9 @@ import math
 
 from shellfabric.cloth.vector_kernels import dot, scaled, subtract
 from shellfabric.jit.compile import kernel
-from shellfabric.yarns.crossing_kernels import CLOSE, moved
+from shellfabric.yarns.crossing_kernels import CLOSE, RUNS, moved
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 
-RUNS = 0.02  # of an index a step: the closest point runs along a loop
 FAR = 1.2  # w1^2, beyond which a foot is not sought to the end
 LONGEST_WAIT = 8.0  # steps
 FASTER = 2.0  # than they do now: how fast two yarns may come closer while a point waits

@@ -23,7 +23,7 @@ class Zone(Row):
         "whether the segment bears; false at the end of a chain",
         kept=True,
     )
-    pull = array("3, all nodes", "N", "force of the segment on its node")
+    pull = array("3, all nodes", "N", "force of the segment on its node", kept=True)
     breaking = array(
         "all nodes boolean", "-", "whether the segment breaks in the next step", kept=True
     )
