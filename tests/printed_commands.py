@@ -103,7 +103,8 @@ def files(name, values):
         for each in value if isinstance(value, (list, tuple)) else [value]:
             if not isinstance(each, (str, Path)):
                 continue
-            text = str(each)
+            # of PLIES=FILE the file
+            text = re.sub(r"^\d+=", "", str(each))
             new = key in _OUTPUTS or (name.endswith(" new") and text.endswith(".toml"))
             if new:
                 makes.append(text)

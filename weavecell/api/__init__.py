@@ -18,6 +18,7 @@ from weavecell.api import (
     limits,
     lists,
     meshes,
+    reduction,
     result,
     run_size,
     runs,
@@ -35,6 +36,7 @@ from weavecell.api.exports import *
 from weavecell.api.limits import *
 from weavecell.api.lists import *
 from weavecell.api.meshes import *
+from weavecell.api.reduction import *
 from weavecell.api.result import *
 from weavecell.api.run_size import *
 from weavecell.api.runs import *
@@ -60,6 +62,7 @@ __all__ += exports.__all__
 __all__ += limits.__all__
 __all__ += lists.__all__
 __all__ += meshes.__all__
+__all__ += reduction.__all__
 __all__ += result.__all__
 __all__ += run_size.__all__
 __all__ += runs.__all__

@@ -40,6 +40,11 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
     "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),
+    "reduce compression": (
+        api.reduce_compression,
+        "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",
+    ),
+    "reduce shot": (api.reduce_shot, "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
     "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
     "crossover yarn": (crossover.yarn, "S-720 --yarn weft"),
     "crossover platens": (crossover.platens, "S-720 --pressure '20 MPa'"),
@@ -62,6 +67,7 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
 # group: what it is, and the command that its help ends with
 GROUPS = {
     "crossover": ("The 3D crossover under a load.", "shear S-720"),
+    "reduce": ("Records of a laboratory, reduced.", "shot flight.csv --mass '3 g'"),
     "fabrics": ("The fabrics of the catalogue.", "list"),
     "projectiles": ("The projectiles by name.", "list"),
     "backings": ("The backings by name.", "list"),

@@ -31,7 +31,7 @@ DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
 LEFT_OUT = {
     "assumed_range": "laws"
 }  # what a function gets where neither the option nor --no-... is given
-ARGUMENTS = ("target", "tests", "fabric", "name", "file")
+ARGUMENTS = ("target", "tests", "fabric", "name", "file", "record")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
 WORDS = {"values": "from"}

@@ -1,0 +1,421 @@
+"""Records of a laboratory, reduced: compression of plies between platens, and the flight of a
+projectile.
+
+The folder of `weavecell reduce compression`
+    compression.json     K'', n and the room left of each pack, a and b, the gap between plies, with
+                         intervals, provenance
+    platen-curve.csv     one ply without the rig, for `weavecell calibrate --platen-curve`
+    fabric-keys.toml     what of it a fabric file takes
+    compression.svg      records and fitted laws
+
+Of `weavecell reduce shot`
+    shot.json            strike and last velocity, absorbed energy, greatest force, noise,
+                         bandwidth, provenance
+    motion.csv           displacement, velocity, energy and force at each instant, with errors
+    motion.svg           the same
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fabrics import catalogue
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.fabric import Fabric
+from weavecell.api import quantities
+from weavecell.api.result import save_to
+from weavecell.api.study_result import DrawnResult
+from weavecell.results import out_folder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from weavecell.studies.compression_records import Estimate, PressureLaw
+    from weavecell.studies.displacement_record import Motion
+
+__all__ = ["CompressionRecords", "ShotRecord", "reduce_compression", "reduce_shot"]
+
+OF_COMPRESSION = ("compression.json", "platen-curve.csv", "fabric-keys.toml", "compression.svg")
+OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
+
+
+def reduce_compression(
+    record: FilePath,
+    *,
+    platen_area: float | str,
+    pack: list[str] | None = None,
+    rig: FilePath | None = None,
+    cell_of: Fabric | FilePath | None = None,
+    out: FilePath | None = None,
+) -> CompressionRecords:
+    """Reduce compression tests between platens: the rig taken off, the pressure law fitted, the gap
+    between plies.
+
+    RECORD has the columns "force [N]" and "displacement [mm]", or other units of these, of one ply;
+    rows after the largest force are unloading and are left out. The law is P = K'' / (t - t_min)^n
+    (thesis eq. 2-5), fitted with n free and with n = 3. Of a fabric the law of one cell follows,
+    d = a - b / F^(1/3) (eqs. 2-7 to 2-9), and half of it for each of its two yarns. Packs give the
+    gap between plies (eq. 5-4).
+
+    Parameters
+    ----------
+    record : compression record of one ply (``*.csv``)
+    platen_area : area of the platen [m2], such as "361 mm^2"
+    pack : record of a pack, PLIES=FILE, such as 4=four.csv; may be given again, in Python a list
+    rig : record of the test rig without fabric, whose closure is taken off at each load
+    cell_of : name of the catalogue, or path of a fabric file, whose cell a and b are for; in Python
+        also a Fabric
+    out : folder of the results; in Python None writes nothing
+
+    Returns
+    -------
+    CompressionRecords
+
+    Raises
+    ------
+    InputError : a wrong record, or one that does not determine the law
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> force = np.geomspace(10, 7000, 40)
+    >>> closed = 1e3 * (1.1e-7 / 361e-6**-1) ** (1 / 3) * (10 ** (-1 / 3) - force ** (-1 / 3))
+    >>> rows = "\\n".join(f"{F}, {d}" for F, d in zip(force, closed))
+    >>> _ = Path("ply.csv").write_text("force [N], displacement [mm]\\n" + rows)
+    >>> reduced = wc.reduce_compression("ply.csv", platen_area="361 mm^2")
+    >>> round(reduced.free[0].exponent, 3)
+    3.0
+    """
+    from weavecell.studies import compression_records as studies
+
+    area = quantities.read_positive(platen_area, "m^2", "platen_area")
+    read = studies.CompressionRecord.read
+    plies = [1]
+    records = [read(record)]
+    for text in pack or ():
+        count, file = _pack(text)
+        plies.append(count)
+        records.append(read(file))
+    if rig is not None:
+        taken_off = read(rig)
+        records = [one.without(taken_off) for one in records]
+    fabric = None
+    if isinstance(cell_of, Fabric):
+        fabric = cell_of
+    elif cell_of is not None:
+        fabric = catalogue.load(cell_of)
+    with out_folder.hold(out, OF_COMPRESSION) as folder:
+        free = studies.laws_of(records, plies, area, None)
+        cubic = studies.laws_of(records, plies, area, studies.CUBE)
+        gaps = {law.plies: studies.gap_between(free[0], law) for law in free[1:]}
+        cell = {}
+        if fabric is not None:
+            cell = studies.force_law(cubic[0], fabric.weave.cell_area)
+        return save_to(
+            CompressionRecords(tuple(free), tuple(cubic), gaps, cell, fabric, str(record)), folder
+        )
+
+
+def _pack(text):
+    """(number of plies, file) of PLIES=FILE."""
+    found = re.fullmatch(r"\s*(\d+)\s*=\s*(.+)", str(text))
+    if found is None or int(found[1]) < 2:
+        allowed = "the number of plies, from 2, and a file, such as 4=four.csv"
+        raise InputError(key="pack", value=text, allowed=allowed)
+    return int(found[1]), found[2].strip()
+
+
+@dataclass(frozen=True, repr=False)
+class CompressionRecords(DrawnResult):
+    """Reduced compression records; the table has a row a pack.
+
+    Parameters
+    ----------
+    free, cubic : `weavecell.studies.compression_records.PressureLaw` of each record, one ply first,
+        with n fitted and with n = 3
+    gaps : {number of plies: Estimate [m] of the gap}
+    cell : {"a" [m], "b" [m N^(1/3)]: Estimate} of one ply over a cell of the fabric, or {}
+    fabric : Fabric of that cell, or None
+    record : name of the file of one ply
+    """
+
+    free: tuple[PressureLaw, ...]
+    cubic: tuple[PressureLaw, ...]
+    gaps: dict[int, Estimate]
+    cell: dict[str, Estimate]
+    fabric: Fabric | None
+    record: str
+
+    def summary(self) -> dict[str, Any]:
+        """K'' and n of one ply, a and b of a cell, and the gap of each pack, with intervals."""
+        one = self.free[0]
+        numbers: dict[str, Any] = {
+            "exponent": one.exponent,
+            "exponent_interval": list(one.intervals()["exponent"]),
+            "K_with_n_3_Pa_m3": self.cubic[0].stiffness,
+            "K_with_n_3_interval_Pa_m3": list(self.cubic[0].intervals()["stiffness"]),
+            "rms_m": one.rms,
+        }
+        for name, unit in (("a", "m"), ("b", "m_N^(1/3)")):
+            if name in self.cell:
+                found = self.cell[name]
+                numbers[f"{name}_of_a_ply_{unit}"] = found.value
+                numbers[f"{name}_of_a_ply_interval_{unit}"] = [found.low, found.high]
+        for plies, gap in self.gaps.items():
+            numbers[f"gap_of_{plies}_plies_m"] = gap.value
+            numbers[f"gap_of_{plies}_plies_interval_m"] = [gap.low, gap.high]
+        return numbers
+
+    def _columns(self):
+        columns: dict[str, list[float]] = {"plies": [law.plies for law in self.free]}
+        for name, laws in (("free", self.free), ("n = 3", self.cubic)):
+            columns[f"n, {name}"] = [law.exponent for law in laws]
+            columns[f"K, {name}_Pa_m^n"] = [law.stiffness for law in laws]
+            columns[f"room left at the first load, {name}_m"] = [law.full for law in laws]
+            columns[f"rms, {name}_m"] = [law.rms for law in laws]
+        return columns
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Closure [um] against pressure [MPa]: records and fitted laws."""
+        from weavecell.report import pictures_records
+
+        return pictures_records.draw_compression(pyplot, self.free, f"Compression: {self.record}")
+
+    def files(self) -> dict[str, Any]:
+        """{file: what it holds} that stands at the top of the module."""
+        rows = {key: [float(value) for value in values] for key, values in self._columns().items()}
+        pressure, closed = self.free[0].curve()
+        curve = "".join(f"{1e-6 * P:.6g}, {1e6 * d:.6g}\n" for P, d in zip(pressure, closed))
+        return {
+            "compression.json": {
+                "format": "weavecell compression 1",
+                **self.summary(),
+                "packs": rows,
+            },
+            "platen-curve.csv": f"# {self.record}, smoothed by its law\npressure [MPa], closure [um]\n{curve}",
+            "fabric-keys.toml": self._keys(),
+            "compression.svg": None,
+        }
+
+    def _keys(self):
+        """The keys of a fabric file that follow."""
+        lines = [f"# from {self.record} by `weavecell reduce compression`"]
+        if self.gaps:
+            plies, gap = next(iter(self.gaps.items()))
+            lines.append(_entry("interlayer_gap", gap, 1e3, "mm", f"packs of 1 and {plies} plies"))
+        if self.cell:
+            lines += [
+                "",
+                "# half of the ply, for each of its two yarns: between platens, at rest in the plane",
+            ]
+            lines.append("[compression]")
+            for name, unit in (("a", "mm"), ("b", "mm * N^(1/3)")):
+                lines.append(_entry(name, self.cell[name], 0.5e3, unit, "one ply between platens"))
+        return "\n".join(lines) + "\n"
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of the module to a folder."""
+        from weavecell.results import provenance
+
+        with out_folder.hold(out, OF_COMPRESSION):
+            self._write_files(Path(out), provenance.stamp())
+
+    def __str__(self) -> str:
+        lines = [f"compression of {self.record}"]
+        for law, cubic in zip(self.free, self.cubic):
+            low, high = law.intervals()["exponent"]
+            name = "1 ply"
+            if law.plies > 1:
+                name = f"{law.plies} plies"
+            lines.append(
+                f"{name:<12}n {law.exponent:.2f} ({low:.2f} to {high:.2f}), rms {1e6 * law.rms:.2g} um; "
+                f"with n = 3 K'' {cubic.stiffness:.4g} Pa m3, rms {1e6 * cubic.rms:.2g} um"
+            )
+        for name, factor, unit in (("a", 1e3, "mm"), ("b", 1e3, "mm N^(1/3)")):
+            if name in self.cell:
+                lines.append(f"{name + ' of a ply':<12}{_spread(self.cell[name], factor)} {unit}")
+        for plies, gap in self.gaps.items():
+            lines.append(
+                f"{'gap':<12}{_spread(gap, 1e3)} mm between plies, of {plies} plies and one"
+            )
+        return "\n".join(lines)
+
+
+def _entry(key, found, factor, unit, source):
+    """A line of a fabric file."""
+    value, low, high = (f"{factor * each:.4g}" for each in (found.value, found.low, found.high))
+    origin = f"{source}, 95 %: {low} to {high} {unit}"
+    return f'{key} = {{ value = "{value} {unit}", source = "{origin}", status = "fitted" }}'
+
+
+def _spread(found, factor):
+    """A value with its interval, as text."""
+    return f"{factor * found.value:.4g} ({factor * found.low:.4g} to {factor * found.high:.4g})"
+
+
+def reduce_shot(
+    record: FilePath,
+    *,
+    mass: float | str,
+    bandwidth: float | str | None = None,
+    computed: FilePath | None = None,
+    out: FilePath | None = None,
+) -> ShotRecord:
+    """Reduce the displacement record of a projectile to velocity, energy and force, with errors.
+
+    RECORD has the columns "time [us]" and "displacement [mm]", or other units of these, along the
+    flight, of a high-speed camera or a light curtain. It is smoothed by a spline with a stated
+    bandwidth. The errors have what noise of the record leaves and what the spline takes off.
+
+    Parameters
+    ----------
+    record : displacement record of a shot (``*.csv``)
+    mass : of the projectile [kg], such as "3 g"
+    bandwidth : frequency of which half is left [Hz], such as "20 kHz"; by cross-validation if it is
+        not given
+    computed : folder of `weavecell impact`, whose velocity and force are drawn beside
+    out : folder of the results; in Python None writes nothing
+
+    Returns
+    -------
+    ShotRecord
+
+    Raises
+    ------
+    InputError : a wrong record, a bandwidth that it does not resolve, or no computed shot
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> t = np.arange(0, 200, 2.0)  # [us]
+    >>> rows = "\\n".join(f"{t}, {0.1 * t - 1e-4 * t**2}" for t in t)
+    >>> _ = Path("flight.csv").write_text("time [us], displacement [mm]\\n" + rows)
+    >>> shot = wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz")
+    >>> round(float(shot.motion.velocity[0]), 3), round(float(shot.motion.force[0]), 2)
+    (100.0, 0.6)
+    """
+    from weavecell.studies import displacement_record as studies
+
+    weight = quantities.read_positive(mass, "kg", "mass")
+    highest = None
+    if bandwidth is not None:
+        highest = quantities.read_positive(bandwidth, "Hz", "bandwidth")
+    beside = None
+    if computed is not None:
+        beside = _histories(computed)
+    time, displacement = studies.read(record)
+    with out_folder.hold(out, OF_SHOT) as folder:
+        motion = studies.reduce(time, displacement, weight, highest)
+        return save_to(ShotRecord(motion, str(record), beside), folder)
+
+
+def _histories(folder):
+    """{"time", "velocity", "contact_force": (n,)} of the folder of a shot."""
+    import h5py
+
+    file = Path(folder) / "histories.h5"
+    try:
+        with h5py.File(file, "r") as content:
+            return {
+                name: content[f"histories/{name}"][:]
+                for name in ("time", "velocity", "contact_force")
+            }
+    except (OSError, KeyError):
+        allowed = "a folder of weavecell impact, with its histories.h5"
+        raise InputError(key="computed", value=str(folder), allowed=allowed) from None
+
+
+@dataclass(frozen=True, repr=False)
+class ShotRecord(DrawnResult):
+    """A reduced displacement record; the table has a row an instant.
+
+    Parameters
+    ----------
+    motion : `weavecell.studies.displacement_record.Motion`
+    record : name of its file
+    computed : {"time", "velocity", "contact_force": (n,) [SI]} of a shot drawn beside, or None
+    """
+
+    motion: Motion
+    record: str
+    computed: dict[str, Any] | None = None
+
+    def summary(self) -> dict[str, Any]:
+        """First and last velocity, absorbed energy and greatest force, with half widths of 95 %."""
+        motion = self.motion
+        most = int(motion.force.argmax())
+        energy = motion.energy
+        return {
+            "first_velocity_m_s": float(motion.velocity[0]),
+            "first_velocity_error_m_s": float(motion.velocity_error[0]),
+            "last_velocity_m_s": float(motion.velocity[-1]),
+            "last_velocity_error_m_s": float(motion.velocity_error[-1]),
+            "absorbed_energy_J": float(energy[0] - energy[-1]),
+            "absorbed_energy_error_J": float(sum(motion.energy_error[[0, -1]] ** 2) ** 0.5),
+            "greatest_force_N": float(motion.force[most]),
+            "greatest_force_error_N": float(motion.force_error[most]),
+            "noise_m": motion.noise,
+            "bandwidth_Hz": motion.bandwidth,
+            "bandwidth_by": motion.chosen,
+        }
+
+    def _columns(self):
+        motion = self.motion
+        return {
+            "time_s": motion.time,
+            "displacement_m": motion.displacement,
+            "velocity_m_s": motion.velocity,
+            "velocity_error_m_s": motion.velocity_error,
+            "energy_J": motion.energy,
+            "energy_error_J": motion.energy_error,
+            "force_N": motion.force,
+            "force_error_N": motion.force_error,
+        }
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Velocity [m/s] and force [kN] in time, with their errors."""
+        from weavecell.report import pictures_records
+
+        return pictures_records.draw_motion(
+            pyplot, self.motion, f"Flight: {self.record}", self.computed
+        )
+
+    def files(self) -> dict[str, Any]:
+        """{file: what it holds} that stands at the top of the module."""
+        return {
+            "shot.json": {"format": "weavecell record of a shot 1", **self.summary()},
+            "motion.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "motion.svg": None,
+        }
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of the module to a folder."""
+        from weavecell.results import provenance
+
+        with out_folder.hold(out, OF_SHOT):
+            self._write_files(Path(out), provenance.stamp())
+
+    def __str__(self) -> str:
+        found = self.summary()
+        lines = [f"flight of {self.record}"]
+        for name, key, unit, factor in (
+            ("first velocity", "first_velocity", "m_s", 1.0),
+            ("last velocity", "last_velocity", "m_s", 1.0),
+            ("absorbed energy", "absorbed_energy", "J", 1.0),
+            ("greatest force", "greatest_force", "N", 1e-3),
+        ):
+            value = factor * found[f"{key}_{unit}"]
+            error = factor * found[f"{key}_error_{unit}"]
+            shown = {"m_s": "m/s", "J": "J", "N": "kN"}[unit]
+            lines.append(f"{name:<17}{value:.4g} +- {error:.2g} {shown}")
+        lines.append(
+            f"noise {1e6 * self.motion.noise:.3g} um; bandwidth {1e-3 * self.motion.bandwidth:.3g} kHz, "
+            f"{self.motion.chosen}"
+        )
+        return "\n".join(lines)

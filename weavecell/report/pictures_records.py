@@ -1,0 +1,79 @@
+"""Pictures of reduced records: compression of plies between platens, and the motion of a
+projectile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from weavecell.report.pictures_style import BLUE, COLOURS, FAINT, INK, ORANGE
+
+if TYPE_CHECKING:
+    from weavecell.studies.compression_records import PressureLaw
+    from weavecell.studies.displacement_record import Motion
+
+WIDTH = 9.0
+
+
+def draw_compression(pyplot: Any, laws: Sequence[PressureLaw], title: str) -> Any:
+    """Draw what each pack closes against pressure: its record, and the law that was fitted."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH, 5.4))
+    for law, colour in zip(laws, COLOURS):
+        name = f"{law.plies} plies"
+        if law.plies == 1:
+            name = "1 ply"
+        pressure, closed = law.curve()
+        axes.plot(1e-6 * law.pressure, 1e6 * law.closed, ".", ms=4, color=colour, alpha=0.45)
+        label = f"{name}: n = {law.exponent:.2f}, rms {1e6 * law.rms:.2g} µm"
+        axes.plot(1e-6 * pressure, 1e6 * closed, color=colour, label=label)
+    axes.set(
+        xscale="log",
+        xlabel="pressure [MPa]",
+        ylabel="closed since the first load [µm]",
+        title=title,
+    )
+    axes.legend()
+    return figure
+
+
+def draw_motion(pyplot: Any, motion: Motion, title: str, computed: Any = None) -> Any:
+    """Draw the residual of the record, the velocity with its error, and the force with its error.
+
+    Parameters
+    ----------
+    computed : {"time", "velocity", "contact_force": (n,)} of a shot, which is drawn beside; or None
+    """
+    t = 1e6 * motion.time
+    figure, (residual, velocity, force) = pyplot.subplots(
+        3, 1, figsize=(WIDTH, 9.6), sharex=True, height_ratios=(0.6, 1.2, 1.2)
+    )
+    off = 1e6 * (motion.measured - motion.displacement)
+    residual.plot(t, off, ".", ms=3, color=FAINT)
+    residual.set(ylabel="record less curve [µm]", title=title)
+    for axes, value, error, factor, label in (
+        (velocity, motion.velocity, motion.velocity_error, 1.0, "velocity [m/s]"),
+        (force, motion.force, motion.force_error, 1e-3, "force [kN]"),
+    ):
+        axes.fill_between(
+            t,
+            factor * (value - error),
+            factor * (value + error),
+            color=BLUE,
+            alpha=0.2,
+            lw=0,
+            label="95 %",
+        )
+        axes.plot(
+            t, factor * value, color=BLUE, label=f"record, up to {1e-3 * motion.bandwidth:.3g} kHz"
+        )
+        axes.set(ylabel=label)
+    if computed is not None:
+        at = 1e6 * computed["time"]
+        velocity.plot(at, computed["velocity"], color=ORANGE, label="computed")
+        force.plot(at, 1e-3 * computed["contact_force"], color=ORANGE, label="computed")
+        velocity.set_xlim(t[0], t[-1])
+    force.axhline(0.0, color=INK, lw=0.8)
+    force.set(xlabel="time [µs]")
+    velocity.legend()
+    force.legend()
+    return figure
