@@ -142,6 +142,17 @@ class CompressionRecords(DrawnResult):
     cell : {"a" [m], "b" [m N^(1/3)]: Estimate} of one ply over a cell of the fabric, or {}
     fabric : Fabric of that cell, or None
     record : name of the file of one ply
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> F = np.geomspace(10, 7000, 40)
+    >>> rows = "\\n".join(f"{x}, {0.33 * (10 ** (-1 / 3) - x ** (-1 / 3))}" for x in F)
+    >>> _ = Path("ply.csv").write_text("force [N], displacement [mm]\\n" + rows)
+    >>> reduced = wc.reduce_compression("ply.csv", platen_area="361 mm^2", cell_of="S-728")
+    >>> 1e3 * reduced.cell["a"].value  # [mm] closed from 10 N on  # doctest: +ELLIPSIS
+    0.153...
     """
 
     free: tuple[PressureLaw, ...]
@@ -298,7 +309,7 @@ def reduce_shot(
     >>> _ = Path("flight.csv").write_text("time [us], displacement [mm]\\n" + rows)
     >>> shot = wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz")
     >>> round(float(shot.motion.velocity[0]), 3), round(float(shot.motion.force[0]), 2)
-    (100.0, 0.6)
+    (100.0, 600.0)
     """
     from weavecell.studies import displacement_record as studies
 
@@ -340,6 +351,15 @@ class ShotRecord(DrawnResult):
     motion : `weavecell.studies.displacement_record.Motion`
     record : name of its file
     computed : {"time", "velocity", "contact_force": (n,) [SI]} of a shot drawn beside, or None
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> rows = "\\n".join(f"{t}, {0.1 * t - 1e-4 * t**2}" for t in range(0, 200, 2))
+    >>> _ = Path("flight.csv").write_text("time [us], displacement [mm]\\n" + rows)
+    >>> shot = wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz")
+    >>> len(shot.to_dataframe()), round(shot.summary()["absorbed_energy_J"], 2)
+    (100, 9.53)
     """
 
     motion: Motion
