@@ -28,7 +28,6 @@ from shellfabric.projectile.state import BarRow
 from shellfabric.state import unit
 from shellfabric.subcycle_kernels import subcycle
 
-WORK, PLASTIC = 0, 1  # of BarRow.energy
 TIP, TAIL, CENTRE = 0, 1, 2  # of Stack.motion: velocities; three further on the ways
 
 
@@ -81,7 +80,7 @@ def step_bar(pushed, dt, left):
     update_velocities(bar, force, 0.5 * dt)
     for k in range(bar.u.size):
         bar.u[k] += dt * bar.v[k]
-    bar.energy[PLASTIC] += update_stress(bar)
+    bar.plastic_work += update_stress(bar)
     update_velocities(bar, force, 0.5 * dt)
 
 
@@ -99,7 +98,7 @@ def advance(bar, force, dt):
         least = min(least, stretch_of(bar, k))
     count = math.ceil(bar.substeps / max(min(least + 0.05, 1.0), 0.01))
     subcycle(step_bar, (bar, force), count, dt)
-    bar.energy[WORK] += force * (bar.u[0] - before)
+    bar.tip_work += force * (bar.u[0] - before)
     note_motion(bar)
 
 

@@ -134,7 +134,7 @@ class BarBody(Part):
         values = (
             bar_kernels.kinetic_energy(row),
             bar_kernels.elastic_energy(row),
-            float(row.energy[bar_kernels.PLASTIC]),
+            float(row.plastic_work),
         )
         return dict(zip(ENERGIES, values))
 

@@ -1,6 +1,6 @@
 """The arrays of a projectile that is a bar along its axis."""
 
-from shellfabric.jit.table import Row, array, integer, number
+from shellfabric.jit.table import Row, array, integer, number, total
 
 
 class BarRow(Row):
@@ -17,7 +17,8 @@ class BarRow(Row):
     v = array("nodes", "m/s", "velocities along the axis", kept=True)
     plastic = array("elements", "-", "plastic (logarithmic) strain", kept=True)
     stress = array("elements", "Pa", "Kirchhoff stress, positive in tension", kept=True)
-    energy = array("2", "J", "work of the force at the tip, plastic work", kept=True)
+    tip_work = total("J", "work of the force at the tip so far", kept=True)
+    plastic_work = total("J", "plastic work so far", kept=True)
     motion = array(
         "6",
         "m/s, m",

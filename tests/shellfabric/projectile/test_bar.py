@@ -43,8 +43,8 @@ class Motion:
         """Energies [J] by name; the error is kinetic, elastic and plastic less the start and the work at the tip."""
         kinetic = kernels.kinetic_energy(self.row)
         elastic = kernels.elastic_energy(self.row)
-        plastic = self.energy[kernels.PLASTIC]
-        work = self.energy[kernels.WORK]
+        plastic = self.plastic_work
+        work = self.tip_work
         error = kinetic + elastic + plastic - work - self.start
         return {"plastic": plastic, "work": work, "error": error}
 
