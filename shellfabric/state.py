@@ -1,7 +1,7 @@
 """The arrays and numbers that kernels take: shape, unit, meaning, and whether a checkpoint keeps it.
 
 A part that plugs in (yarns, block, bar, cell, coupon) has its tables in the `state.py` of its folder.
-From the tables follow what kernels are compiled for, the room for the arrays, checkpoints, and the
+From the tables follow what kernels are compiled for, the storage for the arrays, checkpoints, and the
 page "Arrays of the kernels" of the documentation (`tools/kernel_arrays.py`, which also explains
 slots, edges, blocks). In shapes `2 x` is one array for each family of yarns and `3 x` one for each
 component; sizes are explained where they first occur. Numbers that are `per_slot` become arrays on a

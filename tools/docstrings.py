@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell", "tools")
 WORDS = """
-Accept Add Advance Allocate Allow Announce Append Apply Approach Arrange Assemble Audit Average
+Accept Act Add Advance Allocate Allow Announce Append Apply Approach Arrange Assemble Audit Average
 Balance Bisect Bore Bound Bring Broadcast Build Calculate Calibrate Call Cancel Change Check Choose
 Classify Clear Close Collect Combine Compare Compile Compose Compress Compute Constrain Convert Copy
 Correct Count Cut Decide Declare Decorate Define Delete Derive Describe Determine Diagonalise Digest

@@ -147,7 +147,7 @@ class Backing:
         return float(damped / self.material.wave_speed / np.sqrt(np.sum(1 / least**2)))
 
     def block(self, dt: float) -> Block:
-        """The block at rest, to be moved in steps of `dt` [s].
+        """Return the block at rest, to be moved in steps of `dt` [s].
 
         Raises
         ------
@@ -157,8 +157,8 @@ class Backing:
 
 
 def graded(length: float, min_size: float, refined_depth: float, growth: float) -> FloatArray:
-    """(n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by `growth`
-    at most."""
+    """Grade places (n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing
+    by `growth` at most."""
     from scipy.optimize import brentq
 
     even = min(max(1, round(refined_depth / min_size)), max(1, round(length / min_size)))
@@ -277,8 +277,8 @@ class Block:
         found["damping"] = 2 * backing.contact_damping * np.sqrt(stiffness * mass)
 
     def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
-        """Contact with a rigid projectile in this step; force (3,) [N] on the part of it that is
-        modelled.
+        """Let a rigid projectile touch the block in this step; return the force (3,) [N] on the
+        part of it that is modelled.
 
         Parameters
         ----------
@@ -299,8 +299,8 @@ class Block:
         damping: FloatArray | None = None,
         thickness: float = 0.0,
     ) -> np.ndarray:
-        """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in
-        the same order.
+        """Let points touch the block in this step; return the forces (s, 3) [N] on them. Always the
+        same points, in the same order.
 
         Parameters
         ----------
@@ -339,7 +339,7 @@ class Block:
         return force
 
     def advance(self) -> None:
-        """One step, under the contacts of this step.
+        """Move the block by one step, under the contacts of this step.
 
         Raises
         ------
@@ -390,8 +390,8 @@ class Block:
         return UnstableError(what, where=where, when=f"after {1e6 * float(self.row.time):.4g} us")
 
     def stable_step(self) -> float:
-        """[s] bound of the step for the bricks as they are now: 1 / (c (2 sum |grad N_a|^2)^(1/2)),
-        the sum over the corners of a brick with the gradients where it is, which is
+        """Compute the bound [s] of the step for the bricks as they are now: 1 / (c (2 sum |grad
+        N_a|^2)^(1/2)), the sum over the corners of a brick with the gradients where it is, which is
         `Backing.longest_step` at rest (Flanagan and Belytschko 1981), and less for viscosity."""
         damped = np.sqrt(1 + self.backing.viscosity**2) - self.backing.viscosity
         return float(damped / self.backing.material.wave_speed * self._bounds().min())
@@ -412,9 +412,9 @@ class Block:
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
-        """ENERGIES [J] of the modelled part, at the last forces; "damped" is the work that contacts
-        have taken and no spring stores: what damping takes, and what springs held that their face
-        has left."""
+        """Return the ENERGIES [J] of the modelled part, at the last forces; "damped" is the work
+        that contacts have taken and no spring stores: what damping takes, and what springs held
+        that their face has left."""
         row = self.row
         held = row.nose_spring_energy + row.point_spring_energy
         values = (
@@ -441,8 +441,8 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis: int = 0) -> FloatArray:
-        """(k, 2) [m] radius and depth of the remaining face, from the axis of the shot along x
-        (axis 0) or y."""
+        """Return radius and depth (k, 2) [m] of the remaining face, from the axis of the shot along
+        x (axis 0) or y."""
         face = self.depth_map()
         middle = [n // 2 for n in self.shape[:2]]
         for along, mirrored in enumerate(self.backing.mirrors):
@@ -454,7 +454,7 @@ class Block:
         return face[i, j:][:, [axis, 2]]
 
     def depth_map(self) -> FloatArray:
-        """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face.
+        """Return x, y and depth (nx + 1, ny + 1, 3) [m] of the nodes of the remaining face.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where
         the face was.

@@ -90,7 +90,7 @@ class BackingResult:
 
 
 def result_of(block: Block) -> BackingResult:
-    """A block as it is."""
+    """Return the result of a block as it is."""
     return BackingResult(
         block.backing.standoff,
         block.crater(0),
@@ -105,7 +105,7 @@ def result_of(block: Block) -> BackingResult:
 
 
 def radius_at(crater: FloatArray, share: float) -> float:
-    """[m] outermost radius at which a crater (k, 2) is as deep as a share of its depth."""
+    """Find the outermost radius [m] at which a crater (k, 2) is as deep as a share of its depth."""
     r, z = crater[np.argsort(crater[:, 0])].T
     level = share * z.max()
     k = int(np.flatnonzero(z >= level)[-1])
@@ -113,8 +113,8 @@ def radius_at(crater: FloatArray, share: float) -> float:
 
 
 def dent_volume(face: FloatArray) -> float:
-    """[m3] between the plane of depth 0 and a face (nx, ny, 3) [m] of nodes x, y, depth, where it
-    is below the plane.
+    """Compute the volume [m3] between the plane of depth 0 and a face (nx, ny, 3) [m] of nodes x,
+    y, depth, where it is below the plane.
 
     The sum over facets of their area seen along z times the mean depth of their corners, what rises
     above counting 0.
@@ -128,14 +128,14 @@ def dent_volume(face: FloatArray) -> float:
 
 
 def wall_angle(crater: FloatArray) -> float:
-    """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of
-    its depth."""
+    """Compute the angle [rad] against the face, of the chord of a crater's wall between a fifth and
+    four fifths of its depth."""
     width = radius_at(crater, 0.2) - radius_at(crater, 0.8)
     return float(np.arctan2(0.6 * crater[:, 1].max(), width))
 
 
 def check(panel: Any) -> None:
-    """InputError where a panel does not go with the block behind it."""
+    """Refuse a panel that does not go with the block behind it (InputError)."""
     backing = panel.backing
     if backing is None:
         return
@@ -212,13 +212,13 @@ class BackingCoupling(Part):
         )
 
     def begin(self, state: Any, const: Any, stack: Any) -> None:
-        """See Part. The block takes the step that it is ahead."""
+        """Let the block take the step that it is ahead, see Part."""
         stack.after_stop = self.backing.after_stop
         self.step(state)
 
     def step(self, state: Any) -> None:
-        """One step of the block under its contacts with fabric and projectile; stores the contact
-        forces [N] in state.f_block_cloth and state.f_block_nose."""
+        """Move the block by one step under its contacts with fabric and projectile; store the
+        contact forces [N] in state.f_block_cloth and state.f_block_nose."""
         others = numba.get_num_threads()
         # of this thread of Python, for the block's kernels
         numba.set_num_threads(min(self.threads or others, others))
@@ -273,20 +273,20 @@ class BackingCoupling(Part):
             self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
     def rows(self) -> dict[str, Row]:
-        """See Part."""
+        """Return the rows of block and points, see Part."""
         assert self.block.points is not None  # they are made in the first step
         return {"row": self.block.row, "points": self.block.points}
 
     def identity(self) -> tuple[Any, ...]:
-        """See Part."""
+        """Return what determines the block, see Part."""
         return self.name, self.backing
 
     def energies(self) -> dict[str, float]:
-        """{name: [J]} of NAMES, of the modelled part."""
+        """Return {name: [J]} of NAMES, of the modelled part."""
         return dict(zip(NAMES, self.block.energies().values()))
 
     def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:
-        """See Part."""
+        """Return the block as it is, see Part."""
         return {"backing": result_of(self.block)}
 
 

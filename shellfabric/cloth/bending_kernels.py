@@ -32,8 +32,8 @@ CLAMPED_END = 2
 
 
 def rest_length(side, inverse, k):
-    """Length at rest [m] of the segment at slot k: `side` where all are alike, else one over what
-    the slot has."""
+    """Return the length at rest [m] of the segment at slot k: `side` if all are alike, else one
+    over what the slot has."""
 
 
 @overload(rest_length, inline="always")
@@ -44,8 +44,8 @@ def _rest_length(side, inverse, k):
 
 
 def node_stiffness(bending, family, k, rim):
-    """B [J] of the node at slot k, on a line at the `rim` or within: a number for each family, or
-    one for each slot."""
+    """Return B [J] of the node at slot k, on a line at the `rim` or within: a number for each
+    family, or one for each slot."""
 
 
 @overload(node_stiffness, inline="always")
@@ -62,7 +62,7 @@ def _node_stiffness(bending, family, k, rim):
 
 
 def bends(bending, family):
-    """Whether yarns of a family resist bending."""
+    """Tell whether yarns of a family resist bending."""
 
 
 @overload(bends, inline="always")
@@ -74,7 +74,7 @@ def _bends(bending, family):
 
 @kernel(_nrt=False)
 def far_node(const, family, k):
-    """Slot of the node at the end of the segment at slot k."""
+    """Return the slot of the node at the end of the segment at slot k."""
     if family == WARP:
         return np.uint64(np.int64(k) + const.row_stride)
     return np.uint64(np.int64(k) + 1)
@@ -82,7 +82,7 @@ def far_node(const, family, k):
 
 @kernel(_nrt=False)
 def segment_tangent(state, const, family, k):
-    """Unit tangent (x, y, z) of the segment at slot k, and its length [m]."""
+    """Compute the unit tangent (x, y, z) of the segment at slot k, and its length [m]."""
     far = far_node(const, family, k)
     x = state.u[0][far] - state.u[0][k]
     y = state.u[1][far] - state.u[1][k]
@@ -109,8 +109,8 @@ def add_bending_force(state, const, family, k, B, segment, other, cosine):
 
 @kernel(_nrt=False)
 def end_bending(state, const, family, k, kind, B, acting):
-    """Bending energy [J] at the end of a yarn in a clamp or on a plane of symmetry; its only
-    segment is at slot k."""
+    """Compute the bending energy [J] at the end of a yarn in a clamp or on a plane of symmetry; its
+    only segment is at slot k."""
     segment = segment_tangent(state, const, family, k)
     axis = (1.0, 0.0, 0.0)
     if family == WEFT:
@@ -130,8 +130,8 @@ def end_bending(state, const, family, k, kind, B, acting):
 
 @kernel(_nrt=False)
 def family_bending(state, const, family, first, last, acting):
-    """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if
-    `acting`.
+    """Compute the bending energy [J] of one family at the nodes of the rows first .. last; add its
+    forces if `acting`.
 
     A node's forces reach the nodes beside it.
     """
@@ -163,7 +163,7 @@ def family_bending(state, const, family, first, last, acting):
 
 @kernel(_nrt=False)
 def yarn_end(state, const, family, k, kind, B, acting):
-    """Bending energy [J] at the end of a yarn, whose last segment is at slot k."""
+    """Compute the bending energy [J] at the end of a yarn, whose last segment is at slot k."""
     intact = state.intact_fraction[family][k]
     if kind == FREE_END or intact == 0.0:
         return 0.0
@@ -172,7 +172,7 @@ def yarn_end(state, const, family, k, kind, B, acting):
 
 @kernel(_nrt=False)
 def turn(state, const, family, before, behind, B, acting):
-    """Energy [J] of the turn between two segments, given by their slots."""
+    """Compute the energy [J] of the turn between two segments, given by their slots."""
     intact = state.intact_fraction[family]
     B *= min(intact[before], intact[behind])
     if B == 0.0:
@@ -190,8 +190,8 @@ def turn(state, const, family, before, behind, B, acting):
 
 @unit("number", later=True, own=PartTable)
 def bending_forces(state, const, own, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`
-    (a unit of `parts.Part`, without a row)."""
+    """Compute the bending energy [J] of the node rows first .. last; add its forces to state.f_int
+    if `acting` (a unit of `parts.Part`, without a row)."""
     total = 0.0
     for family in range(2):
         if bends(const.bending, family):

@@ -36,8 +36,8 @@ _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not 
 
 @unit("flag")
 def has_packed(state, const, work, first, last):
-    """Whether an element of a block's rows has less than the share of its area at rest that packed
-    fabric keeps."""
+    """Tell whether an element of a block's rows has less than the share of its area at rest that
+    packed fabric keeps."""
     s = const.row_stride
     A = work.A
     B = work.B
@@ -63,8 +63,8 @@ def has_packed(state, const, work, first, last):
 
 @unit("number", own=PartTable)
 def packing_forces(state, const, own, first, last, acting):
-    """Energy [J] of the packed elements of the rows first .. last - 1; adds their forces to
-    state.f_int if `acting` (a unit of `parts.Part`, without a row)."""
+    """Compute the energy [J] of the packed elements of the rows first .. last - 1; add their forces
+    to state.f_int if `acting` (a unit of `parts.Part`, without a row)."""
     total = 0.0
     per = const.rows_per_block
     for block in range(first // per, (last + per - 1) // per):
@@ -78,7 +78,8 @@ def packing_forces(state, const, own, first, last, acting):
 
 @kernel(_nrt=False)
 def packing_force(state, const, k, acting):
-    """Energy [J] of the element at slot k; adds its forces to state.f_int if `acting`."""
+    """Compute the energy [J] of the element at slot k; add its forces to state.f_int if
+    `acting`."""
     share = const.packed_area
     s = np.uint64(const.row_stride)
     a, b = mean_sides(state, const, k)
@@ -111,8 +112,8 @@ def packing_force(state, const, k, acting):
 
 @kernel(_nrt=False)
 def mean_sides(state, const, k):
-    """Mean warp side and mean weft side (x, y, z) of the element at slot k, over their length at
-    rest."""
+    """Average the warp sides and the weft sides (x, y, z) of the element at slot k, over their
+    length at rest."""
     s = np.uint64(const.row_stride)
     half1 = 0.5 / rest_length(const.dx, const.inv_dx, k)
     half2 = 0.5 / rest_length(const.dy, const.inv_dy, k)
@@ -130,7 +131,8 @@ def mean_sides(state, const, k):
 
 @kernel(_nrt=False)
 def is_fabric(state, const, k):
-    """Whether the element at slot k has yarns of both families, and is not torn and drawn out."""
+    """Tell whether the element at slot k has yarns of both families, and is not torn and drawn
+    out."""
     s = np.uint64(const.row_stride)
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
@@ -156,7 +158,7 @@ def let_go(state, const):
 
 @kernel(_nrt=False)
 def is_drawn_out(state, const, k):
-    """Whether a diagonal of the element at slot k is longer than that of fabric may be."""
+    """Tell whether a diagonal of the element at slot k is longer than that of fabric may be."""
     (a_x, a_y, a_z), (b_x, b_y, b_z) = mean_sides(state, const, k)
     dx = rest_length(const.dx, const.inv_dx, k)
     dy = rest_length(const.dy, const.inv_dy, k)

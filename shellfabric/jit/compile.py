@@ -77,8 +77,8 @@ event.register("numba:compile", _Announcer())
 
 
 def entry(**options):
-    """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all
-    kernels here."""
+    """Decorate a kernel that Python calls; options : of numba's njit, besides those of all kernels
+    here."""
 
     def decorated(function):
         with kernel_cache(function.__code__.co_filename):
@@ -88,7 +88,7 @@ def entry(**options):
 
 
 def kernel(**options):
-    """Decorator of a kernel that other kernels call."""
+    """Decorate a kernel that other kernels call."""
 
     def decorated(function):
         with kernel_cache(function.__code__.co_filename):
@@ -129,8 +129,8 @@ class _Inner(CPUDispatcher):
 
 
 def units(tables: Mapping[str, type[Row]]) -> Callable[..., Any]:
-    """The decorator of kernels that are compiled by themselves, whose parameters may have the names
-    of these tables.
+    """Make the decorator of kernels that are compiled by themselves, whose parameters may have the
+    names of these tables.
 
     A parameter that is named after the plural of a table is a list of its rows.
     """
@@ -185,7 +185,7 @@ class Unit:
         lower_builtin(self, types.VarArg(types.Any))(self.lower)
 
     def cell(self, grid):
-        """The cell of a uniform or a graded panel, which may be one."""
+        """Return the cell of a uniform or a graded panel, which may be one."""
         cells = list(self.cells.values())
         return cells[min(grid, len(cells) - 1)]
 
@@ -194,7 +194,7 @@ class Unit:
         return self.py_func.__qualname__
 
     def kinds_for(self, given):
-        """The types of the parameters on the grid that arguments are of."""
+        """Return the types of the parameters on the grid that arguments are of."""
         for kinds in self.cells:
             if len(kinds) == len(given) and all(map(_fits, kinds, given)):
                 return kinds
@@ -202,7 +202,7 @@ class Unit:
         raise TypeError(f"{self.py_func.__qualname__} is not compiled for ({names})")
 
     def lower(self, context, builder, sig, arguments):
-        """A call: load the address from the cell, and call what is there by numba's own
+        """Lower a call: load the address from the cell, and call what is there by numba's own
         convention."""
         symbol = self.cells[sig.args].symbol
         kind = context.call_conv.get_function_type(sig.return_type, sig.args).as_pointer()

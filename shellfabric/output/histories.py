@@ -74,8 +74,8 @@ class HistoryRequest:
             refuse(self, "plies", "numbers of plies, the first is 1")
 
     def chosen(self, count: int) -> Sequence[int]:
-        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has
-        not."""
+        """Return the indices of the plies to follow of a pack of `count`; InputError for a ply that
+        it has not."""
         if self.plies is not None and max(self.plies) > count:
             refuse(self, "plies", f"1 to {count}")
         if self.plies is None:
@@ -85,7 +85,7 @@ class HistoryRequest:
 
 @dataclass(frozen=True)
 class YarnHistory:
-    """One yarn through time. Places along it count from the impact point.
+    """One yarn through time. Positions along it count from the impact point.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class YarnHistory:
         return self.tension / self.EA
 
     def element_at(self, distance: float) -> int:
-        """Number of the element that lies nearest a distance [m] from the impact point."""
+        """Find the number of the element that lies nearest a distance [m] from the impact point."""
         return int(np.argmin(np.abs(self.X - distance)))
 
 
@@ -136,7 +136,7 @@ class Histories:
     edges: dict
 
     def through(self, family: str) -> YarnHistory | None:
-        """The yarn of a family that is nearest the impact point."""
+        """Return the yarn of a family that is nearest the impact point."""
         return min(
             (yarn for yarn in self.yarns if yarn.family == family),
             key=lambda y: abs(y.offset),
@@ -172,7 +172,7 @@ class Recorder(Every):
 
 
 def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
-    """(family, row of elements, row of nodes) of every yarn to follow.
+    """List (family, row of elements, row of nodes) of every yarn to follow.
 
     On a mirrored panel the yarn at -y is the one at y.
 
@@ -225,7 +225,7 @@ def _edge_forces(state, sides, neighbours):
 
 
 def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
-    """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
+    """Return (node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
     A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to
     each of its sides. Where the edge is a staircase (`PanelGrid.stepped`) its sides are the held

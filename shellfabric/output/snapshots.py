@@ -95,21 +95,21 @@ def _stacked(panel, arrays):
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
-    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at
-    rest."""
+    """Take snapshots (plies,) of the plies of a PackSolver, counted from the plane of the first ply
+    at rest."""
     found: list[Snapshot] = []
     for ply, ((panel, _, state), z) in enumerate(zip(solver.plies, solver.pack.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
-        # the place of the nose is counted from the first ply
+        # the position of the nose is counted from the first ply
         nose = (found or [one])[0].projectile_position.copy()
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))
     return tuple(found)
 
 
 def failures(c: Any, state: Any) -> BoolArray:
-    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's
-    constants."""
+    """Mark failures (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are
+    the panel's constants."""
     warp, weft = (by_node(segments, c) != 0 for segments in state.failed)
     eroded = by_element(state.element_flag, c) & ERODED != 0
     return np.stack(
@@ -118,8 +118,8 @@ def failures(c: Any, state: Any) -> BoolArray:
 
 
 def yarn_tensions(c: Any, state: Any) -> FloatArray:
-    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of
-    whole yarn."""
+    """Compute the tension (ni, nj, 2) [N] of warp and weft in each element: the mean over its two
+    edges, of whole yarn."""
     warp, weft = (by_node((failed == 0) * T, c) for failed, T in zip(state.failed, state.T))
     return np.stack(
         [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2
@@ -129,8 +129,8 @@ def yarn_tensions(c: Any, state: Any) -> FloatArray:
 def deflection_profile(
     panel: Panel, shot: Snapshot
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z))
-    [m]."""
+    """Return the deflection along the warp and along the weft through the impact point: ((x, z),
+    (y, z)) [m]."""
     i, j = panel.nearest_lines
     warp = shot.nodes[:, j]
     weft = shot.nodes[i, :]
@@ -138,8 +138,8 @@ def deflection_profile(
 
 
 def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:
-    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share`
-    of the highest."""
+    """Measure the half-diagonals [m] of the deflected pyramid along warp and weft: as far as z
+    exceeds `share` of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
     if not highest > 0:
@@ -148,7 +148,8 @@ def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, .
 
 
 def quads(panel: Panel) -> IntArray:
-    """(m, 4) node numbers of the elements, in the order of a snapshot's nodes as (n, 3)."""
+    """List the node numbers (m, 4) of the elements, in the order of a snapshot's nodes as (n,
+    3)."""
     ni, nj = panel.counts
     first = (np.arange(ni)[:, None] * (nj + 1) + np.arange(nj)[None, :]).ravel()
     return np.stack([first, first + nj + 1, first + nj + 2, first + 1], axis=1)

@@ -29,7 +29,7 @@ _ROWS = 6  # of a block at least: with fewer, most of the work would be on the r
 
 
 def constants(panel: PanelGrid) -> Constants:
-    """What the kernels need to know, as plain numbers and arrays.
+    """Compute what the kernels need to know, as plain numbers and arrays.
 
     Computed once: all runs of a panel read the same arrays, and no kernel writes to them.
     """
@@ -150,7 +150,7 @@ def _constants(panel):
 
 
 def state(panel: PanelGrid, strike_velocity: float) -> State:
-    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at
+    """Return the panel at rest, flat at z = 0, touched by the projectile that flies at it at
     `strike_velocity` [m/s].
 
     The kernels of a run compute its forces before the first step.
@@ -173,7 +173,7 @@ def state(panel: PanelGrid, strike_velocity: float) -> State:
 
 
 def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> State:
-    """The state before its forces are computed."""
+    """Return the state before its forces are computed."""
     s = const.row_stride
     slots = (const.ni + 2) * s + 16
     found = State.zeros(slots=slots, blocks=-(-const.ni // const.rows_per_block), rows=const.ni + 1)
@@ -212,7 +212,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
 
 
 def make_surface(panel: PanelGrid, const: Constants) -> Surface:
-    """The nodes of a ply and their ghosts at rest, in its own frame at z = 0."""
+    """Lay out the nodes of a ply and their ghosts at rest, in its own frame at z = 0."""
     x, y = panel.coordinates()
     rest = with_ghosts(const, np.stack([x, y, np.zeros_like(x)]))
     found = Surface.zeros(**{"grid slots": rest[0].size})
@@ -225,7 +225,8 @@ def make_surface(panel: PanelGrid, const: Constants) -> Surface:
 
 
 def with_ghosts(const: Constants, places: FloatArray) -> tuple[FloatArray, ...]:
-    """3 x (grid slots) [m] places (3, ni + 1, nj + 1) of nodes with their ghosts (`grid_kernels`)."""
+    """Add their ghosts to positions (3, ni + 1, nj + 1) of nodes: 3 x (grid slots) [m]
+    (`grid_kernels`)."""
     grid = np.pad(places, ((0, 0), (1, 1), (1, 1)))
     for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
         lines = np.moveaxis(grid, axis + 1, 0)
@@ -241,7 +242,7 @@ def with_ghosts(const: Constants, places: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def work(panel: PanelGrid) -> Work:
-    """Scratch of one thread, for one block of elements."""
+    """Allocate the scratch of one thread, for one block of elements."""
     const = constants(panel)
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit

@@ -234,7 +234,7 @@ class PanelGrid:
         return frames.axes(self.ply_angle)
 
     def in_pack(self, vectors: FloatArray) -> FloatArray:
-        """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
+        """Turn vectors (..., 2) or (..., 3) of its own frame into that of its pack."""
         if not self.ply_angle:
             return vectors
         return frames.turned_back(vectors, self.axes)
@@ -346,9 +346,9 @@ class PanelGrid:
         return tuple(found)
 
     def first_zone(self) -> tuple[int, ...]:
-        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded
-        panel those of the first zone but for the outermost, which the smooth surface of the others
-        needs beside them; else all."""
+        """Return the rows and columns (i0, i1, j0, j1) of elements that the projectile may touch:
+        of a graded panel those of the first zone but for the outermost, which the smooth surface of
+        the others needs beside them; else all."""
         rim = 1
         if self.sides is None:
             rim = 0
@@ -434,11 +434,12 @@ class PanelGrid:
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
     def coordinates(self) -> list[FloatArray]:
-        """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
+        """Return (X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the
+        origin."""
         return np.meshgrid(*self.lines(), indexing="ij")
 
     def lines(self) -> tuple[FloatArray, ...]:
-        """((ni+1,), (nj+1,)) [m] places x and y of the lines of the grid at rest."""
+        """Return the positions x and y ((ni+1,), (nj+1,)) [m] of the lines of the grid at rest."""
         if self.sides is None:
             return tuple(
                 x0 + d * np.arange(n + 1)
@@ -547,20 +548,20 @@ class PanelGrid:
         return tuple(side + 2 * far + 4 * w for side, far, w in zip(wide, off, self.weave.w))
 
     def in_frame(self) -> FloatArray:
-        """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its
-        two sides."""
+        """Return the positions (2, ni+1, nj+1) [m] of the nodes at rest from the middle of the
+        opening, along its two sides."""
         X, Y = self.coordinates()
         c, s = frames.axes(self.weave_angle)[0]
         x, y = self.impact_point
         return np.stack([c * X - s * Y + x, s * X + c * Y + y])
 
     def movable(self) -> BoolArray:
-        """(ni, nj) bool: which elements have a node that no edge holds."""
+        """Mark the elements, (ni, nj) bool, which have a node that no edge holds."""
         loose = self.loose()
         return loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:]
 
     def loose(self) -> BoolArray:
-        """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
+        """Mark the nodes, (ni+1, nj+1) bool, which no edge holds or leads."""
         free = np.ones(tuple(n + 1 for n in self.counts), bool)
         for axis, (low, high) in enumerate(self.supports):
             rows = np.moveaxis(free, axis, 0)
@@ -591,7 +592,7 @@ class PanelGrid:
         return self.masses() / self.weave.areal_density
 
     def masses(self) -> FloatArray:
-        """(ni+1, nj+1) [kg] of the nodes."""
+        """Compute the masses (ni+1, nj+1) [kg] of the nodes."""
         warp_sides, weft_sides = self.element_sides
         corner = 0.25 * self.weave.areal_density * warp_sides[:, None] * weft_sides
         mass = np.zeros([n + 1 for n in self.counts])
@@ -612,8 +613,8 @@ class PanelGrid:
         )
 
     def reach(self) -> tuple[float, ...]:
-        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be
-        under it.
+        """Compute the distance (along warp, along weft) [m] from the projectile's middle that
+        fabric can come from to be under it.
 
         A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp
         and strain times its length; a tilted projectile is wider in the panel's plane. Yarns with a
@@ -636,7 +637,8 @@ class PanelGrid:
         return tuple(found)
 
     def path(self) -> tuple[float, ...]:
-        """(along warp, along weft) [m] that the projectile may move sideways before it is through.
+        """Compute the way (along warp, along weft) [m] that the projectile may move sideways before
+        it is through.
 
         A yarn that is held a apart from the nose on either side and lengthens by e = crimp + failure strain lets the
         nose go a sqrt(e (2 + e)) deep; the projectile is through a diameter deeper. It moves sideways by that depth
@@ -653,6 +655,7 @@ class PanelGrid:
         return tuple(depth * sideways)
 
     def share_of_first_zone(self, nose: FloatArray) -> float:
-        """[-] how far the fabric that can be under a nose (3,) [m] reaches, over the half width of the first zone."""
+        """Compute how far [-] the fabric that can be under a nose (3,) [m] reaches, over the half
+        width of the first zone."""
         half_width = np.multiply(self._fine(), self.spacing) - self.spacing
         return float(np.max((np.abs(nose[:2]) + self.reach()) / half_width))

@@ -104,12 +104,12 @@ class Indicator:
         return f"{self.name} {self.number}{unit} ({bounds})"
 
     def entry(self) -> dict[str, Any]:
-        """As a dict, for summary.json."""
+        """Return it as a dict, for summary.json."""
         return asdict(self) | {"ok": self.ok, "status": self.status}
 
 
 def status(indicators: Iterable[Indicator]) -> str:
-    """The worst status of several indicators: "ok", "noted" or "doubtful"; "ok" of none."""
+    """Return the worst status of several indicators: "ok", "noted" or "doubtful"; "ok" of none."""
     return max((one.status for one in indicators), key=(OK, NOTED, DOUBTFUL).index, default=OK)
 
 
@@ -223,7 +223,7 @@ REMEDIES = {
 
 
 def indicator(name: str, value: float) -> Indicator:
-    """The Indicator of LIMITS with a value."""
+    """Return the Indicator of LIMITS with a value."""
     limit, meaning = LIMITS[name]
     return Indicator(name, float(value), limit, meaning=meaning, note=NOTES.get(name))
 
@@ -275,7 +275,7 @@ class Monitor:
 
 
 def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
-    """What viscosity dissipates, split at the last sample before the first failure is seen: yarns
+    """Split what viscosity dissipates at the last sample before the first failure is seen: yarns
     fail between samples.
 
     After the split it takes the energy of recoiling cut yarns, which is lost whatever the
@@ -301,7 +301,7 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
 
 
 def of_solver(solver: Any) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
+    """Return the Indicators of a run of a `solver.pack_solver.PackSolver`."""
 
     panel = solver.panel
     const = solver.const
@@ -371,8 +371,8 @@ def _extrapolation(solver):
 
 
 def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
-    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as
-    `peaks`."""
+    """Return the Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far
+    as `peaks`."""
     model = table.model
     values = table.values
     found = []
@@ -408,7 +408,7 @@ def _swelling(law, force, height):
 def of_coupon(
     table: Any, tensions: Sequence[float], residual: float, tolerance: float
 ) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a quasi-static test.
+    """Return the Indicators of a quasi-static test.
 
     Parameters
     ----------
@@ -426,14 +426,13 @@ def of_coupon(
 
 
 def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,)
+    """Return the Indicators of a yarn of solids whose nodes alternate along it by `astray` (n,)
     [m]."""
     return (indicator("node alternation", float(np.max(astray)) / thickness),)
 
 
 def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
-    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its
-    limit."""
+    """Select each indicator of several runs' Indicators where it is furthest beyond its limit."""
     found: dict[str, Indicator] = {}
     for one in (one for indicators in runs for one in indicators):
         if one.name not in found or one.excess > found[one.name].excess:

@@ -25,7 +25,7 @@ BRICK = 1270.0  # [bytes] of an element of the block behind the panel: 1266
 
 
 def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> float:
-    """[bytes] that a run needs.
+    """Estimate the memory [bytes] that a run needs.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
 
 
 def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> None:
-    """Refuse a run that needs more memory than is free; parameters as of `needed`.
+    """Refuse a run that needs more memory than is free; parameters as in `needed`.
 
     Raises
     ------

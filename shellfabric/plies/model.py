@@ -105,7 +105,7 @@ class Pack:
         friction.check(self.friction, first.numerics.cfl)
 
     def at_shorter_step(self, factor: float) -> Pack:
-        """The pack with a time step that is `factor` times as long."""
+        """Return the pack with a time step that is `factor` times as long."""
 
         shorter = self._each(lambda ply: _with_courant(ply, factor * ply.numerics.cfl))
         return replace(self, plies=shorter)
@@ -122,7 +122,7 @@ class Pack:
         friction: float = 0.0,
         law: PlyLaw | None = None,
     ) -> Pack:
-        """A pack of one fabric.
+        """Stack a pack of one fabric.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class Pack:
         plies : their number
         stacking : "aligned" or "alternating"
         gap : [m] between all plies; None takes that of `gap.ply_gap`
-        contact, friction : as of a Pack
+        contact, friction : as in a Pack
         law : PlyLaw of two of these plies; None takes that of the fabric (`ply_laws.default`)
 
         Raises
@@ -163,14 +163,14 @@ class Pack:
         contact: PlyContact | None = None,
         friction: float = 0.0,
     ) -> Pack:
-        """A pack of any plies.
+        """Lay up a pack of any plies.
 
         Parameters
         ----------
         plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is
             turned
         gaps : [m] between each two; None takes that of `gap.gap_between`
-        contact, friction : as of a Pack
+        contact, friction : as in a Pack
 
         Raises
         ------
@@ -192,7 +192,7 @@ class Pack:
 
     @classmethod
     def of(cls, target: Panel | Pack) -> Pack:
-        """The pack itself, or that of a single ply."""
+        """Return the pack itself, or that of a single ply."""
         if isinstance(target, Pack):
             return target
         return cls((target,))
@@ -246,7 +246,7 @@ class Pack:
         return np.concatenate([[0.0], np.cumsum([self._apart(p) for p in range(len(self.gaps))])])
 
     def constants(self) -> tuple[Constants, ...]:
-        """(plies,) what the kernels need to know of each ply, all at one time step."""
+        """Return what the kernels need to know of each ply, (plies,), all at one time step."""
         if len(self.plies) == 1:
             return (self.plies[0].constants(),)
 
@@ -258,7 +258,7 @@ class Pack:
         return self._each(of)
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
-        """The plies at rest, with what they share: (tuple of State, Stack)."""
+        """Return the plies at rest, with what they share: (tuple of State, Stack)."""
         found = Stack.zeros(plies=len(self.plies))
         found["ply_steps"][:] = AT_REST
         found["projectile_velocity"][:] = strike_velocity * self.plies[0].shot.flight
@@ -283,7 +283,7 @@ class Pack:
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:
-        """(plies,) scratch of one thread; plies of one grid share theirs."""
+        """Allocate the scratch of one thread, (plies,); plies of one grid share theirs."""
         return self._each(Panel.work)
 
     def _each(self, function):
@@ -293,7 +293,7 @@ class Pack:
         return tuple(made[id(ply)] for ply in self.plies)
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
-        """The contact between the plies, at rest; of a single ply one without points."""
+        """Set up the contact between the plies, at rest; of a single ply one without points."""
         if len(self.plies) == 1:
             return empty_contact()
         points = self.contact.points
@@ -349,7 +349,7 @@ class Pack:
         on the next at rest.
 
         Near the borders of zones, where the spline's places are not in proportion to distances, a
-        guess; of points beside that ply the nearest place on its rim.
+        guess; of points beside that ply the nearest position on its rim.
         """
         front = self.plies[p]
         rear = self.plies[p + 1]
@@ -402,8 +402,8 @@ def _with_courant(ply, factor):
 
 
 def turned(panel: Panel) -> Panel:
-    """The same panel with its fabric turned by a right angle; opening and edges stay where they
-    are.
+    """Return the same panel with its fabric turned by a right angle; opening and edges stay where
+    they are.
 
     Raises
     ------
@@ -435,8 +435,8 @@ def turned(panel: Panel) -> Panel:
 
 
 def at_angle(panel: Panel, angle: float) -> Panel:
-    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges
-    stay.
+    """Return the same panel with its fabric turned by an angle [rad], from warp to weft; opening
+    and edges stay.
 
     Raises
     ------

@@ -64,7 +64,7 @@ class Bar:
         material: Isotropic | None = None,
         **changes: Any,
     ) -> Bar:
-        """A cylinder bored from its tail to a given mass; the defaults are those of the thesis.
+        """Bore a cylinder from its tail to a given mass; the defaults are those of the thesis.
 
         Raises
         ------
@@ -92,8 +92,8 @@ class Bar:
 
     @classmethod
     def full(cls, **changes: Any) -> Bar:
-        """The cylinder of the thesis without a bore: density and modulus so much less that mass and
-        wave speed are its own.
+        """Return the cylinder of the thesis without a bore: density and modulus so much less that
+        mass and wave speed are its own.
 
         Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum
         E-37).
@@ -152,7 +152,7 @@ class Bar:
         return self.material.yield_stress * min(area for _, area in self.sections)
 
     def substeps(self, dt: float) -> int:
-        """Number of steps of the bar in a step `dt` [s] of the target."""
+        """Return the number of steps of the bar in a step `dt` [s] of the target."""
         return own_steps(dt, self.cfl * self.longest_step)
 
     def _squares(self, number):

@@ -45,7 +45,8 @@ from shellfabric.solver.stack_kernels import (
 
 @entry(nogil=True, _nrt=False)
 def advance(states, consts, contact, stack, works, history, shared, me, count, allowed):
-    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows.
+    """Advance by at most as many steps as `history` has rows, as thread `me` of `count`, each with
+    scratch of its own.
 
     states, consts, works : of the plies, each a list
     contact : PackContact; of a single ply one without points
@@ -70,7 +71,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
                 if several:
-                    # places after the step follow from forces that are all known by now
+                    # positions after the step follow from forces that are all known by now
                     enforce_constraints(states, consts, contact)
                 fly(states, consts, stack)
         barrier_wait(shared, count)
@@ -127,6 +128,6 @@ def refresh(states, consts, works, p):
 
 @kernel(_nrt=False)
 def begin(states, consts, works):
-    """Forces and slipping edges of all plies at rest, before the first step."""
+    """Compute the forces and slipping edges of all plies at rest, before the first step."""
     for p in range(len(states)):
         begin_ply(row_of(states, p), row_of(consts, p), row_of(works, p))

@@ -79,7 +79,7 @@ class PackSolver(ExplicitSolver):
     ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
         `push` is the force of the nose on it, `deflection` the largest of its fabric
         (`ply_audit.deflection`), `energy` what it moves with, stores and has lost, the peaks its
-        highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest way of a yarn's end
+        highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest displacement of a yarn's end
         out of its clamp
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the
         modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
@@ -240,7 +240,7 @@ class PackSolver(ExplicitSolver):
         return int(self.stack.steps)
 
     def run_worker(self, shared: IntArray, me: int) -> None:
-        """See ExplicitSolver."""
+        """Run the share of a thread, see ExplicitSolver."""
         self._run_thread(self._rows(0), shared, me, self.threads, np.inf)
 
     def _run_thread(self, history, shared, me, count, allowed):
@@ -253,16 +253,16 @@ class PackSolver(ExplicitSolver):
             raise
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
-        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of
-        a single ply."""
+        """Return the forces [(3, slots) [N]] on the nodes of a ply by the plies before it and by
+        those behind; [] of a single ply."""
         if len(self.plies) == 1:
             return []
         return list(self.contact.pressure.force[ply][:, :, : self.states[ply].mass.size])
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
-        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it:
-        of the projectile; of several plies, or before a block, also of what is in front, and of
-        what is behind.
+        """Return the forces [(slots,)] [N] on the nodes of a ply along the normal, positive where
+        they press on it: of the projectile; of several plies, or before a block, also of what is in
+        front, and of what is behind.
         """
         state = self.states[ply]
         nose = state.f_contact[2]
@@ -301,11 +301,11 @@ class PackSolver(ExplicitSolver):
         }
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
-        """See ExplicitSolver."""
+        """Advance by steps, see ExplicitSolver."""
         return self._run_thread(history, self._shared, 0, self.threads, self.allowed_exchange)
 
     def observe(self) -> tuple[dict[str, float], dict[str, float]]:
-        """See ExplicitSolver."""
+        """Return what a sample has, see ExplicitSolver."""
         plies = [
             ply_audit.energies(const, self._loaded_state(ply), self._rest[ply])
             for ply, const in enumerate(self.consts)
@@ -367,7 +367,7 @@ class PackSolver(ExplicitSolver):
         self.ply_samples.pop()
 
     def ply_sample(self, name: str) -> FloatArray:
-        """(n, plies) one column of the plies' samples."""
+        """Return one column (n, plies) of the plies' samples."""
         return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
 
     @property
@@ -394,7 +394,7 @@ class PackSolver(ExplicitSolver):
         )
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
-        """See ExplicitSolver."""
+        """Return the speeds of the nodes, see ExplicitSolver."""
         limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
         found = [
             (np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel))
@@ -408,7 +408,7 @@ class PackSolver(ExplicitSolver):
         return [(part, speeds) for part, speeds in found if speeds is not None]
 
     def where(self, part: int, node: int) -> str:
-        """See ExplicitSolver."""
+        """Say where a node is, see ExplicitSolver."""
         if part >= len(self.plies):
             mover, _ = self._moving_parts()[part - len(self.plies)]
             return mover.where(node)
@@ -448,7 +448,7 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. Those of the parts; the guard of a pack holds."""
+        """Check the guards of the parts and of a pack, see ExplicitSolver."""
         for part, state in self._all_parts():
             wrong = part.guard(state)
             if wrong is not None:
@@ -458,7 +458,7 @@ class PackSolver(ExplicitSolver):
             self.stop(f"the guard between plies {FAULTS[fault]}", "the pack")
 
     def checkpoint_identity(self) -> tuple[Any, str]:
-        """See ExplicitSolver."""
+        """Return what determines the run, see ExplicitSolver."""
         pack = self.pack
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += (
@@ -474,8 +474,8 @@ class PackSolver(ExplicitSolver):
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver. Of the contact between plies, the rest follows from what its tables
-        keep."""
+        """Return the arrays of the state, see ExplicitSolver. Of the contact between plies, the
+        rest follows from what its tables keep."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
         for p, parts in enumerate(self.parts):
             for number, part in enumerate(parts):
@@ -491,7 +491,7 @@ class PackSolver(ExplicitSolver):
         }
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
-        """See ExplicitSolver."""
+        """Return the records, see ExplicitSolver."""
         return super().checkpoint_records() | {
             "ply_samples": self.ply_samples,
             "histories": self.histories,

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
-    """{name: [J]} of the modelled part of a ply, with those of its parts.
+    """Compute {name: [J]} of the modelled part of a ply, with those of its parts.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ def add_energies(total: dict[str, float], energies: dict[str, float]) -> None:
 
 
 def stored_energy(const: Constants, state: State) -> float:
-    """[J] that the yarns of the modelled part store."""
+    """Compute the energy [J] that the yarns of the modelled part store."""
     return float(audited(const, state)[kernels.STORED])
 
 
 def audited(const: Constants, state: State) -> FloatArray:
-    """(n,) [J] what `ply_kernels.energies` finds."""
+    """Compute the energies (n,) [J] that `ply_kernels.energies` finds."""
     out = np.empty(kernels.PARTS + state.parts.forces.size)
     kernels.energies(state, const, out)
     return out
@@ -106,8 +106,8 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
 def edge_reactions(
     panel: Panel, const: Constants, state: State, ends: tuple[tuple[int, int], tuple[int, int]]
 ) -> tuple[float, float]:
-    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends :
-    `edges.ends`."""
+    """Compute the tension (warp, weft) [N] at the edge of the yarns nearest the impact point; ends
+    : `edges.ends`."""
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
     weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2
@@ -122,8 +122,8 @@ def edge_reactions(
 
 
 def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
-    """[m] largest displacement along the normal, of a node at the corner of a whole element
-    connected to the edges.
+    """Find the largest displacement [m] along the normal, of a node at the corner of a whole
+    element connected to the edges.
 
     held : `perforation.held`, or None where no yarn has failed
     """
@@ -135,15 +135,15 @@ def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
 
 
 def pull_in(const: Constants, state: State) -> float:
-    """[m] largest way of a node of a slipping side along the yarn that ends there; 0 where no side
-    slips."""
+    """Find the largest way [m] of a node of a slipping side along the yarn that ends there; 0 if no
+    side slips."""
     return float(np.abs(np.array(state.u)[const.slip_axis, const.slip_node]).max(initial=0.0))
 
 
 def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> FloatArray:
-    """(2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time [s], and
-    where the middle of the segment is at rest along warp and weft [m]; NaN but for the tension
-    where there was none.
+    """Return (2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time
+    [s], and where the middle of the segment is at rest along warp and weft [m]; NaN but for the
+    tension if there was none.
 
     steps : steps of the run; a ply of a pack counts its own from when it is first touched
     """

@@ -36,7 +36,8 @@ KINETIC, STORED, SHEAR, PARTS = range(4)  # of `energies`; those of the parts ar
 
 @kernel(_nrt=False)
 def part_forces(state, const, m, first, last, acting):
-    """Energy [J] that part m stores at the node rows first .. last; adds its forces if `acting`."""
+    """Compute the energy [J] that part m stores at the node rows first .. last; add its forces if
+    `acting`."""
     parts = state.parts
     if parts.forces[m] == 0:
         return 0.0
@@ -45,8 +46,8 @@ def part_forces(state, const, m, first, last, acting):
 
 @kernel(_nrt=False)
 def other_forces(state, const, first, last, acting):
-    """Energy [J] that the parts store at the node rows first .. last; adds their forces if
-    `acting`."""
+    """Compute the energy [J] that the parts store at the node rows first .. last; add their forces
+    if `acting`."""
     total = 0.0
     for m in range(state.parts.forces.size):
         total += part_forces(state, const, m, first, last, acting)
@@ -55,14 +56,16 @@ def other_forces(state, const, first, last, acting):
 
 @kernel(_nrt=False)
 def stored_energy(state, const, low, high):
-    """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
+    """Compute the energy [J] (of yarns, of all else) that the element rows low .. high - 1
+    store."""
     yarns, sheared = energy_kernels.stored_energy(const, state, low, high)
     return yarns, sheared + other_forces(state, const, low, high, False)
 
 
 @kernel(_nrt=False, inline="always")
 def find_failures(state, const, work):
-    """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
+    """Find the edges that break in this step: how many, and the element rows (low, high) that hold
+    them."""
     first = state.first_row
     last = state.end_row
     per = const.rows_per_block
@@ -95,7 +98,8 @@ def find_failures(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def apply_failure(state, const, work):
-    """Failure criterion: remove edges that fail, and compute the forces of their blocks again."""
+    """Apply the failure criterion: remove edges that fail, and compute the forces of their blocks
+    again."""
     count, low, high = find_failures(state, const, work)
     if count == 0:
         return
@@ -154,7 +158,7 @@ def apply_backing_impulse(state, const):
 
 @kernel(_nrt=False)
 def nose_contact(state, const, work):
-    """The nose's forces on a ply."""
+    """Compute the nose's forces on a ply."""
     taken, spring = contact_kernels.contact_forces(state, const, work.contact_scratch)
     state.contact_work += taken
     state.contact_spring_energy = spring
@@ -162,7 +166,7 @@ def nose_contact(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def break_yarns(state, const, work):
-    """The failure criterion. Torn elements that are drawn out count as failures."""
+    """Apply the failure criterion. Torn elements that are drawn out count as failures."""
     apply_failure(state, const, work)
     if state.failures > 0:
         state.lost_with_elements += packing_kernels.let_go(state, const)
@@ -182,7 +186,7 @@ def place_surface(state, const, all_rows):
 
 @kernel(_nrt=False, inline="always")
 def touch(state, const, work):
-    """The nose's forces, on the membrane or on what is in its place, but where they are to be
+    """Compute the nose's forces, on the membrane or on what is in its place, unless they are to be
     computed after those of the other plies, which implicit springs depend on (see
     `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
     if state.parts.replaces_membrane:
@@ -196,7 +200,7 @@ def touch(state, const, work):
 
 @kernel(_nrt=False)
 def meet_nose(state, const):
-    """The nose's forces on the part that stands in for the membrane."""
+    """Compute the nose's forces on the part that stands in for the membrane."""
     parts = state.parts
     for m in range(parts.nose.size):
         if parts.nose[m] != 0:
@@ -205,7 +209,7 @@ def meet_nose(state, const):
 
 @kernel(_nrt=False)
 def finish_parts(state, const):
-    """What the parts of a ply do when all have moved."""
+    """Call the parts of a ply that act when all have moved."""
     parts = state.parts
     for m in range(parts.after.size):
         if parts.after[m] != 0:
@@ -222,7 +226,7 @@ def move_edges(state, const):
 
 @kernel(_nrt=False)
 def internal_work(state):
-    """[J] work done so far on yarns, their viscosity and the contact with the nose."""
+    """Sum the work [J] done so far on yarns, their viscosity and the contact with the nose."""
     total = state.contact_work + state.yarn_work
     for block in range(state.edge_work.size):
         total += state.edge_work[block] + state.viscous_work[block]
@@ -231,7 +235,7 @@ def internal_work(state):
 
 @kernel(_nrt=False)
 def begin(state, const, work):
-    """Forces and slipping edges of the state at rest, before its first step."""
+    """Compute forces and slipping edges of the state at rest, before its first step."""
     if state.steps == AT_REST:
         initial_forces(state, const, work)
         if const.slip_node.size > 0:
@@ -241,7 +245,7 @@ def begin(state, const, work):
 
 @kernel(_nrt=False)
 def initial_forces(state, const, work):
-    """Internal forces of a state, without a step."""
+    """Compute the internal forces of a state, without a step."""
     per = const.rows_per_block
     for block in range((const.ni + per - 1) // per):
         last = min(const.ni, (block + 1) * per)
@@ -251,8 +255,8 @@ def initial_forces(state, const, work):
 
 @entry(nogil=True)
 def energies(state, const, out):
-    """Energy audit [J] at the present whole step, into out (3 + parts,): kinetic, yarns, trellis,
-    of the parts (bending, packing, ...).
+    """Audit the energy [J] at the present whole step, into out (3 + parts,): kinetic, yarns,
+    trellis, of the parts (bending, packing, ...).
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a
     linear system.

@@ -2,7 +2,7 @@
 
 The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept
 for each ply, counted from the ply's own plane at rest; where plies lie at other angles each has
-place and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped
+position and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped
 until something pushes on it. The order of a step is that of `loop.advance`.
 """
 
@@ -32,7 +32,7 @@ RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
 
 @kernel(_nrt=False, forceinline=True)
 def push_projectile(stack, const, p, force):
-    """v += dt f / m of the projectile, with a force in the frame of ply p."""
+    """Add v += dt f / m of the projectile, with a force in the frame of ply p."""
     f_x, f_y = turned_back(stack.turns[p], force[0], force[1])
     stack.projectile_velocity[0] += const.dt * const.free_dofs[0] * f_x / const.projectile_mass
     stack.projectile_velocity[1] += const.dt * const.free_dofs[1] * f_y / const.projectile_mass
@@ -41,8 +41,8 @@ def push_projectile(stack, const, p, force):
 
 @unit()
 def fly(states, consts, stack):
-    """The impulses of the nose on all plies that are awake, and of a block behind the last; then
-    the projectile's own motion."""
+    """Give the impulses of the nose to all plies that are awake, and of a block behind the last;
+    then move the projectile itself."""
     last = len(states) - 1
     force = 0.0
     for p in range(len(states)):
@@ -71,7 +71,7 @@ def fly(states, consts, stack):
 
 @kernel(_nrt=False)
 def move_body(state, const, force):
-    """The step of a projectile that is not rigid, under a force [N] along its axis."""
+    """Move a projectile that is not rigid by a step, under a force [N] along its axis."""
     parts = state.parts
     for m in range(parts.flight.size):
         if parts.flight[m] != 0:
@@ -93,7 +93,7 @@ def wakes(state, const, contact, stack, p):
 
 @kernel(_nrt=False, inline="always")
 def press_plies(states, consts, contact, shared, me, count):
-    """The forces between plies, once all are at their new places."""
+    """Compute the forces between plies, once all are at their new positions."""
     barrier_wait(shared, count)
     if me == 0:
         list_contact_pairs(contact)
@@ -109,7 +109,7 @@ def press_plies(states, consts, contact, shared, me, count):
 
 @kernel(_nrt=False)
 def implicit_nose_contact(states, consts, contact, stack, works, me, count):
-    """The nose's forces on those of one thread's plies that wait for the others' (see
+    """Compute the nose's forces on those of one thread's plies that wait for the others' (see
     `ply_kernels.touch`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
@@ -123,9 +123,9 @@ def implicit_nose_contact(states, consts, contact, stack, works, me, count):
 
 @unit(later=True)
 def predict_increments(state, const, contact, p):
-    """By what all other forces will speed up the nodes of ply p that the nose can push, into
-    state.dv_other, and by what the nose's own of a step ago have, into state.dv_contact; the nose's
-    force shared out to one element, into state.force_scale."""
+    """Predict by what all other forces will speed up the nodes of ply p that the nose can push,
+    into state.dv_other, and by what the nose's own of a step ago have, into state.dv_contact; the
+    nose's force shared out to one element, into state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     base, stride, _, _ = grid_of(const)
     for i in range(i0, i1 + 1):
@@ -174,7 +174,8 @@ def clear_increments(state, const):
 
 @kernel(_nrt=False)
 def axial_force(state, const):
-    """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
+    """Compute the force [N] of a ply, and of what lies behind it, on the projectile along its
+    axis."""
     force = 0.0
     for c in range(3):
         pushed = state.f_contact_nose[c] + state.f_block_nose[c]
@@ -184,7 +185,7 @@ def axial_force(state, const):
 
 @kernel(_nrt=False)
 def normal_velocity(state, const, stack):
-    """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
+    """Compute the velocity [m/s] of the projectile's centre of mass along the panel's normal."""
     velocity = state.projectile_velocity[2]
     if stack.motion.size == 0:
         return velocity
@@ -196,8 +197,8 @@ def normal_velocity(state, const, stack):
 
 @kernel(inline="always")
 def record_step(state, const, stack, force, row):
-    """One row of the history: foremost z, v_z and the force [N] along z; of a body that is not
-    rigid also its motion."""
+    """Record one row of the history: foremost z, v_z and the force [N] along z; of a body that is
+    not rigid also its motion."""
     row[0] = state.projectile_position[2] + const.foremost_offset
     row[1] = normal_velocity(state, const, stack)
     row[2] = force
@@ -207,7 +208,7 @@ def record_step(state, const, stack, force, row):
 
 @unit("integer", row="9")
 def note(states, consts, stack, row):
-    """Why the step should be the last, or RUNNING; its row of the history."""
+    """Tell why the step should be the last, or RUNNING; record its row of the history."""
     stack.steps += 1
     first = row_of(states, 0)
     const = row_of(consts, 0)
@@ -252,7 +253,7 @@ def note(states, consts, stack, row):
 
 @kernel(_nrt=False)
 def finish_parts(states, consts, stack):
-    """What the parts of all plies that are awake do when all have moved."""
+    """Call the parts of all plies that are awake which act when all have moved."""
     for p in range(len(states)):
         if stack.awake[p]:
             ply_kernels.finish_parts(row_of(states, p), row_of(consts, p))
@@ -260,7 +261,7 @@ def finish_parts(states, consts, stack):
 
 @kernel(_nrt=False)
 def internal_work(states, contact):
-    """[J] work done so far on yarns, their viscosity and the contacts."""
+    """Sum the work [J] done so far on yarns, their viscosity and the contacts."""
     pressure = contact.pressure
     guard = contact.guard
     total = 0.0

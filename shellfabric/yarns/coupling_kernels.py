@@ -31,7 +31,7 @@ BEFORE = 1
 
 @unit("number", later=True, own=Zone)
 def yarn_forces(state, const, own, first, last, acting):
-    """[J] that the crossings of a zone store; it acts where the nose does."""
+    """Return the energy [J] that the crossings of a zone store; it acts where the nose does."""
     return own.stored_at_crossings
 
 
@@ -50,8 +50,8 @@ def march_zone(state, const, own):
 
 @kernel(_nrt=False)
 def step_zone(body, dt, left):
-    """One of the zone's own steps, the time `left` [s] before the nose is at the `end` of its way; body : zone, state,
-    const and this end."""
+    """Make one of the zone's own steps, the time `left` [s] before the nose is at the `end` of its
+    displacement; body : zone, state, const and this end."""
     zone, state, const, end = body
     for c in range(3):
         state.projectile_position[c] = end[c] - left * state.projectile_velocity[c]
@@ -64,7 +64,7 @@ def step_zone(body, dt, left):
 
 @kernel(_nrt=False)
 def follow_rim(zone, state, left):
-    """Places and velocities of the tied nodes, the time `left` [s] before the membrane's."""
+    """Set positions and velocities of the tied nodes, the time `left` [s] before the membrane's."""
     for t in range(zone.tied_node.size):
         n = zone.tied_node[t]
         k = np.uint64(zone.tied_slot[t])
@@ -124,7 +124,7 @@ def write_to_ply(zone, state):
 
 @kernel()
 def stored_and_lost(zone):
-    """[J] work done so far on resolved yarns and on the contacts of theirs."""
+    """Sum the work [J] done so far on resolved yarns and on the contacts of theirs."""
     stored = (
         zone.stored + zone.stored_at_crossings + zone.stored_at_neighbours + zone.stored_at_nose
     )
@@ -134,7 +134,7 @@ def stored_and_lost(zone):
 
 @kernel(_nrt=False)
 def edge_of(zone, family, n):
-    """Slot of the membrane's edge in whose place a segment is."""
+    """Return the slot of the membrane's edge in whose place a segment is."""
     yarn, k = divmod(n - zone.first[family], zone.nodes[family])
     if family == 0:
         stride = (zone.tied_slot[1] - zone.tied_slot[0]) // ((zone.nodes[0] - 1) // 2)

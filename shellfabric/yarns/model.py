@@ -93,7 +93,7 @@ class YarnZone:
 
 
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
-    """[m] impact point from a crossover, along warp and weft.
+    """Choose the impact point [m] from a crossover, along warp and weft.
 
     Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a spacing off: neither
     on a crossover, nor on a yarn, nor in the middle of a gap.
@@ -162,12 +162,12 @@ class YarnPanel(Panel):
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] as of Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
+        """[m] as in Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
         return 0.0, 0.0
 
     @property
     def _fills(self):
-        """As of Panel: a line of the grid is one yarn, at the spacing of the weave."""
+        """As in Panel: a line of the grid is one yarn, at the spacing of the weave."""
         return False
 
     @property
@@ -223,7 +223,7 @@ class YarnPanel(Panel):
         return self.numerics.cfl * self.patch.critical_step
 
     def constants(self) -> Constants:
-        """As of Panel; no element of the membrane touches the nose."""
+        """Return the constants of Panel; no element of the membrane touches the nose."""
         return self._constants_of_zone
 
     @cached_property
@@ -232,7 +232,7 @@ class YarnPanel(Panel):
         return super().constants()._replace(window_limits=(i0, i0, j0, j0), window_follows=False)
 
     def make_parts(self) -> tuple[Part, ...]:
-        """As of Panel, with the resolved yarns."""
+        """Make the modules of Panel, with the resolved yarns."""
         return *super().make_parts(), ResolvedYarns(self)
 
     def cut_out(self, state: State) -> None:
@@ -284,7 +284,7 @@ class YarnPanel(Panel):
         return mass
 
     def zone(self) -> Zone:
-        """The arrays of the zone at rest."""
+        """Return the arrays of the zone at rest."""
         (i0, _), (j0, _) = self.rim_rows
         steps = own_steps(self.time_step, self._longest_step)
         return self.patch.arrays(
@@ -293,7 +293,7 @@ class YarnPanel(Panel):
 
 
 def crossings_of(panel: Panel) -> int:
-    """Number of crossings of resolved yarns; 0 of a panel without a zone."""
+    """Count the crossings of resolved yarns; 0 of a panel without a zone."""
     if not isinstance(panel, YarnPanel):
         return 0
     rows, columns = panel.patch.crossings

@@ -40,17 +40,18 @@ class ResolvedYarns(Part):
         self.row = self.zone
 
     def cut(self, state: State) -> None:
-        """See Part."""
+        """Take the membrane inside the rim out of a state, see Part."""
         self.panel.cut_out(state)
 
     def identity(self) -> tuple[Any, ...]:
-        """See Part."""
+        """Return what determines the zone, see Part."""
         patch = self.panel.patch
         drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
         return self.name, self.panel.resolved, *drawn
 
     def energies(self) -> dict[str, float]:
-        """{energy: [J]} besides that of the crossings, by the names that its ply's have, or of ENERGIES."""
+        """Return {energy: [J]} besides that of the crossings, by the names that its ply's have, or
+        of ENERGIES."""
         zone = self.zone
         return {
             "kinetic_fabric": kinetic_energy(zone),
@@ -64,20 +65,20 @@ class ResolvedYarns(Part):
         }
 
     def show(self, state: State) -> None:
-        """See Part."""
+        """Put the membrane where the yarns are, see Part."""
         show(self.zone, state)
 
     def speeds(self, strike_velocity: float) -> tuple[FloatArray, float]:
-        """See Part."""
+        """Return the speeds of the yarns' nodes, see Part."""
         limit = speed_limit(strike_velocity, self.panel.weave.yarns)
         return np.sqrt((self.zone.v**2).sum(axis=0)), limit
 
     def where(self, node: int) -> str:
-        """See Part."""
+        """Say where a node is, see Part."""
         return f"node {int(node)} of the resolved yarns"
 
     def guard(self, state: State) -> tuple[str, str] | None:
-        """See Part. A projectile keeps to the zone."""
+        """Check that the projectile keeps to the zone, see Part."""
         nose = state.projectile_position
         if self.panel.holds_nose(nose):
             return None
@@ -88,14 +89,15 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[quality.Indicator, ...]:
-        """See Part: the slip of the yarns beside the rim of their zone."""
+        """Return the slip of the yarns beside the rim of their zone, see Part."""
         found = quality.indicator("slip at the rim", slip_at_rim(self.zone))
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
         return (replace(found, meaning=f"{found.meaning}; {width}"),)
 
 
 def slip_at_rim(zone: Zone) -> float:
-    """[crossings] longest way of a yarn through a crossing of the rows beside the pinned ones."""
+    """Find the longest way [crossings] of a yarn through a crossing of the rows beside the pinned
+    ones."""
     row = RIM_ROWS
     slip = slipped(zone)
     beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
