@@ -177,7 +177,8 @@ def critical_velocity(
         study_run.keep_runs(folder, how.resume) as runs,
         keep_shots(panel, folder) as ended,
     ):
-        beside["folder"] = runs
+        # without a folder there is nothing to go on from
+        beside["folder"] = folder and runs
 
         @contextmanager
         def stage(title):

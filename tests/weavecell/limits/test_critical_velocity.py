@@ -12,7 +12,7 @@ from weavecell.api import target
 from weavecell.scenes import honoured
 from weavecell.studies import ballistic_limit
 
-FILES = "critical-velocity.json report.html residual-velocity.svg scene.toml shots.csv"
+FILES = "critical-velocity.json report.html residual-velocity.svg runs scene.toml shots.csv"
 
 
 @pytest.fixture
@@ -63,6 +63,36 @@ def mixed(command, scene, tmp_path, monkeypatch):
 
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
     return search
+
+
+@pytest.mark.parametrize("last", [0, 1, 7, 15])
+def test_an_interrupted_search_goes_on_behind_its_last_shot(command, mixed, monkeypatch, last):
+    whole, *_ = read(mixed("--out whole")[2].parent / "whole")
+    fire = ballistic_limit._fire
+    fired = []
+
+    def until(panel, velocity, give_up):
+        if len(fired) == last:
+            raise KeyboardInterrupt
+        fired.append(velocity)
+        return fire(panel, velocity, give_up)
+
+    with monkeypatch.context() as ending:
+        ending.setattr(ballistic_limit, "_fire", until)
+        assert mixed()[0] == 130
+    before = [*fired]
+    with monkeypatch.context() as going_on:
+        last = 1000
+        going_on.setattr(ballistic_limit, "_fire", until)
+        code, _, folder = mixed("--resume")
+    assert code == 0
+    # the shot that was under way may have ended before it was written
+    assert len(set(fired)) >= len(fired) - 1
+    assert fired[: len(before)] == before
+    found, _ = read(folder)
+    for summary in (whole, found):
+        del summary["wall_time_s"], summary["provenance"]
+    assert found == whole
 
 
 def test_mixed_outcomes_are_a_zone_without_a_critical_velocity(mixed):
@@ -133,7 +163,7 @@ def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):
             patch.setattr(ballistic_limit, patched, value)
             code, _, err = command(f"critical-velocity {scene} --out r --jobs 1")
         assert code == 3
-        assert names(tmp_path / "r") == "scene.toml shots.csv"
+        assert names(tmp_path / "r").removeprefix("runs ") == "scene.toml shots.csv"
         return err.splitlines()[-1], (tmp_path / "r" / "shots.csv").read_text().splitlines()[1:]
 
     said, shots = fails("_fire", fire)
