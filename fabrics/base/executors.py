@@ -28,8 +28,8 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError, WeavecellError
 
 BROKEN = (
-    "a process that was started for this ended before its task, as of too little memory; a script "
-    'that starts processes does so below the line `if __name__ == "__main__":`'
+    "a process that was started for this ended before its task, for example for want of memory; "
+    'a script that starts processes does so below the line `if __name__ == "__main__":`'
 )
 # a new process, since neither MPI nor PETSc survives a fork
 CONTEXT = get_context("spawn")

@@ -344,6 +344,8 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
         table = parse_toml(text)
     except ValueError as problem:
         raise InputError(f"not valid TOML ({problem})", file=path) from None
+    if not table:
+        raise InputError("is empty", file=path)
     for key, value in _texts(table):
         if (control := control_character(value)) is not None:
             raise InputError(f"has the control character {control}", file=path, key=key)

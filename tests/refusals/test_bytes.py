@@ -103,6 +103,7 @@ DEEP = "x = " + "[" * 20_000 + "]" * 20_000
 @pytest.mark.parametrize(
     "text, words",
     [
+        ("# nothing yet", "scene.toml: is empty"),
         (DEEP, "not valid TOML (lists or tables are nested too deeply)"),
         (f"[panel]\nplies = {'9' * 5000}", "not valid TOML (Exceeds the limit"),
         ('title = "a\\u0000b"', "scene.toml: title: has the control character U+0000"),
@@ -208,7 +209,7 @@ def test_a_script_without_the_main_guard_is_told_of_it(tmp_path):
 
 def test_a_process_that_dies_is_told():
     with (
-        pytest.raises(WeavecellError, match="too little memory"),
+        pytest.raises(WeavecellError, match="want of memory"),
         executors.open_executor("local", 2) as pool,
     ):
         list(executors.as_done(pool, os._exit, [(3,)]))
