@@ -16,6 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
+from docstrings import without_verb  # noqa: E402
 from kernel_arrays import tables  # noqa: E402
 
 CONSTANT = re.compile(r"[A-Z][A-Z_0-9]+")
@@ -87,7 +88,10 @@ def numbers_by_slot() -> list[str]:
     return found
 
 
-MEASURES = {"places that index an array of a row by a constant or a digit": numbers_by_slot}
+MEASURES = {
+    "places that index an array of a row by a constant or a digit": numbers_by_slot,
+    "public functions whose docstring does not begin with a verb": without_verb,
+}
 
 
 def main() -> None:

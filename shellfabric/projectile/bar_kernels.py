@@ -1,6 +1,6 @@
 """An elastic-plastic bar along the projectile's axis: lumped masses on springs, by velocity Verlet.
 
-Node 0 is the tip, the last one the tail; u counts forwards along the axis from the places at rest.
+Node 0 is the tip, the last one the tail; u counts forwards along the axis from the positions at rest.
 
     l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p)                    (1)
     |tau - H e_p| <= sigma_y                                                            (2)
@@ -28,18 +28,19 @@ from shellfabric.projectile.state import BarRow
 from shellfabric.state import unit
 from shellfabric.subcycle_kernels import subcycle
 
-TIP, TAIL, CENTRE = 0, 1, 2  # of Stack.motion: velocities; three further on the ways
+TIP, TAIL, CENTRE = 0, 1, 2  # of Stack.motion: velocities; three further on the displacements
 
 
 @kernel()
 def stretch_of(bar, k):
-    """Stretch of element k."""
+    """Return the stretch of element k."""
     return 1.0 + (bar.u[k] - bar.u[k + 1]) / bar.h[k]
 
 
 @kernel()
 def update_velocities(bar, force, duration):
-    """Velocities after a duration [s] of the present stresses and a force [N] at the tip."""
+    """Update the velocities over a duration [s] of the present stresses and a force [N] at the
+    tip."""
     # eq. (3): `before` is what acts on the node from its front, at the tip the target's force
     before = force
     for k in range(bar.mass.size):
@@ -52,7 +53,8 @@ def update_velocities(bar, force, duration):
 
 @kernel()
 def update_stress(bar):
-    """Stresses at the present places; plastic strains grow to where the stress is admissible.
+    """Update the stresses at the present positions; plastic strains grow to where the stress is
+    admissible.
 
     Returns
     -------
@@ -75,7 +77,7 @@ def update_stress(bar):
 
 @kernel()
 def step_bar(pushed, dt, left):
-    """One of the bar's own steps, of `pushed`: the bar and the force [N] at its tip."""
+    """Make one of the bar's own steps, of `pushed`: the bar and the force [N] at its tip."""
     bar, force = pushed
     update_velocities(bar, force, 0.5 * dt)
     for k in range(bar.u.size):
@@ -104,7 +106,7 @@ def advance(bar, force, dt):
 
 @entry()
 def note_motion(bar):
-    """Velocities and ways of tip, tail and centre of mass, into bar.motion."""
+    """Note velocities and displacements of tip, tail and centre of mass in bar.motion."""
     tail = bar.h.size
     bar.motion[TIP] = bar.v[0]
     bar.motion[TAIL] = bar.v[tail]
@@ -116,7 +118,7 @@ def note_motion(bar):
 
 @kernel()
 def mass_average(mass, values):
-    """Mean of nodal values, weighted by mass: of the centre of mass."""
+    """Average nodal values, weighted by mass: of the centre of mass."""
     total = 0.0
     weight = 0.0
     for k in range(mass.size):
@@ -127,7 +129,7 @@ def mass_average(mass, values):
 
 @entry()
 def kinetic_energy(bar):
-    """[J] of the motion along the axis."""
+    """Compute the kinetic energy [J] of the motion along the axis."""
     energy = 0.0
     for k in range(bar.mass.size):
         energy += 0.5 * bar.mass[k] * bar.v[k] * bar.v[k]
@@ -136,7 +138,7 @@ def kinetic_energy(bar):
 
 @entry()
 def elastic_energy(bar):
-    """[J] that the elements store."""
+    """Compute the energy [J] that the elements store."""
     energy = 0.0
     for k in range(bar.h.size):
         energy += 0.5 * bar.stress[k] * bar.stress[k] / bar.modulus * bar.area[k] * bar.h[k]
@@ -145,8 +147,8 @@ def elastic_energy(bar):
 
 @unit(later=True, own=BarRow, force="number")
 def move_bar(state, const, own, force):
-    """A step of the bar under a force [N]; the velocity of the projectile along its axis is that of
-    the tip, as contact sees it."""
+    """Move the bar by a step under a force [N]; the velocity of the projectile along its axis is
+    that of the tip, as contact sees it."""
     rigid = 0.0
     for c in range(3):
         rigid += const.frame[2, c] * state.projectile_velocity[c]

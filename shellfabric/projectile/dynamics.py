@@ -67,7 +67,7 @@ class BarHistory:
 
 
 def history(t: FloatArray, fine: FloatArray, row: Any, bar: Bar) -> BarHistory:
-    """The history of a bar from the columns BAR of a run, and from its row at the end."""
+    """Return the history of a bar from the columns BAR of a run, and from its row at the end."""
     named = {name: fine[:, BAR.index(name)] for name in BAR[len(RIGID) :]}
     shortening = -float(np.expm1(row.plastic) @ row.h)
     return BarHistory(t, **named, period=bar.period, shortening=shortening)
@@ -79,7 +79,7 @@ def columns(motion: FloatArray) -> tuple[str, ...]:
 
 
 def make_row(bar: Bar, share: float, dt: float, velocity: float) -> BarRow:
-    """What the kernels need to know of a bar in flight, without strain.
+    """Make the row that the kernels need of a bar in flight, without strain.
 
     Parameters
     ----------
@@ -125,11 +125,11 @@ class BarBody(Part):
         self.motion = self.row.motion
 
     def identity(self) -> tuple[Any, ...]:
-        """See Part."""
+        """Return what determines the bar, see Part."""
         return self.name, self.bar
 
     def energies(self) -> dict[str, float]:
-        """See Part."""
+        """Return the energies [J] of the bar, see Part."""
         row = self.row
         values = (
             bar_kernels.kinetic_energy(row),
@@ -139,7 +139,7 @@ class BarBody(Part):
         return dict(zip(ENERGIES, values))
 
     def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:
-        """See Part."""
+        """Return the history of the bar, see Part."""
         return {"bar": history(clock, steps, self.row, self.bar)}
 
 
@@ -156,7 +156,8 @@ def make_bodies(pack: Any, consts: Any, velocity: float) -> tuple[Part, ...]:
 def audit(
     state: Any, const: Any, force: FloatArray, motion: FloatArray
 ) -> tuple[dict[str, float], float]:
-    """Energies of the projectile at the present whole step, but those of a body that is not rigid.
+    """Compute the energies of the projectile at the present whole step, but those of a body that is
+    not rigid.
 
     A rigid body's velocity stands half a step back, and so does that of any body across its axis.
 
@@ -185,8 +186,8 @@ def audit(
 
 
 def velocity(state: Any, const: Any, motion: FloatArray) -> FloatArray:
-    """(3,) [m/s] of the projectile's centre of mass, half a step back; of a body that is not rigid
-    along its axis at the present step."""
+    """Compute the velocity (3,) [m/s] of the projectile's centre of mass, half a step back; of a
+    body that is not rigid along its axis at the present step."""
     speed = state.projectile_velocity.copy()
     if motion.size:
         axis = const.frame[2]

@@ -163,7 +163,8 @@ class CompressionRecords(DrawnResult):
     record: str
 
     def summary(self) -> dict[str, Any]:
-        """K'' and n of one ply, a and b of a cell, and the gap of each pack, with intervals."""
+        """Return K'' and n of one ply, a and b of a cell, and the gap of each pack, with
+        intervals."""
         one = self.free[0]
         numbers: dict[str, Any] = {
             "exponent": one.exponent,
@@ -192,13 +193,13 @@ class CompressionRecords(DrawnResult):
         return columns
 
     def draw(self, pyplot: Any) -> Figure:
-        """Closure [um] against pressure [MPa]: records and fitted laws."""
+        """Draw closure [um] against pressure [MPa]: records and fitted laws."""
         from weavecell.report import pictures_records
 
         return pictures_records.draw_compression(pyplot, self.free, f"Compression: {self.record}")
 
     def files(self) -> dict[str, Any]:
-        """{file: what it holds} that stands at the top of the module."""
+        """Return {file: what it holds} that stands at the top of the module."""
         rows = {key: [float(value) for value in values] for key, values in self._columns().items()}
         pressure, closed = self.free[0].curve()
         curve = "".join(f"{1e-6 * P:.6g}, {1e6 * d:.6g}\n" for P, d in zip(pressure, closed))
@@ -367,7 +368,8 @@ class ShotRecord(DrawnResult):
     computed: dict[str, Any] | None = None
 
     def summary(self) -> dict[str, Any]:
-        """First and last velocity, absorbed energy and greatest force, with half widths of 95 %."""
+        """Return first and last velocity, absorbed energy and greatest force, with half widths of
+        95 %."""
         motion = self.motion
         most = int(motion.force.argmax())
         energy = motion.energy
@@ -399,7 +401,7 @@ class ShotRecord(DrawnResult):
         }
 
     def draw(self, pyplot: Any) -> Figure:
-        """Velocity [m/s] and force [kN] in time, with their errors."""
+        """Draw velocity [m/s] and force [kN] in time, with their errors."""
         from weavecell.report import pictures_records
 
         return pictures_records.draw_motion(
@@ -407,7 +409,7 @@ class ShotRecord(DrawnResult):
         )
 
     def files(self) -> dict[str, Any]:
-        """{file: what it holds} that stands at the top of the module."""
+        """Return {file: what it holds} that stands at the top of the module."""
         return {
             "shot.json": {"format": "weavecell record of a shot 1", **self.summary()},
             "motion.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
