@@ -256,7 +256,7 @@ def _fabric(name):
             whole = complete(whole)
         except InputError as problem:
             notes.append(("note", str(problem)))
-    notes += [("note", note) for note in whole.notes]
+    notes += [("note", note.removeprefix("note: ")) for note in whole.notes]
     following = DataFrame([*derived.derive_rows(whole), *notes], columns=["quantity", "value"])
     tables = Tables({f"{whole.name}: what follows": following.set_index("quantity")})
     if rows := _assumptions(plain, whole):

@@ -266,10 +266,15 @@ def with_curves(
         raise InputError(f"give one curve of shear: {ways}")
     fitted += [f"note: {note}" for note in plausible.judge(_of_specimen(side, strip))]
     if frame is not None:
-        shear = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
+        fabric = draft.fabric()
+        shear = curves.picture_frame(frame, fabric.weave.thickness, side)
+        # what is wrong with the law is wrong with this curve, not with the values of the draft
+        plausible.judge(plausible.of_shear(shear.law, fabric), file=frame)
         return _with_shear(draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted)
     if bias is not None:
-        shear = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
+        fabric = draft.fabric()
+        shear = curves.bias_extension(bias, fabric.weave.thickness, strip)
+        plausible.judge(plausible.of_shear(shear.law, fabric), file=bias)
         return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
 

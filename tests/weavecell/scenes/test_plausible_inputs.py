@@ -8,7 +8,8 @@ import pytest
 import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
-from weavecell.scenes import honoured, target
+from weavecell.api.target import read_target
+from weavecell.scenes import honoured
 
 YARN = {
     "linear_density": "1100 dtex",
@@ -51,7 +52,7 @@ def notes_of(folder, fabric=None, shot=None):
     (folder / "fabric.toml").write_text(toml(merged(SHEET, fabric or {})))
     (folder / "shot.toml").write_text(toml(merged(SHOT, shot or {})))
     try:
-        read = target.read(str(folder / "shot.toml"), folder, honoured.IMPACT)
+        read = read_target(str(folder / "shot.toml"), folder, honoured.IMPACT)
     except InputError as problem:
         return f"refused: {problem}"
     return " | ".join(read.setup.notes)
@@ -157,7 +158,9 @@ def test_a_fitted_trellis_law_is_told_with_its_constants(tmp_path, caplog):
 
 @pytest.mark.parametrize("slip", [{"angle": 0.0174533}, {"stress": 1000.0}, {"stress": 0.0}])
 def test_a_curve_in_another_unit_is_refused(tmp_path, caplog, slip):
-    assert new_fabric(tmp_path, caplog, times(CURVE, **slip)).startswith("refused: ")
+    lines = new_fabric(tmp_path, caplog, times(CURVE, **slip))
+    # the curve is named, and not the values of the data sheet
+    assert lines.startswith(f"refused: {tmp_path / 'frame.csv'}: ")
 
 
 def test_a_frame_of_200_metres_is_refused(tmp_path, caplog):
