@@ -359,7 +359,7 @@ def new_shot(file: FilePath) -> None:
     Examples
     --------
     >>> wc.new_shot("shot.toml")
-    >>> print(wc.impact("shot.toml", check=True))  # doctest: +ELLIPSIS
+    >>> print(wc.size_of("shot.toml"))  # doctest: +ELLIPSIS
     my first shot: nothing is run...
     """
     path = _new_toml(file)

@@ -15,16 +15,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
+from fabrics.base.checks import FilePath
+from fabrics.fabric import Fabric
+from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result
+from weavecell.api.target import list_assumptions, resolve_target
+from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
 
-__all__ = ["RunSize"]
+__all__ = ["RunSize", "size_of"]
 
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
@@ -33,6 +38,41 @@ OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
 SHOTS_OF_A_SEARCH = 9
+
+
+@explain_keywords(Keywords)
+def size_of(
+    target: Fabric | FilePath | ImpactSetup | None,
+    velocity: float | str | None = None,
+    *,
+    written: bool = True,
+    **options: Unpack[Keywords],
+) -> RunSize:
+    """Forecast elements, steps, memory and CPU time of an impact, and name what is assumed; nothing is
+    run or written.
+
+    Parameters
+    ----------
+    target : input file of a ply or pack, a fabric, or a set-up of `setup`
+    velocity : of a fabric, [m/s] of the strike
+    written : whether the run is to write its files and pictures, which take memory
+    **options : beside a fabric, keywords of `setup`
+
+    Raises
+    ------
+    InputError : as `impact`
+
+    Examples
+    --------
+    >>> wc.size_of("S-720", "150 m/s", opening="20 mm", end_time="10 us").elements
+    441
+    """
+    resolved = resolve_target(
+        target, options, honoured.IMPACT, velocity, function="size_of", one_shot=True
+    )
+    with resolved.name_problems():
+        lines = list_assumptions(resolved.setup)
+        return RunSize.estimate(resolved.setup, resolved.shot_title, lines, written=written)
 
 
 class _Size(Result):
@@ -69,7 +109,7 @@ class RunSize(_Size):
 
     Examples
     --------
-    >>> size = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
+    >>> size = wc.size_of("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> size.elements, size.steps
     (441, 220)
     """

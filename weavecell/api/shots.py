@@ -33,12 +33,11 @@ import numpy as np
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
-from fabrics.base.errors import InputError, interrupts
+from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.fabric import Fabric
 from weavecell.api import study_run
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure
-from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
@@ -53,9 +52,11 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Embedded
+    from shellfabric.cell.model import CellTable
     from weavecell.scenes.build import Case
+    from weavecell.scenes.impact import AccuracyTable
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.mesh_uncertainty import Discretisation
+    from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
 
 __all__ = ["ShotResult", "impact"]
@@ -82,7 +83,6 @@ def impact(
     *,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
-    check: bool = False,
     out: FilePath | None = None,
     resume: bool = False,
     **options: Unpack[Keywords],
@@ -106,8 +106,6 @@ def impact(
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
-    check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is
-        assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
@@ -116,8 +114,8 @@ def impact(
     Returns
     -------
     ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
-    and warns with `DoubtfulResult`; of `check` RunSize; where the folder holds the results of this
-    very run `run_folder.Finished`
+    and warns with `DoubtfulResult`. Where the folder to `resume` from holds the results of this very
+    run, nothing is run: the ShotResult is read from it (`ShotResult.read_folder`)
 
     Raises
     ------
@@ -137,7 +135,9 @@ def impact(
     panel = resolve_target(
         target, options, honoured.IMPACT, velocity, function="impact", one_shot=True
     )
-    accuracy = panel.case and panel.case.scene.accuracy
+    accuracy = None
+    if panel.case is not None:
+        accuracy = panel.case.scene.accuracy
     if accuracy and uncertainty:
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
@@ -147,21 +147,16 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
-    if check:
-        # no folder is claimed: a check leaves nothing behind
-        with panel.name_problems():
-            lines = list_assumptions(panel.setup)
-            size = RunSize.estimate(panel.setup, panel.shot_title, lines, written=out is not None)
-            return size  # type: ignore[return-value]
     # a digest of all inputs and code, which only a run with a folder needs
     inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
     key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
-    if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key())):
-        return before  # type: ignore[return-value]
+    if out is not None and resume and run_folder.find_finished(Path(out), NAMES, key()):
+        return ShotResult.read_folder(Path(out), panel)
     names = (*NAMES, out_folder.CHECKPOINTS)
     with out_folder.hold(out, names, resume, [inputs.use_one_thread(panel.setup)], key) as folder:
         with panel.name_problems():
-            result, failure = _answer(panel, folder, resume, uncertainty, accuracy)
+            shooting = _Shooting(panel, folder, resume)
+            result, failure = shooting.run(accuracy, uncertainty=uncertainty)
             # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
                 with_ends = ranges.with_ends(panel.setup, assumed_range)
@@ -183,56 +178,121 @@ def impact(
     return result
 
 
-def _answer(panel, folder, resume, uncertainty, accuracy):
-    """(ShotResult, the UnstableError that ended the run or None): of one mesh, of a pair of meshes
-    if their `uncertainty` is wanted, or of the finest mesh that [accuracy] takes."""
-    from weavecell.studies import mesh_uncertainty
+@dataclass(frozen=True)
+class _Shooting:
+    """Shots at a target that make one result.
 
-    setup = panel.setup
+    Parameters
+    ----------
+    target : Target
+    folder : of checkpoints and of the window; None if nothing is written
+    resume : whether to go on from the checkpoints
+    """
 
-    def shoot(setup, table=None, mesh=""):
-        if folder is None:
-            return _run(panel, setup, table=table)
-        # each mesh has a checkpoint of its own: a state fits its own mesh alone
-        name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
-        interval = panel.case.scene.run.checkpoint_interval
-        return _run(panel, setup, folder / name, interval, resume, table)
+    target: Target
+    folder: Path | None
+    resume: bool
 
-    def shoot_window(setup, table, mesh=""):
-        shot = shoot(setup, table, mesh)
-        if shot.failure is not None or shot.result.outcome != "perforated":
-            return shot
-        # a shot that holds has no staircase of failing yarns
-        # an impact alone does not need it
+    def run(
+        self, accuracy: AccuracyTable | None, *, uncertainty: bool
+    ) -> tuple[ShotResult, UnstableError | None]:
+        """Fire on one mesh, on a pair of meshes if their `uncertainty` is wanted, or on finer and
+        finer meshes until `accuracy` is met.
+
+        Returns
+        -------
+        result, failure : of the mesh that counts; the UnstableError that ended its run, or None
+
+        Raises
+        ------
+        Interrupted : by the user
+        """
+        from weavecell.studies import mesh_uncertainty
+
+        setup = self.target.setup
+        pair = None
+        try:
+            with interrupts():
+                if accuracy is not None:
+                    shot, pair = mesh_uncertainty.refine(
+                        setup, accuracy.quantity, accuracy.uncertainty, self.shoot_with_window
+                    )
+                elif uncertainty:
+                    shot, pair = mesh_uncertainty.run_pair(setup, self.shoot_with_window)
+                else:
+                    shot = self.shoot(setup)
+        except KeyboardInterrupt:
+            raise self._interruption() from None
+        message = str(shot.failure or "")
+        result = shot_of(self.target, shot.result, message, target=self.target, pair=pair)
+        return result, shot.failure
+
+    def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
+        """Fire at a set-up on one mesh.
+
+        Parameters
+        ----------
+        table : of the cell; None makes it
+        mesh : its name, since each mesh has a checkpoint of its own: a state fits its mesh alone
+        """
+        from shellfabric.impact.run import check_impact, run_impact
+        from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
+        from weavecell.studies.mesh_uncertainty import Shot
+
+        checkpoint = self._checkpoint(mesh)
+        kept = checkpoint is not None
+        table = table or setup.table(kept=kept)
+        # refused before the run, not when memory ends in the middle of it
+        check_impact(setup, table, written=kept)
+        hooks: tuple[Checkpoints, ...] = ()
+        again = None
+        if checkpoint is not None:
+            interval = self.target.checkpoint_interval
+            hooks = (Checkpoints(checkpoint, interval, LEAST_WALL),)
+            if self.resume and checkpoint.exists():
+                again = checkpoint
+
+        def run(hooks):
+            return run_impact(setup, hooks=hooks, resume=again, table=table)
+
+        return Shot(*progress.run_with_bar(run, self.target.shot_title, hooks))
+
+    def shoot_with_window(self, setup: ImpactSetup, table: CellTable, mesh: str = "") -> Shot:
+        """Fire as `shoot`; and if the shot perforates, also at velocities about its own, since
+        values jump with the velocity where yarns fail one by one."""
+        # a single shot does not need it
         from weavecell.studies import window
 
+        shot = self.shoot(setup, table, mesh)
+        # a shot that holds has no staircase of failing yarns
+        if shot.failure is not None or shot.result.outcome != "perforated":
+            return shot
         with (
-            study_run.keep_runs(folder, True, WINDOW) as runs,
+            study_run.keep_runs(self.folder, True, WINDOW) as runs,
             progress.bar("Shots at other velocities") as advance,
         ):
-            report = lambda done, count: advance(done / count)  # noqa: E731
-            return replace(shot, window=window.fire_window(shot.result, folder=runs, report=report))
 
-    try:
-        with interrupts():
-            if accuracy:
-                shot, pair = mesh_uncertainty.refine(
-                    setup, accuracy.quantity, accuracy.uncertainty, shoot_window
-                )
-            elif uncertainty:
-                shot, pair = mesh_uncertainty.run_pair(setup, shoot_window)
-            else:
-                shot = shoot(setup)
-                pair = None
-    except KeyboardInterrupt:
-        kept = folder is not None and bool(run_folder.checkpoints(folder))
+            def report(done, count):
+                return advance(done / count)
+
+            about = window.fire_window(shot.result, folder=runs, report=report)
+            return replace(shot, window=about)
+
+    def _checkpoint(self, mesh):
+        """Return the path of a mesh's checkpoint, or None if nothing is written."""
+        if self.folder is None:
+            return None
+        name = "checkpoint"
+        if mesh:
+            name += f"-{mesh.replace(' ', '-')}"
+        return self.folder / f"{name}.h5"
+
+    def _interruption(self):
+        """Return the error of a run that the user stops."""
         message = "interrupted"
-        if kept:
+        if self.folder is not None and run_folder.checkpoints(self.folder):
             message += f"; {option('resume')} goes on from its last checkpoint"
-        raise run_folder.Interrupted(message) from None
-    return shot_of(
-        panel, shot.result, str(shot.failure or ""), target=panel, pair=pair
-    ), shot.failure
+        return run_folder.Interrupted(message)
 
 
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
@@ -251,25 +311,6 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
         assumed=lines,
         **more,
     )
-
-
-def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
-    """The `mesh_uncertainty.Shot` of a set-up."""
-    from shellfabric.impact.run import check_impact, run_impact
-    from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
-    from weavecell.studies.mesh_uncertainty import Shot
-
-    table = table or setup.table(kept=checkpoint is not None)
-    # refused before the run, not when memory ends in the middle of it
-    check_impact(setup, table, written=checkpoint is not None)
-    hooks = ()
-    if checkpoint is not None:
-        hooks = (Checkpoints(checkpoint, every, LEAST_WALL),)
-    again = None
-    if resume and checkpoint.exists():
-        again = checkpoint
-    run = lambda hooks: run_impact(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
-    return Shot(*progress.run_with_bar(run, panel.shot_title, hooks))
 
 
 def _with_range(shot, with_ends, folder):
@@ -315,6 +356,7 @@ class ShotResult(ImpactRecord, Result):
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
+    read_from : folder from which it was read; None of a shot that was fired now
 
     Examples
     --------
@@ -333,7 +375,27 @@ class ShotResult(ImpactRecord, Result):
     assumed_range: AssumedRange | None = None
     target: Target | None = None
     pair: Discretisation | None = None
+    read_from: Path | None = None
     _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
+
+    @classmethod
+    def read_folder(cls, folder: Path, target: Target) -> ShotResult:
+        """Read the result of a finished run at a target from its folder.
+
+        It has scalars, histories, cuts and the shapes at the end; the shapes of the other instants
+        are in panel.pvd, and range, meshes and window of its options in summary.json.
+
+        Raises
+        ------
+        InputError : no histories.h5 of an impact
+        """
+        return replace(
+            cls.read(folder / "histories.h5"),
+            fabric=target.setup.fabric,
+            assumed=list_assumptions(target.setup),
+            target=target,
+            read_from=folder,
+        )
 
     @property
     def window(self) -> Window | None:
@@ -574,6 +636,9 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.report.shot import chapters_shot
         from weavecell.results.display import text
 
+        if self.read_from is not None:
+            done = f"done before with the same input and code, in {self.read_from}"
+            return f"{self.title}: {self.outcome}; {done}"
         lines = [self.headline()]
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])

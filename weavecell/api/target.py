@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,6 +86,13 @@ class Target:
         if len(names) == 1:
             return named[0][1]
         return "; ".join(map(": ".join, names))
+
+    @property
+    def checkpoint_interval(self) -> float:
+        """[s] of the run between its checkpoints; infinite of a set-up, which writes none."""
+        if self.case is None:
+            return inf
+        return self.case.scene.run.checkpoint_interval
 
     @property
     def projectile(self) -> str | None:

@@ -64,6 +64,8 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "projectiles list": (api.projectiles, ""),
     "backings list": (api.backings, ""),
 }
+# functions that forecast what a command takes, which its option --check calls
+FORECASTS: dict[str, Callable] = {"impact": api.size_of}
 # group: what it is, and the command that its help ends with
 GROUPS = {
     "crossover": ("The 3D crossover under a load.", "shear S-720"),
@@ -98,7 +100,8 @@ def program(word: str = "") -> typer.Typer:
         app.add_typer(groups[name], name=name, epilog=epilog)
     for name, (function, *rest) in chosen.items():
         group, _, word = name.rpartition(" ")
-        command, epilog = from_signature.command(function, name, *rest)
+        forecast = FORECASTS.get(name)
+        command, epilog = from_signature.command(function, name, *rest, forecast=forecast)
         groups[group].command(word, epilog=epilog)(command)
     return app
 

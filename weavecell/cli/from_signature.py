@@ -46,7 +46,11 @@ _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 
 def command(
-    function: Callable[..., Any], name: str, example: str, *keywords: str
+    function: Callable[..., Any],
+    name: str,
+    example: str,
+    *keywords: str,
+    forecast: Callable[..., Any] | None = None,
 ) -> tuple[Callable[..., None], str]:
     """The function that typer makes the command `name` of, and the line below its help.
 
@@ -57,6 +61,8 @@ def command(
     example : arguments that its help ends with
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as
         in a file
+    forecast : is called with the target alone in place of the function if the option --check is
+        given
     """
     text, meanings = read_docstring(function)
     parameters = []
@@ -82,7 +88,12 @@ def command(
                 for key in keywords:
                     if key in chosen:
                         chosen[key] = _read_list(chosen[key])
-                result = function(**chosen)
+                if forecast is not None and values.get("check"):
+                    result = forecast(chosen["target"])
+                else:
+                    if forecast is not None:
+                        chosen.pop("check")
+                    result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
                     print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
@@ -94,7 +105,8 @@ def command(
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
-            if "out" in values and not values.get("check"):
+            read_again = getattr(result, "read_from", None) is not None
+            if "out" in values and not values.get("check") and not read_again:
                 print(f"written to {values['out']}", flush=True)
             checks.report(result.checks, strict)
         elif strict and result is not None and result.doubtful:
@@ -106,6 +118,12 @@ def command(
     ]
     for key in keywords:
         signature.append(_parameter(_keyword(key, "str"), _escape(_meaning(key))))
+    if forecast is not None:
+        first_line = (inspect.getdoc(forecast) or "").partition("\n\n")[0]
+        words = _escape(" ".join(first_line.split()))
+        wanted = Annotated[bool, typer.Option("--check", help=words)]
+        only = inspect.Parameter.KEYWORD_ONLY
+        signature.append(inspect.Parameter("check", only, default=False, annotation=wanted))
     if has_checks:
         help_text = "Exit code 3 if a quality indicator is beyond its limit."
         strict = Annotated[bool, typer.Option("--strict", help=help_text)]

@@ -17,7 +17,7 @@ PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"
     "panel", [{"opening": "30 mm", "end_time": "10 us"}, PACK], ids=["ply", "pack"]
 )
 def test_elements_and_steps_are_those_of_the_run(panel):
-    size = wc.impact("S-720", "90 m/s", **panel, check=True)
+    size = wc.size_of("S-720", "90 m/s", **panel)
     setup = wc.setup("S-720", "90 m/s", **panel)
     result, _ = run_impact_or_partial(setup)
     assert size.elements == setup.target().elements
