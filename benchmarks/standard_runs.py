@@ -33,14 +33,14 @@ BAR = Projectile(body="elastic_bar")
 def arrays_of(result, nodes, peaks):
     """(text of the outcome and the last velocity [m/s], {name: array}) of a run."""
     found = {f"energy {name}": energy for name, energy in sorted(result.energies.items())}
-    found["t"] = result.t
-    found["v"] = result.v
+    found["t"] = result.time
+    found["v"] = result.velocity
     found["nose position"] = result.nose_position
     found["steps"] = result.step_history
     found["nodes"] = nodes
     found["peaks"] = peaks
     arrays = {name: np.ascontiguousarray(array, float) for name, array in found.items()}
-    return f"{result.outcome} {result.v[-1]:.6f}", arrays
+    return f"{result.outcome} {result.velocity[-1]:.6f}", arrays
 
 
 def shot(name, velocity, **changes):

@@ -45,7 +45,7 @@ def shoot(plies, velocity):
         "cpu_s": round(used_cpu(), 2),
         "wall_s": round(time.perf_counter() - start, 2),
         "peak_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
-        "v": repr(float(result.v[-1])),
+        "v": repr(float(result.velocity[-1])),
     }
 
 

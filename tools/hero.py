@@ -78,7 +78,7 @@ def draw(pyplot, perforated, stopped):
         if np.any(stopped.energies.get(name, 0.0) > 0.005 * stopped.strike_energy)
     ]
     parts = [np.maximum(part, 0) for part, _, _ in known]
-    right.stackplot(US * stopped.t, parts, colors=[colour for _, _, colour in known])
+    right.stackplot(US * stopped.time, parts, colors=[colour for _, _, colour in known])
     below = np.zeros_like(parts[0])
     for part, (_, label, _) in zip(parts, known):
         place = 0.03 if label == known[0][1] else 0.93  # of the width
@@ -86,7 +86,7 @@ def draw(pyplot, perforated, stopped):
         if part[k] > 0.1 * stopped.strike_energy:  # the thinner ones have no room for their names
             white = label == "fabric, membrane"
             right.text(
-                US * stopped.t[k],
+                US * stopped.time[k],
                 below[k] + 0.5 * part[k],
                 label,
                 ha="left" if place < 0.5 else "right",
@@ -99,7 +99,7 @@ def draw(pyplot, perforated, stopped):
     right.set(
         title=f"energy at {STOPPED:g} m/s", xlabel="time after strike [µs]", ylabel="energy [J]"
     )
-    right.set(xlim=(0, US * stopped.t[-1]), ylim=(0, 1.04 * stopped.strike_energy))
+    right.set(xlim=(0, US * stopped.time[-1]), ylim=(0, 1.04 * stopped.strike_energy))
     return figure
 
 

@@ -21,87 +21,113 @@ from shellfabric.projectile import dynamics
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 
 
-@dataclass(frozen=True)
-class ImpactResult:
-    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever
-    the symmetry.
+@dataclass(frozen=True, kw_only=True)
+class ImpactData:
+    """What the result of a solver and the file of a shot have in common. Energies, forces and counts
+    are those of the whole panel, whatever the symmetry.
 
     Parameters
     ----------
-    setup : what was run
-    target : Pack, of one ply or several
     outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile
         has stopped when it no longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has
         stopped
-    velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point
-        of the projectile
+    time, velocity, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal,
+        foremost point of the projectile
     contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
         (PackSolver)
     deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
+    max_deflection : [m] largest entry of `deflection`
     energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
         the energy at the start
     plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
-    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
-        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
-        tension where there was none
-    deepest, held_apart : (plies - 1,) and [-] see PackSolver
-    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
-        the projectile [N]
+    max_penetration_ratio : (plies - 1,) [-] deepest penetration into the next ply, over thickness
+    guard_impulses : number of impulses that kept plies from passing through each other
+    measured : tuple of histories.Histories of each ply that has been followed; empty where nothing
+        was to be recorded
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
-    projectile_position : (3,) [m] position of its nose at the end
-    last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
-    snapshots : tuple of such tuples
-    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing
-        was to be recorded
-    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
-    max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
-    failures : (plies, 2) State.failed_segments and State.loads_at_failure of each ply
+    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
     """
 
-    setup: ImpactSetup
-    target: Pack
     outcome: str
     residual_velocity: float
+    time: np.ndarray
     velocity: np.ndarray
-    t: np.ndarray
-    v: np.ndarray
     nose_position: np.ndarray
     contact_force: np.ndarray
     deflection: np.ndarray
+    max_deflection: float
     energies: dict
     plies: dict
-    peaks: np.ndarray
-    deepest: np.ndarray
-    held_apart: int
-    step_history: np.ndarray
-    bar: dynamics.BarHistory | None
-    backing: BackingResult | None
-    projectile_position: np.ndarray
-    last: tuple[Snapshot, ...]
-    snapshots: tuple[tuple[Snapshot, ...], ...]
-    histories: tuple[histories.Histories, ...]
+    max_penetration_ratio: np.ndarray
+    guard_impulses: int
+    measured: tuple[histories.Histories, ...] = ()
+    bar: dynamics.BarHistory | None = None
+    backing: BackingResult | None = None
+    checks: tuple = ()
     steps: int
     wall_time: float
     ns_per_element_step: float
-    max_deflection: float
-    checks: tuple
-    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
     step_factor: float = 1.0
 
     @property
     def strike_energy(self) -> float:
-        """[J]"""
-        return self.setup.projectile.energy(self.setup.strike_velocity)
+        """[J] kinetic energy of the projectile at the start."""
+        raise NotImplementedError
 
     @property
     def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
         return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
+
+    @property
+    def absorbed_energy(self) -> float:
+        """[J] energy that the projectile has lost."""
+        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
+
+    @property
+    def cut_yarns(self) -> FloatArray:
+        """(n,) cut yarns of all plies (`ply_audit.cut_yarns`)."""
+        return self.plies["cut_yarns"].sum(axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImpactResult(ImpactData):
+    """What a solver has computed of an impact, with the objects that it ran.
+
+    Parameters
+    ----------
+    setup : what was run
+    target : Pack, of one ply or several
+    final_velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
+    projectile_position : (3,) [m] position of its nose at the end
+    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time
+        [s], and its place at rest along warp and weft from the impact point [m]; NaN but for the
+        tension where there was none
+    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on
+        the projectile [N]
+    last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
+    snapshots : tuple of such tuples
+    failures : (plies, 2) State.failed_segments and State.loads_at_failure of each ply
+    """
+
+    setup: ImpactSetup
+    target: Pack
+    final_velocity: np.ndarray
+    projectile_position: np.ndarray
+    peaks: np.ndarray
+    step_history: np.ndarray
+    last: tuple[Snapshot, ...]
+    snapshots: tuple[tuple[Snapshot, ...], ...]
+    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
+
+    @property
+    def strike_energy(self) -> float:
+        """[J] kinetic energy of the projectile at the start."""
+        return self.setup.projectile.energy(self.setup.strike_velocity)
 
     @property
     def mirrored(self) -> tuple[bool, bool]:
@@ -123,16 +149,6 @@ class ImpactResult:
         """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
         warp, weft = self.peaks[..., 0].max(axis=0)
         return float(warp), float(weft)
-
-    @property
-    def absorbed_energy(self) -> float:
-        """[J] that the projectile has lost."""
-        return float(self.strike_energy - self.energies["kinetic_projectile"][-1])
-
-    @property
-    def cut_yarns(self) -> FloatArray:
-        """(n,) cut yarns of all plies (`ply_audit.cut_yarns`)."""
-        return self.plies["cut_yarns"].sum(axis=1)
 
     @property
     def reactions(self) -> dict[str, FloatArray]:
@@ -164,24 +180,24 @@ def collect_result(
         target=solver.pack,
         outcome=solver.outcome,
         residual_velocity=solver.residual_velocity,
-        velocity=panels[0].in_pack(speed),
-        t=solver.sample("t"),
-        v=solver.sample("v"),
+        final_velocity=panels[0].in_pack(speed),
+        time=solver.sample("t"),
+        velocity=solver.sample("v"),
         nose_position=solver.sample("z"),
         contact_force=solver.contact_force,
         deflection=deflection,
         energies={name: solver.sample(name) for name in solver.energy_names},
         plies=plies,
         peaks=solver.peak_tensions,
-        deepest=solver.deepest,
-        held_apart=solver.held_apart,
+        max_penetration_ratio=solver.deepest,
+        guard_impulses=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
         bar=of_parts.get("bar"),
         backing=of_parts.get("backing"),
         projectile_position=last[0].projectile_position.copy(),
         last=last,
         snapshots=tuple(solver.snapshots),
-        histories=recorded,
+        measured=recorded,
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),

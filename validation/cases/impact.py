@@ -183,7 +183,7 @@ def found(result: ImpactResult, keywords: Values) -> Values:
     """Return the dict of `shot`."""
     yarns = dict(keywords.get("change") or {}).get("crossovers", 1)
     energies = result.energies
-    late = result.t > 0.5 * result.t[-1]
+    late = result.time > 0.5 * result.time[-1]
     stored = energies["yarn_strain"] + energies["shear"]
     late &= stored > 0
     kinetic = nan
@@ -191,16 +191,16 @@ def found(result: ImpactResult, keywords: Values) -> Values:
         kinetic = float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
     speeds = {
         f"{front.kind} {front.family}": front.speed if front.r2 >= STRAIGHT else nan
-        for history in result.histories[:1]
+        for history in result.measured[:1]
         for front in fronts(history)
     }
     return (
-        ImpactRecord.of(result, "", "").facts()
+        ImpactRecord.from_result(result, "", "").facts()
         | ends(result)
         | rough(result.step_history)
         | {
-            "t": result.t,
-            "v": result.v,
+            "t": result.time,
+            "v": result.velocity,
             "z": result.nose_position,
             "force": result.contact_force,
             "absorbed": result.strike_energy - energies["kinetic_projectile"],

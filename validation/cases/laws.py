@@ -128,7 +128,7 @@ def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
 def _velocity_and_tension(setup: ImpactSetup) -> tuple[float, float]:
     """[m/s] 200 us after the strike, or at the end of a shorter shot, and the highest tension of a yarn [N]."""
     result = run_impact(setup)
-    velocity = np.interp(200e-6, result.t, np.maximum(result.v, 0.0))
+    velocity = np.interp(200e-6, result.time, np.maximum(result.velocity, 0.0))
     return float(velocity), float(np.max(result.peak_tension))
 
 
@@ -184,8 +184,8 @@ def card(
         setup = mesh_uncertainty.finer(setup, table)
     result = run_impact(setup, table=table)
     return {
-        "t": result.t,
-        "v": result.v,
+        "t": result.time,
+        "v": result.velocity,
         "deflection": result.max_deflection,
         "peak": result.peak_tension,
     }

@@ -155,7 +155,7 @@ def over_displacement(run: Any, values: Any) -> float:
 
 def yarn(run: Any, family: str) -> Any:
     """Return the history of the yarn through the impact point."""
-    return run.histories[0].through(family)
+    return run.measured[0].through(family)
 
 
 def tension(run: Any, family: str, low: float, high: float) -> FloatArray:
@@ -180,17 +180,17 @@ def onset(run: Any, family: str) -> float:
     if first == 0:
         return np.nan
     around = slice(first - 1, first + 1)
-    return float(np.interp(level, N[around], run.t[around]))
+    return float(np.interp(level, N[around], run.time[around]))
 
 
 def reaction(run: Any, family: str) -> tuple[FloatArray, FloatArray]:
     """Resample its reaction at the edge: (instants a microsecond apart, reaction)."""
-    return even(run.t, run.reactions[family], 1e-6)
+    return even(run.time, run.reactions[family], 1e-6)
 
 
 def front(run: Any, family: str, kind: str) -> float:
     """Measure the speed [m/s] of the "longitudinal" or "transverse" front along that yarn."""
-    return getattr(wave_fronts, kind)(yarn(run, family), run.histories[0].t).speed
+    return getattr(wave_fronts, kind)(yarn(run, family), run.measured[0].t).speed
 
 
 def strength(run: Any) -> FloatArray:
@@ -271,10 +271,10 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values
     """Average weft reactions across the edge over a window [s]: of the middle and of the plateau
     [N], and the width [m] of the zone, which ends where `level` of what the middle has more than
     the plateau is left."""
-    clock = run.histories[0].t
+    clock = run.measured[0].t
     window = (clock > start) & (clock < stop)
     ends = {}
-    for yarn in run.histories[0].yarns:
+    for yarn in run.measured[0].yarns:
         if yarn.family == "weft":
             ends[abs(yarn.offset)] = yarn.tension[window, -1].mean()
     offset, profile = np.array(sorted(ends.items())).T
@@ -293,13 +293,13 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Values
 def noise_over_net(shell: Any, cables: Any) -> float:
     """Compare the noise of the reaction of the warp: shell over cable net, as means over a
     microsecond, as the shell's are."""
-    t = np.arange(0, min(shell.t[-1], end(cables)), 1e-6)
+    t = np.arange(0, min(shell.time[-1], end(cables)), 1e-6)
     clock = cables.step_history[:, 0]
     width = max(1, round(1e-6 / (clock[1] - clock[0])))
     of_cables = np.interp(
         t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same")
     )
-    return noise(t, np.interp(t, shell.t, shell.reactions["warp"])) / noise(t, of_cables)
+    return noise(t, np.interp(t, shell.time, shell.reactions["warp"])) / noise(t, of_cables)
 
 
 def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
@@ -328,7 +328,7 @@ def straight_side(run: Any, velocity: float) -> float:
 def _profile(run, t):
     """Positions along the warp through the impact point and their deflections at the instant nearest t."""
     warp = yarn(run, "warp")
-    k = int(np.argmin(abs(run.histories[0].t - t)))
+    k = int(np.argmin(abs(run.measured[0].t - t)))
     return warp.place[k], warp.deflection[k]
 
 
@@ -357,7 +357,7 @@ def front_width(run: Any, place: float) -> float:
     """Measure the length [m] over which the tension of the weft at a place rises from a tenth to
     half of the plateau behind the front."""
     weft = yarn(run, "weft")
-    clock = run.histories[0].t
+    clock = run.measured[0].t
     T = weft.tension[:, int(np.argmin(abs(weft.X - place)))]
     start = np.argmax(T > 0.01 * weft.strength)
     # the plateau is reached within 20 us
@@ -371,19 +371,19 @@ def front_width(run: Any, place: float) -> float:
 def share_of_time_falling(*runs: Any) -> float:
     """Compute the share [-] of the time after zone I in which the strain of the weft, without
     noise, falls from each run to the next."""
-    n = min(len(run.histories[0].t) for run in runs)
-    clock = runs[0].histories[0].t
-    strains = [smooth(run.histories[0].t[:n], strain(run, "weft")[:n]) for run in runs]
+    n = min(len(run.measured[0].t) for run in runs)
+    clock = runs[0].measured[0].t
+    strains = [smooth(run.measured[0].t[:n], strain(run, "weft")[:n]) for run in runs]
     return float(np.mean(rising(*strains[::-1])[clock[:n] > ZONE_I]))
 
 
 def spread_before_peak(less: Any, same: Any, more: Any) -> float:
     """Compute the largest difference of the strains of the weft of three runs before the peak of
     the middle one, over the peak."""
-    clock = same.histories[0].t
+    clock = same.measured[0].t
     strains = strain(same, "weft")
     t = np.linspace(0, 0.9 * clock[int(np.argmax(strains))], 300)
-    each = [np.interp(t, run.histories[0].t, strain(run, "weft")) for run in (less, same, more)]
+    each = [np.interp(t, run.measured[0].t, strain(run, "weft")) for run in (less, same, more)]
     return float((np.max(each, axis=0) - np.min(each, axis=0)).max() / strains.max())
 
 

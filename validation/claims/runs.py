@@ -224,7 +224,7 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
     given = made.fabric
     weft = replace(given.weave.weft, linear_density=1e-3 * given.weave.weft.linear_density)
     given = replace(given, weave=replace(given.weave, weft=weft), shear=None)
-    return SimpleNamespace(histories=run_impact(replace(made, fabric=given)).histories)
+    return SimpleNamespace(measured=run_impact(replace(made, fabric=given)).measured)
 
 
 def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:

@@ -301,7 +301,7 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
     shapes = tuple(tuple(map(Shape.from_snapshot, plies)) for plies in result.snapshots)
     fabric = panel.setup.fabric
     lines = list_assumptions(panel.setup)
-    return ShotResult.of(
+    return ShotResult.from_result(
         result,
         panel.shot_title,
         panel.law_name,

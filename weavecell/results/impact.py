@@ -26,6 +26,7 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
+from shellfabric.impact.result import ImpactData, ImpactResult
 from shellfabric.panel.quality import status
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
@@ -36,10 +37,6 @@ from weavecell.studies import rigidity
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from shellfabric.backing.coupling import BackingResult
-    from shellfabric.impact.result import ImpactResult
-    from shellfabric.output.histories import Histories
-    from shellfabric.projectile.dynamics import BarHistory
 
 # name and version of the files
 FORMAT = "weavecell impact 9"
@@ -48,23 +45,25 @@ AT_REST = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImpactRecord:
-    """One impact on one ply or several, from strike to its end; energies and forces are those of
-    the whole panel.
+class ImpactRecord(ImpactData):
+    """One impact on one ply or several, as its file has it, from strike to its end.
 
     Scalars, histories (n,) and data of the plies (plies, ...) are in SI units and as
     results/keys.toml has them, in the tables run, impact, histories and plies.
 
     Parameters
     ----------
-    energies : {name: (n,)} [J], names of the table energies
-    plies : {name: (n, plies)} of the table ply_histories
+    title, fabric_name, law_name : of the shot, its fabric and its compression law
+    strike_velocity, mass : [m/s, kg] of the projectile
+    failure_message : why an unstable run was stopped, else ""
+    rigid_check : whether a rigid projectile is justified, in words
+    mirror_x, mirror_y : whether the panel continues mirrored at x = 0, y = 0
+    elements : number of elements
     strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run,
         and when
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
-    gaps, max_penetration_ratio : (plies - 1,) [m, -]
-    guard_impulses : that kept plies from passing through each other
-    step_factor : [-] 0.7 of a run made again with a shorter step, else 1
+    z_rest, thickness : (plies,) [m] middle surface at rest, thickness
+    gaps : (plies - 1,) [m]
     half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it
         lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
@@ -73,37 +72,18 @@ class ImpactRecord:
     pack : {key: value} of the table stacking, of several plies; empty of one
     failure : {key: value} of the table failure, of strengths that follow strain rate; empty of
         constant ones
-    checks : tuple of shellfabric.panel.quality.Indicator
-    measured : tuple of shellfabric.output.histories.Histories of each ply; empty if nothing was to
-        be recorded
-    bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
-    backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
     """
 
     title: str
     fabric_name: str
     law_name: str
     strike_velocity: float
-    outcome: str
-    residual_velocity: float
     mass: float
     failure_message: str
     rigid_check: str = ""
     mirror_x: bool
     mirror_y: bool
-    wall_time: float
-    ns_per_element_step: float
     elements: int
-    steps: int
-    max_deflection: float
-    time: np.ndarray
-    velocity: np.ndarray
-    nose_position: np.ndarray
-    contact_force: np.ndarray
-    deflection: np.ndarray
-    cut_yarns: np.ndarray
-    energies: dict
-    plies: dict
     strength: np.ndarray
     peak_tension: np.ndarray
     peak_tension_time: np.ndarray
@@ -111,9 +91,6 @@ class ImpactRecord:
     z_rest: np.ndarray
     thickness: np.ndarray
     gaps: np.ndarray
-    max_penetration_ratio: np.ndarray
-    guard_impulses: int
-    step_factor: float
     half_energy: tuple[Shape, ...]
     final: tuple[Shape, ...]
     quads: tuple[np.ndarray, ...]
@@ -121,13 +98,9 @@ class ImpactRecord:
     cuts: tuple = ()
     pack: dict[str, Any] = field(default_factory=dict)
     failure: dict[str, float | None] = field(default_factory=dict)
-    checks: tuple = ()
-    measured: tuple[Histories, ...] = ()
-    bar: BarHistory | None = None
-    backing: BackingResult | None = None
 
     @classmethod
-    def of(
+    def from_result(
         cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any
     ) -> Self:
         """The record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
@@ -140,11 +113,8 @@ class ImpactRecord:
         # the last snapshot may be the end of the run, which is cut on its own
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.from_snapshot, result.last))
-        named = [{entry.name for entry in fields(owner)} for owner in (ImpactRecord, result)]
-        # velocity is the vector at the end there, and the history along the normal here
-        same = set.intersection(*named) - {"velocity"}
         return cls(
-            **{name: getattr(result, name) for name in same},
+            **{entry.name: getattr(result, entry.name) for entry in fields(ImpactData)},
             **more,
             title=title,
             fabric_name=setup.name,
@@ -156,9 +126,6 @@ class ImpactRecord:
             mirror_x=result.mirrored[0],
             mirror_y=result.mirrored[1],
             elements=sum(panel.elements for panel in panels),
-            time=result.t,
-            velocity=result.v,
-            cut_yarns=result.cut_yarns,
             strength=np.array([[yarn.strength for yarn in panel.weave.yarns] for panel in panels]),
             peak_tension=result.peaks[..., 0],
             peak_tension_time=result.peaks[..., 1],
@@ -166,8 +133,6 @@ class ImpactRecord:
             z_rest=target.places,
             thickness=np.array([panel.weave.thickness for panel in panels]),
             gaps=np.array(target.gaps),
-            max_penetration_ratio=result.deepest,
-            guard_impulses=result.held_apart,
             half_energy=_half_energy(result, final),
             final=final,
             quads=tuple(map(quads, panels)),
@@ -176,7 +141,6 @@ class ImpactRecord:
             # that they lie on
             projectile=setup.projectile.surface(setup.projectile.edge_radius),
             pack=_describe_stacking(setup, target) if len(panels) > 1 else {},
-            measured=result.histories,
             failure=_failure(result),
         )
 
@@ -215,16 +179,6 @@ class ImpactRecord:
     def strike_energy(self) -> float:
         """[J]"""
         return 0.5 * self.mass * self.strike_velocity**2
-
-    @property
-    def energy_error_max(self) -> float:
-        """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
-
-    @property
-    def absorbed_energy(self) -> float:
-        """[J] energy that the projectile has lost."""
-        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
 
     @property
     def viscous_energy_fraction(self) -> float:
@@ -406,9 +360,11 @@ class ImpactRecord:
             values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
             for name in _TEXTS:
                 values[name] = json.loads(file.attrs[name])
+            known = {entry.name for entry in fields(cls)}
             for group in ("histories", "plies"):
                 for key in TABLES[group]:
-                    values[key.name] = file[group][key.name][()]
+                    if key.name in known:
+                        values[key.name] = file[group][key.name][()]
             for name, group in (("energies", "energies"), ("plies", "plies/histories")):
                 values[name] = {key: data[()] for key, data in file[group].items()}
             for name in ("half_energy", "final"):
@@ -518,7 +474,7 @@ def _half_energy(result, final):
     """The shapes nearest to the instant at which half of the energy lost had been lost."""
     kinetic = result.energies["kinetic_projectile"]
     lost = kinetic[0] - kinetic
-    instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
+    instant = result.time[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shots for shots in result.snapshots if shots[0].t <= final[0].time]
     # a short run has no snapshot before its end
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)

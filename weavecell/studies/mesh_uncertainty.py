@@ -333,8 +333,8 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     strike = coarse.setup.strike_velocity
     deepest = coarse.max_deflection
     other_deepest = fine.max_deflection
-    shared = coarse.t[coarse.t <= fine.t[-1]]
-    depth = np.interp(shared, fine.t, fine.deflection) - coarse.deflection[: shared.size]
+    shared = coarse.time[coarse.time <= fine.time[-1]]
+    depth = np.interp(shared, fine.time, fine.deflection) - coarse.deflection[: shared.size]
     # the peak may lie between two samples of the histories
     depths = np.append(depth, other_deepest - deepest)
     ends = (max(result.residual_velocity, 0.0) for result in (coarse, fine))

@@ -111,22 +111,22 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     long = replace(short, backing=replace(BLOCK, after_stop=30e-6))
     stopped = run_impact(short)
     path = tmp_path / "checkpoint.h5"
-    rested = run_impact(long, hooks=(checkpoint.Checkpoints(path, stopped.t[-1] + 10e-6),))
+    rested = run_impact(long, hooks=(checkpoint.Checkpoints(path, stopped.time[-1] + 10e-6),))
     assert stopped.outcome == "stopped"
     assert rested.outcome == "stopped"
     assert rested.residual_velocity == 0
-    assert rested.t[-1] == pytest.approx(stopped.t[-1] + 30e-6, abs=2.1e-6)
+    assert rested.time[-1] == pytest.approx(stopped.time[-1] + 30e-6, abs=2.1e-6)
     assert_array_equal(rested.step_history[: len(stopped.step_history)], stopped.step_history)
     assert rested.energies["backing_kinetic"][-1] < stopped.energies["backing_kinetic"][-1]
     assert rested.energy_error_max < 5e-3
     march = PackSolver(long.panel(), 60.0, long.end_time)
     checkpoint.read(march, path)
-    assert march.time > stopped.t[-1]
+    assert march.time > stopped.time[-1]
     assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
-    cut = run_impact(replace(long, end_time=stopped.t[-1] + 10e-6))
+    cut = run_impact(replace(long, end_time=stopped.time[-1] + 10e-6))
     assert cut.outcome == "stopped"
     assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(
-        stopped.t[-1], abs=2.1e-6
+        stopped.time[-1], abs=2.1e-6
     )
 
 

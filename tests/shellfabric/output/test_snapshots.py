@@ -26,7 +26,7 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
     measure = HistoryRequest(1e-6, (0.0, 6e-3), (0.0, 10e-3))
     result = shoot(symmetry=symmetry, history=measure, snapshot_interval=20e-6)
     panel = result.panel
-    (recorded,) = result.histories
+    (recorded,) = result.measured
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
     for (shot,) in result.snapshots:
@@ -75,8 +75,8 @@ def test_reactions_take_up_the_momentum(shoot, part):
     result = shoot(
         60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part]
     )
-    t = result.histories[0].t
-    edges = [ply.edges for ply in result.histories]
+    t = result.measured[0].t
+    edges = [ply.edges for ply in result.measured]
     lift = sum(ply[name][:, LIFT] for ply in edges for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
@@ -99,7 +99,7 @@ def test_tensions_add_up_to_the_reaction_of_an_edge(shoot, changes):
     }
     result = shoot(**chosen | changes)
     for shots in (*result.snapshots[1:], result.last):  # waves have come to the edge
-        for one, panel, known in zip(shots, result.panels, result.histories):
+        for one, panel, known in zip(shots, result.panels, result.measured):
             (sample,) = np.flatnonzero(known.t == one.t)
             yarns = panel.weave.warp_count * np.diff(panel.lines()[1])  # of an element
             along = np.diff(one.nodes[-2:], axis=0)[0]
@@ -111,8 +111,8 @@ def test_tensions_add_up_to_the_reaction_of_an_edge(shoot, changes):
 
 def test_plies_are_followed_by_their_numbers(shoot):
     chosen = {"plies": 3, "opening": 0.04, "ply_gap": 50e-6, "end_time": 40e-6}
-    every = shoot(120.0, history=HistoryRequest(2e-6), **chosen).histories
-    named = shoot(120.0, history=HistoryRequest(2e-6, plies=(3, 1)), **chosen).histories
+    every = shoot(120.0, history=HistoryRequest(2e-6), **chosen).measured
+    named = shoot(120.0, history=HistoryRequest(2e-6, plies=(3, 1)), **chosen).measured
     assert len(every) == 3
     for one, other in zip(named, (every[2], every[0]), strict=True):
         assert_array_equal(
@@ -181,7 +181,7 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
         numerics=Numerics(penalty=0.1),
         **STRIP,
     )
-    (recorded,) = run_impact(setup).histories
+    (recorded,) = run_impact(setup).measured
     yarn = recorded.through("warp")
     warp = fabric.weave.warp
     heavy = replace(
@@ -211,7 +211,7 @@ def test_front_of_a_crimped_yarn_is_a_shock(fabric):
         history=HistoryRequest(weft=()),
         **STRIP | {"table_size": 201},
     )
-    (recorded,) = run_impact(setup).histories
+    (recorded,) = run_impact(setup).measured
     yarn = recorded.through("warp")
     weave = fabric.weave
     front = wave_fronts.longitudinal(yarn, recorded.t)

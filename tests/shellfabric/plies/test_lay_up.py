@@ -49,7 +49,7 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     ]
     weft, warp = (yarn.strength for yarn in first.panels[2].weave.yarns)
     assert (warp, weft) == tuple(yarn.strength for yarn in other.fabric.weave.yarns)
-    assert abs(first.v - second.v).max() > 0.1
+    assert abs(first.velocity - second.velocity).max() > 0.1
     law = first.target.laws
     assert law[0].stiffness != law[1].stiffness
 

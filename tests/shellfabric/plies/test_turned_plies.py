@@ -57,7 +57,7 @@ def alike(one, other):
         float(abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies
     )
     far = max(far, float(abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
-    far = max(far, float(abs(one.v - other.v).max()) / v)
+    far = max(far, float(abs(one.velocity - other.velocity).max()) / v)
     return far < ROUND_OFF and np.allclose(
         one.plies["deflection"], other.plies["deflection"], rtol=1e-6
     )
@@ -95,7 +95,7 @@ def test_an_oblique_shot_turns_with_its_pack():
         there = getattr(one, name)
         here = getattr(two, name)
         assert_allclose(turn @ there[:2], here[:2], rtol=1e-9, atol=1e-12)
-    assert two.velocity[0] == pytest.approx(260.0 * np.sin(radians(35)), rel=0.05)
+    assert two.final_velocity[0] == pytest.approx(260.0 * np.sin(radians(35)), rel=0.05)
     for shots in (one.last, two.last):  # the deepest node is where the projectile is, in every ply
         for shot in shots:
             deepest = shot.nodes[..., 2].argmax()

@@ -79,7 +79,7 @@ def test_cloth_at_rest_stays_at_rest():
 
 def test_block_size_does_not_matter(shoot):
     one, other = (shoot(numerics=Numerics(block=block)) for block in (100, 5000))
-    assert_allclose(one.v, other.v, rtol=1e-12)
+    assert_allclose(one.velocity, other.velocity, rtol=1e-12)
 
 
 def test_wrong_checkpoints(shoot, tmp_path):
@@ -101,7 +101,7 @@ def test_unstable_run_stops_itself(shoot):
         shoot(100.0, numerics=Numerics(penalty=60.0, contact_damping=0.0))
     result = caught.value.result
     assert result.outcome == "unstable"
-    assert len(result.t) >= 2
+    assert len(result.time) >= 2
     assert caught.value.when
     assert caught.value.where
 

@@ -86,7 +86,7 @@ def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
     plain = run_impact(replace(base, crossovers=None, elements_per_crossover=1), table=table)
     assert energies_hold(zone, 1e-3)
     assert (zone.outcome, plain.outcome) == ("stopped", "stopped")
-    assert zone.t[-1] == pytest.approx(plain.t[-1], rel=0.02)
+    assert zone.time[-1] == pytest.approx(plain.time[-1], rel=0.02)
     assert zone.max_deflection == pytest.approx(plain.max_deflection, rel=0.05)
     assert zone.peak_tension[1] == pytest.approx(plain.peak_tension[1], rel=0.03)
 

@@ -116,7 +116,7 @@ def test_decoupled_shell_is_the_cable_model(crimps, bounds):
     )
     assert abs(velocity).max() < bounds[0]
     pulls = (
-        np.interp(t, shell.t, shell.reactions["warp"]),
+        np.interp(t, shell.time, shell.reactions["warp"]),
         np.interp(t, cable.step_history[:, 0], cable.reactions["warp"]),
     )
     assert np.sum(pulls[1]) == pytest.approx(np.sum(pulls[0]), rel=bounds[1])

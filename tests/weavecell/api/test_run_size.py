@@ -21,7 +21,7 @@ def test_elements_and_steps_are_those_of_the_run(panel):
     setup = wc.setup("S-720", "90 m/s", **panel)
     result, _ = run_impact_or_partial(setup)
     assert size.elements == setup.target().elements
-    assert size.steps == round(result.t[-1] / size.time_step)
+    assert size.steps == round(result.time[-1] / size.time_step)
     assert size.cpu_time[0] < size.cpu_time[1]
     assert "; 0.98 to 1,200 s of CPU time" in str(replace(size, cpu_time=(0.98, 1234.5)))
 

@@ -102,7 +102,7 @@ def result_of(setup, outcome, residual):
         outcome=outcome,
         residual_velocity=residual,
         step_history=panel,
-        t=panel[:, 0],
+        time=panel[:, 0],
         deflection=panel[:, 1],
         max_deflection=1e-3,
         peak_tension=(10.0, 20.0),
@@ -249,7 +249,7 @@ def test_the_peak_deflection_is_that_of_the_fabric(setup):
     other = result_of(setup, "stopped", 0.0)
     t = np.linspace(0.0, 1e-4, 5)
     for result, depths in ((one, [0, 4, 9, 8, 8]), (other, [0, 4, 10, 9, 8])):
-        result.t, result.deflection = t, 1e-3 * np.array(depths)
+        result.time, result.deflection = t, 1e-3 * np.array(depths)
         result.max_deflection = result.deflection.max()
         result.step_history = np.column_stack([t, 0.1 * t, 40 - t, 0 * t])
     found = by_name(compared(one, other))
