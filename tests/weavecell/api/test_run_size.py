@@ -34,20 +34,27 @@ def test_the_command_writes_nothing(succeed, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_the_forecast_of_a_study_counts_its_shots(tmp_path, monkeypatch):
-    """Of a V50 the shots and a search; with a range two searches more for each assumption, and six times the shots."""
-    monkeypatch.chdir(tmp_path)
-    panel = {"opening": "50 mm", "check": True}
-    plain = wc.v50("S-720", shots=20, **panel)
+def test_the_forecast_of_a_v50_counts_its_shots_and_a_search():
+    plain = wc.v50("S-720", shots=20, opening="50 mm", check=True)
     assert plain.shots == 20 + SHOTS_OF_A_SEARCH
     assert plain.searches == 1
+
+
+def test_the_forecast_of_a_v50_with_a_range_counts_six_times_the_shots_and_two_searches_an_assumption():
     ends = sum(map(len, assumed_range.changes(wc.setup("S-720", 1.0, opening="50 mm")).values()))
-    whole = wc.v50("S-720", shots=20, assumed_range=True, **panel)
+    whole = wc.v50("S-720", shots=20, assumed_range=True, opening="50 mm", check=True)
     assert whole.searches == 1 + ends + 2
     assert whole.shots == 7 * 20 + SHOTS_OF_A_SEARCH * whole.searches
-    limit = wc.critical_velocity("S-720", **panel)
+
+
+def test_the_forecast_of_a_limit_counts_residual_shots_and_scan():
+    limit = wc.critical_velocity("S-720", opening="50 mm", check=True)
     assert limit.shots == SHOTS_OF_A_SEARCH + 8 + 18
     assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
+
+
+def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     over = {"panel.plies": [1, 2]}
     swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
     assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 18)

@@ -145,26 +145,33 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     assert np.any(steel & (image.mean(axis=2) < 180))
 
 
-def test_a_view_is_written_as_a_picture_or_a_movie(command, copied, tmp_path, monkeypatch):
-    assert command("view results --screenshot panel.png")[:2] == (
-        0,
-        "written to panel.png\n",
-    )
-    written = "written to shot.gif\nwritten to shot.html\n"
-    assert command("view results --movie shot.gif --html shot.html")[:2] == (
-        0,
-        written,
-    )
-    assert "20 \\u00b5s after the strike" in (tmp_path / "shot.html").read_text("utf-8")
-    with Image.open(tmp_path / "panel.png") as picture, Image.open(tmp_path / "shot.gif") as movie:
+def test_a_view_is_written_as_a_picture(command, copied, tmp_path):
+    assert command("view results --screenshot panel.png")[:2] == (0, "written to panel.png\n")
+    with Image.open(tmp_path / "panel.png") as picture:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
+
+
+def test_a_view_is_written_as_a_movie_and_a_page(command, copied, tmp_path):
+    written = "written to shot.gif\nwritten to shot.html\n"
+    assert command("view results --movie shot.gif --html shot.html")[:2] == (0, written)
+    assert "20 \\u00b5s after the strike" in (tmp_path / "shot.html").read_text("utf-8")
+    with Image.open(tmp_path / "shot.gif") as movie:
         assert movie.n_frames == len(vtk.read_series(copied / "panel.pvd"))
+
+
+def test_a_view_without_a_display_names_what_needs_none(command, copied, monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     line = "error: there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif\n"
     assert command("view results") == (2, "", line)
+
+
+def test_a_movie_without_its_package_names_the_package(command, copied, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio.v2", None)
     assert "imageio" in command("view results --movie shot.mp4")[2]
+
+
+def test_a_view_without_histories_names_the_file(command, copied):
     (copied / "histories.h5").unlink()
     assert "histories.h5" in command("view results --movie shot.gif")[2]
     assert view.panel_of(copied, view.find(copied)) is None

@@ -126,41 +126,63 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
     assert one < eight < 4 * one
 
 
-@pytest.mark.parametrize("plies", [1, 2])
-def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
-    """Whatever the workers; residual velocities rise with the strike's."""
-    target = Pack.stacked(small(), plies, stacking="alternating", gap=1e-4)
+@pytest.fixture(scope="module", params=[1, 2], ids=["one ply", "two plies"])
+def searched(request):
+    """Search the limit of a small panel or pack, then shoot at both ends of the bracket and at 1.5 and 2 times its
+    upper end, with another number of workers: (plies, target, Limit, [(share, shot)] of the progress, shots)."""
+    plies = request.param
+    target = Pack.stacked(make_panel(), plies, stacking="alternating", gap=1e-4)
     seen = []
     found = ballistic_limit.critical_velocity(
         target, tolerance=4.0, jobs=plies, report=lambda share, shot: seen.append((share, shot))
     )
+    velocities = [found.low, found.high, 1.5 * found.high, 2 * found.high]
+    return plies, target, found, seen, ballistic_limit.shoot(target, velocities, jobs=3 - plies)
+
+
+def test_the_bracket_is_as_narrow_as_the_tolerance(searched):
+    _, _, found, _, _ = searched
     assert found.high - found.low <= 4.0
-    assert plies == 1 or found.low > ballistic_limit.critical_velocity(small(), tolerance=4.0).high
+
+
+def test_two_plies_stop_more_than_one(searched):
+    plies, _, found, _, _ = searched
+    if plies == 2:
+        assert found.low > ballistic_limit.critical_velocity(make_panel(), tolerance=4.0).high
+
+
+def test_progress_reports_each_shot_of_a_search_once_and_ends_at_all_of_it(searched):
+    _, _, found, seen, _ = searched
+    shares = [share for share, _ in seen]
     assert [shot for _, shot in seen] == list(found.shots)
-    assert [share for share, _ in seen] == sorted(share for share, _ in seen)
-    assert seen[-1][0] == 1.0
-    again = ballistic_limit.shoot(
-        target, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=3 - plies
-    )
-    assert [shot.outcome for shot in again] == ["stopped", *["perforated"] * 3]
-    assert again[0].residual_velocity == 0.0
-    assert (
-        0
-        < again[1].residual_velocity
-        < again[2].residual_velocity
-        < again[3].residual_velocity
-        < 2 * found.high
-    )
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_residual_velocities_rise_from_0_at_the_lower_end_of_the_bracket(searched):
+    _, _, found, _, shots = searched
+    assert [shot.outcome for shot in shots] == ["stopped", *["perforated"] * 3]
+    residuals = [shot.residual_velocity for shot in shots]
+    assert residuals[0] == 0.0
+    assert 0 < residuals[1] < residuals[2] < residuals[3] < 2 * found.high
+
+
+def test_the_ends_of_the_bracket_are_what_single_shots_come_to(searched):
+    _, _, found, _, shots = searched
     known = {shot.strike_velocity: replace(shot, wall_time=0.0) for shot in found.shots}
-    for shot in again[:2]:
+    for shot in shots[:2]:
         assert replace(shot, wall_time=0.0) == known[shot.strike_velocity]
+
+
+def test_a_shot_of_a_search_is_what_the_solver_computes(searched):
+    plies, target, found, _, shots = searched
     solver = PackSolver(target, found.high, 5e-3, interval=10e-6).run()
     if solver.step_loss > guards.MOST_STEP_LOSS:  # then a shot is made again, as this one
         shorter = target.at_shorter_step(guards.SHORTER_STEP)
         solver = PackSolver(shorter, found.high, 5e-3, interval=10e-6).run()
-    assert again[1].residual_velocity == solver.residual_velocity
-    assert again[1].peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
-    assert again[1].cut_yarns == solver.sample("cut_yarns")[-1] > 0
+    assert shots[1].residual_velocity == solver.residual_velocity
+    assert shots[1].peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
+    assert shots[1].cut_yarns == solver.sample("cut_yarns")[-1] > 0
     # springs that a tear had compressed gave back up to 1.4 % of the strike energy more than the plies had put in
     assert plies == 1 or solver.sample("ply_contact").min() >= -1e-9 * solver.strike_energy
 

@@ -26,19 +26,39 @@ def read(folder):
     return table_of(folder, "critical-velocity.json"), rows_of(folder, "shots.csv")
 
 
-def test_shots_stop_below_the_bracket_and_perforate_above(results):
+@pytest.fixture
+def searched(results):
+    """Return (run, critical-velocity.json, rows of shots.csv) of a search."""
     run = results("critical-velocity")
-    summary, rows = read(run.folder)
+    return run, *read(run.folder)
+
+
+def test_the_bracket_is_as_narrow_as_the_tolerance_and_its_middle_is_printed(searched):
+    run, summary, _ = searched
     low, high = summary["bracket_m_s"]
     assert 0 < high - low <= 1.0
     assert f"critical velocity {0.5 * (low + high):.1f} m/s" in run.out
-    strike = np.array([float(row["strike velocity [m/s]"]) for row in rows])
-    assert np.all(np.diff(strike) >= 0)
-    for row, velocity in zip(rows, strike):
-        assert row["outcome"] == ("perforated" if velocity >= high - 1e-3 else "stopped")
-        assert (float(row["residual velocity [m/s]"]) > 0) == (row["outcome"] == "perforated")
-        assert float(row["energy error [-]"]) < 0.01
-    assert abs(strike - 2 * high).min() < 1e-3
+
+
+def test_shots_stop_below_the_bracket_and_perforate_above(searched):
+    _, summary, rows = searched
+    _, high = summary["bracket_m_s"]
+    for row in rows:
+        above = float(row["strike velocity [m/s]"]) >= high - 1e-3
+        assert row["outcome"] == ("perforated" if above else "stopped")
+        assert (float(row["residual velocity [m/s]"]) > 0) == above
+
+
+def test_the_table_of_shots_is_sorted_and_their_energy_errors_are_small(searched):
+    _, _, rows = searched
+    assert np.all(np.diff([float(row["strike velocity [m/s]"]) for row in rows]) >= 0)
+    assert max(float(row["energy error [-]"]) for row in rows) < 0.01
+
+
+def test_residual_shots_go_up_to_twice_the_limit_and_give_a_lambert_jonas_curve(searched):
+    run, summary, rows = searched
+    strikes = np.array([float(row["strike velocity [m/s]"]) for row in rows])
+    assert abs(strikes - 2 * summary["bracket_m_s"][1]).min() < 1e-3
     assert summary["lambert_jonas"]["limit"] == summary["critical_velocity_m_s"]
     assert 0 < summary["lambert_jonas"]["a"] <= 1
     assert "Lambert-Jonas: a = " in run.out

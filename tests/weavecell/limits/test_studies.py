@@ -95,27 +95,36 @@ def test_the_limit_and_v50_against_the_number_of_plies(succeed, tmp_path):
     assert row["shots"] == "8"
 
 
-def test_a_v50_study_says_what_it_found(results):
+def test_a_v50_study_prints_each_v50_that_it_found(results):
+    out = results("v50").out
+    assert out.count("V50 (") == 2
+    assert out.count("V50 of six shots (MIL-STD-662F") == 1
+
+
+def test_a_v50_study_says_what_was_fired_and_how_to_get_ranges(results):
+    out = results("v50").out
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in out
+    assert "--assumed-range does" in out
+
+
+def test_a_v50_study_says_what_is_assumed_in_print_and_report(results):
     run = results("v50")
-    assert run.out.count("V50 (") == 2
-    assert run.out.count("V50 of six shots (MIL-STD-662F") == 1
-    assert "--assumed-range does" in run.out
-    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
     for text in (run.out, (run.folder / "report.html").read_text()):
         assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
-    page = (run.folder / "report.html").read_text()
-    assert "An up-and-down series of at most" in page
-    assert re.findall(r'<section id="([^"]*)"', page) == [
-        "result",
-        "assumptions",
-        "sources",
-        "making",
-    ]
+
+
+def test_the_report_of_a_v50_study_has_result_assumptions_sources_and_making(results):
+    page = (results("v50").folder / "report.html").read_text()
+    sections = re.findall(r'<section id="([^"]*)"', page)
+    assert sections == ["result", "assumptions", "sources", "making"]
+
+
+def test_the_report_of_a_v50_study_begins_with_v50_and_what_was_shot_at(results):
+    page = (results("v50").folder / "report.html").read_text()
+    panel = "One ply of S-720, 30.6 mm square and clamped"
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
-    assert (
-        "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm."
-        in page
-    )
+    assert f"{panel}, struck by a cylinder of 3 g and 5.5 mm." in page
+    assert "An up-and-down series of at most" in page
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):

@@ -60,18 +60,49 @@ def own(succeed, tmp_path):
     return run
 
 
-def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
-    out, told = own()
+@pytest.fixture(scope="module")
+def kept():
+    """Hold what the run of `assumed_of_mine` came to, which several tests look at."""
+    return {}
+
+
+@pytest.fixture
+def assumed_of_mine(kept, request, tmp_path):
+    """Run the fabric of a data sheet once: (lines printed, summary.json, report.html)."""
+    if not kept:
+        out, told = request.getfixturevalue("own")()
+        kept["run"] = out, told, (tmp_path / "r" / "report.html").read_text()
+    return kept["run"]
+
+
+def test_what_is_assumed_is_printed_and_recorded(assumed_of_mine):
+    out, told, _ = assumed_of_mine
     assert out[:5] == [CRIMP, LENGTH, SHEAR, WOVEN, NOSE]
     assert told["provenance"]["assumed"] == "; ".join(out[:5])
+
+
+def test_a_range_runs_both_ends_of_each_assumption(assumed_of_mine):
+    _, told, _ = assumed_of_mine
     around = told["assumed_range"]
     named = ["nominal", *CRIMP_ENDS, "trellis soft", "trellis stiff", *LENGTH_ENDS, *SET_UP_ENDS]
     assert [run["laws"] for run in around["runs"]][: len(named)] == named
     assert set(around["shares"]) == {run["varied"] for run in around["runs"]} - {""}
+
+
+def test_a_range_holds_the_result_and_is_printed(assumed_of_mine):
+    out, told, _ = assumed_of_mine
+    around = told["assumed_range"]
     assert around["low_m_s"] <= told["residual_velocity_m_s"] <= around["high_m_s"]
     assert out[-2].startswith("assumed laws: residual velocity ")
+
+
+def test_an_assumed_trellis_law_is_in_force(assumed_of_mine):
+    _, told, _ = assumed_of_mine
     assert told["energies_at_end_J"]["shear"] > 0
-    page = (tmp_path / "r" / "report.html").read_text()
+
+
+def test_the_report_shows_the_range_and_the_source_of_what_is_assumed(assumed_of_mine):
+    *_, page = assumed_of_mine
     assert "What the assumed laws leave open" in page
     assert "What each assumption changes alone" in page
     row = page[page.index("shear.G2") :].partition("</tr>")[0]
@@ -98,35 +129,56 @@ def test_nothing_is_assumed_of_what_is_given(own):
     }
 
 
-def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates():
-    """0.94 of the strength, friction of 0.1 and, in a pack, 0.2; what the scene gives replaces them. The range is about
-    them."""
-    mine = catalogue.load(MINE)
-    more = {"law": LAW, "opening": "40 mm"}
-    pack = wc.setup(mine, "90 m/s", plies=2, **more)
+@pytest.fixture(scope="module")
+def mine():
+    """Return the fabric of a data sheet, which says nothing of weaving damage and friction."""
+    return catalogue.load(MINE)
+
+
+ON_MINE = {"law": LAW, "opening": "40 mm"}
+
+
+@pytest.fixture(scope="module")
+def pack_of_mine(mine):
+    """Set up two plies of it."""
+    return wc.setup(mine, "90 m/s", plies=2, **ON_MINE)
+
+
+def test_a_fabric_that_is_not_of_the_catalogue_is_shot_with_best_estimates(mine, pack_of_mine):
+    """0.94 of the strength, friction of 0.1 on the projectile and 0.2 between plies."""
+    warp = pack_of_mine.fabric.weave.warp
+    assert warp.strength == pytest.approx(0.94 * mine.weave.warp.strength)
+    assert (pack_of_mine.projectile.friction, pack_of_mine.ply_friction) == (0.1, 0.2)
+
+
+def test_a_fabric_is_not_weakened_twice(pack_of_mine):
+    again = wc.setup(pack_of_mine.fabric, "90 m/s", plies=2, **ON_MINE)
+    assert again.fabric.weave.warp.strength == pack_of_mine.fabric.weave.warp.strength
+
+
+def test_ranges_are_about_the_best_estimates(mine, pack_of_mine):
+    ends = assumed_range.changes(pack_of_mine)
+    woven = ends["strength after weaving"].values()
+    strengths = [end(pack_of_mine).fabric.weave.warp.strength for end in woven]
     strength = mine.weave.warp.strength
-    assert pack.fabric.weave.warp.strength == pytest.approx(0.94 * strength)
-    assert (pack.projectile.friction, pack.ply_friction) == (0.1, 0.2)
-    again = wc.setup(pack.fabric, "90 m/s", plies=2, **more)  # not weakened twice
-    assert again.fabric.weave.warp.strength == pack.fabric.weave.warp.strength
-    ends = assumed_range.changes(pack)
-    woven = [
-        end(pack).fabric.weave.warp.strength for end in ends["strength after weaving"].values()
-    ]
-    assert woven == pytest.approx([0.88 * strength, strength])
-    assert [end(pack).ply_friction for end in ends["friction between plies"].values()] == [
-        0.15,
-        0.25,
-    ]
-    assert "friction between plies" not in wc.setup(mine, "90 m/s", **more).fabric.assumed
+    assert strengths == pytest.approx([0.88 * strength, strength])
+    between = ends["friction between plies"].values()
+    assert [end(pack_of_mine).ply_friction for end in between] == [0.15, 0.25]
+
+
+def test_one_ply_assumes_no_friction_between_plies(mine):
+    assert "friction between plies" not in wc.setup(mine, "90 m/s", **ON_MINE).fabric.assumed
+
+
+def test_what_the_scene_gives_replaces_the_best_estimates(mine):
     damage = {"strength": 0.9, "source": "tests of drawn yarns"}
     shot = {"mass": "1 g", "diameter": "5 mm", "edge_radius": "0.3 mm", "friction": 0.0}
-    given = wc.setup(
-        mine, "90 m/s", plies=2, ply_friction=0.0, weaving_damage=damage, projectile=shot, **more
-    )
-    assert given.fabric.weave.warp.strength == pytest.approx(0.9 * strength)
-    assert (given.projectile.friction, given.ply_friction) == (0.0, 0.0)
-    assert not set(given.fabric.assumed) & set(data_sheet.OF_SHOTS)
+    given = {"ply_friction": 0.0, "weaving_damage": damage, "projectile": shot}
+    setup = wc.setup(mine, "90 m/s", plies=2, **given, **ON_MINE)
+    strength = setup.fabric.weave.warp.strength
+    assert strength == pytest.approx(0.9 * mine.weave.warp.strength)
+    assert (setup.projectile.friction, setup.ply_friction) == (0.0, 0.0)
+    assert not set(setup.fabric.assumed) & set(data_sheet.OF_SHOTS)
 
 
 @pytest.mark.parametrize("asked", [False, True])
@@ -160,30 +212,59 @@ def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():
     assert not assumed.solid_ends(assumed.given(fabric, "solid"))
 
 
-def test_what_a_set_up_assumes_follows_from_it():
-    """A fabric of the catalogue has its strength and no friction."""
-    setup = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary={"clamp_force": "20 N"})
-    assert setup.fabric.weave.warp.strength == pytest.approx(
-        resolve_fabric("S-720").weave.warp.strength
-    )
-    assert (setup.projectile.friction, setup.ply_friction) == (0.0, 0.0)
-    found = assumed_range.changes(setup)
+@pytest.fixture(scope="module")
+def clamped_pack():
+    """Set up two plies of a fabric of the catalogue in friction clamps."""
+    boundary = {"clamp_force": "20 N"}
+    return wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary=boundary)
+
+
+def test_a_fabric_of_the_catalogue_has_its_strength_and_no_friction(clamped_pack):
+    strength = resolve_fabric("S-720").weave.warp.strength
+    assert clamped_pack.fabric.weave.warp.strength == pytest.approx(strength)
+    assert (clamped_pack.projectile.friction, clamped_pack.ply_friction) == (0.0, 0.0)
+
+
+def test_what_a_set_up_assumes_follows_from_it(clamped_pack):
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
+    found = assumed_range.changes(clamped_pack)
     assert list(found) == [*usual, "friction between plies", "clamp force", PACKED]
-    assert [end(setup).packed_area for end in found[PACKED].values()] == [0.3, 0.7]
-    assert (
-        found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
-    )
-    assert [end(setup).boundary[0].force for end in found["clamp force"].values()] == [10.0, 40.0]
-    weak = found["strength after weaving"]["strength after weaving 0.88"](setup).fabric.weave.warp
-    assert weak.strength == pytest.approx(0.88 * setup.fabric.weave.warp.strength)
+
+
+@pytest.mark.parametrize(
+    "name, read, ends",
+    [
+        (PACKED, lambda setup: setup.packed_area, [0.3, 0.7]),
+        ("friction between plies", lambda setup: setup.ply_friction, [0.15, 0.25]),
+        ("clamp force", lambda setup: setup.boundary[0].force, [10.0, 40.0]),
+    ],
+)
+def test_an_end_of_a_range_changes_its_own_number(clamped_pack, name, read, ends):
+    found = assumed_range.changes(clamped_pack)[name]
+    assert [read(end(clamped_pack)) for end in found.values()] == ends
+
+
+def test_the_low_end_of_the_strength_after_weaving_weakens_the_yarns(clamped_pack):
+    ends = assumed_range.changes(clamped_pack)["strength after weaving"]
+    weak = ends["strength after weaving 0.88"](clamped_pack).fabric.weave.warp
+    assert weak.strength == pytest.approx(0.88 * clamped_pack.fabric.weave.warp.strength)
+
+
+def test_a_strength_after_weaving_that_is_given_is_not_varied():
     woven = {"modulus": 0.9, "strength": 0.9, "source": "tests of drawn yarns"}
     plain = wc.setup("S-720", "90 m/s", opening="40 mm", weaving_damage=woven)
     assert list(assumed_range.changes(plain)) == ["failure length", "friction of the projectile"]
+
+
+def test_another_word_than_laws_asks_for_no_range(clamped_pack):
     with pytest.raises(InputError, match="assumed_range = 'all': must be True, False or \"laws\""):
-        assumed_range.with_ends(setup, "all")
-    assert assumed_range.with_ends(setup, "laws") is None is assumed_range.with_ends(setup, False)
-    assert assumed_range.with_ends(setup, True) is setup
+        assumed_range.with_ends(clamped_pack, "all")
+
+
+def test_a_range_is_made_where_it_is_asked_for(clamped_pack):
+    assert assumed_range.with_ends(clamped_pack, True) is clamped_pack
+    for choice in ("laws", False):
+        assert assumed_range.with_ends(clamped_pack, choice) is None
 
 
 @pytest.mark.parametrize(

@@ -42,31 +42,58 @@ def volume(projectile):
     )
 
 
+def of_kind(kind):
+    """Return the names of projectiles of a kind."""
+    return [name for name in NAMES if name.startswith(f"{kind} ")]
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_a_projectile_is_what_its_name_says(name):
-    """Of steel within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %, lengths three digits."""
-    body, (kind, _, size) = made(name=name), name.partition(" ")
-    shape, data = projectiles.entry(name)
-    assert shape == body.shape == SHAPES[kind]
+def test_a_projectile_has_the_shape_of_its_name(name):
+    shape, _ = projectiles.entry(name)
+    assert shape == made(name=name).shape == SHAPES[name.partition(" ")[0]]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_number_of_a_projectile_has_a_source(name):
+    _, data = projectiles.entry(name)
     assert all(
         entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values()
     )
-    assert body.mass / volume(body) == pytest.approx(projectiles.density(), rel=0.01)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_projectile_is_of_steel(name):
+    """Within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %, lengths three digits."""
+    body = made(name=name)
     assert projectiles.density() == pytest.approx(7850)
-    if kind == "FSP":
-        assert body.mass == pytest.approx(si(size, "kg"))
-        assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
-        assert si(data["mass_tolerance"]["value"], "kg") == pytest.approx(
-            0.03 / 1.1 * body.mass, rel=0.03
-        )
-    elif kind == "RCC":
-        assert body.mass == pytest.approx(float(size.split()[0]) * GRAIN, rel=1e-3)
-        assert body.length == 2 * body.radius
-    else:
-        assert 2 * body.radius == pytest.approx(si(size, "m"))
-        assert body.mass == pytest.approx(
-            projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3
-        )
+    assert body.mass / volume(body) == pytest.approx(projectiles.density(), rel=0.01)
+
+
+@pytest.mark.parametrize("name", of_kind("FSP"))
+def test_a_fragment_simulator_has_mass_flat_and_tolerance_of_the_standard(name):
+    body = made(name=name)
+    _, data = projectiles.entry(name)
+    assert body.mass == pytest.approx(si(name.partition(" ")[2], "kg"))
+    assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
+    tolerance = si(data["mass_tolerance"]["value"], "kg")
+    assert tolerance == pytest.approx(0.03 / 1.1 * body.mass, rel=0.03)
+
+
+@pytest.mark.parametrize("name", of_kind("RCC"))
+def test_a_right_circular_cylinder_has_its_grains_and_is_as_long_as_wide(name):
+    body = made(name=name)
+    assert body.mass == pytest.approx(float(name.split()[1]) * GRAIN, rel=1e-3)
+    assert body.length == 2 * body.radius
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in NAMES if name.partition(" ")[0] not in ("FSP", "RCC")]
+)
+def test_a_sphere_has_its_diameter_and_the_mass_of_steel(name):
+    body = made(name=name)
+    diameter = si(name.partition(" ")[2], "m")
+    assert 2 * body.radius == pytest.approx(diameter)
+    assert body.mass == pytest.approx(projectiles.density() * pi / 6 * diameter**3, rel=1e-3)
 
 
 def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
@@ -81,24 +108,32 @@ def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
 
 
 def test_what_is_given_goes_before_the_data_of_the_name():
-    """Another nose keeps what both have."""
     plain = made(name="FSP 1.10 g")
     other = made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
     assert (plain.mass, other.mass, other.friction) == pytest.approx((1.10e-3, 1.13e-3, 0.2))
-    assert other.radius == plain.radius
-    assert other.length == plain.length
-    assert other.flat_width == plain.flat_width
-    dome, ball = (made(name="FSP 1.10 g", shape=shape) for shape in ("hemisphere", "sphere"))
-    assert (dome.mass, dome.radius, dome.length, dome.edge_radius) == (
-        plain.mass,
-        plain.radius,
-        plain.length,
-        plain.edge_radius,
-    )
-    assert ball.mass == plain.mass
-    assert ball.radius == plain.radius
-    assert ball.length is None
-    assert dome.flat_width is None is ball.flat_width
+
+
+def test_what_is_not_given_is_the_data_of_the_name():
+    plain = made(name="FSP 1.10 g")
+    other = made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
+    for field in ("radius", "length", "flat_width"):
+        assert getattr(other, field) == getattr(plain, field)
+
+
+@pytest.mark.parametrize(
+    "shape, kept",
+    [
+        ("hemisphere", ("mass", "radius", "length", "edge_radius")),
+        ("sphere", ("mass", "radius")),
+    ],
+)
+def test_another_nose_keeps_what_both_have(shape, kept):
+    plain = made(name="FSP 1.10 g")
+    other = made(name="FSP 1.10 g", shape=shape)
+    for field in kept:
+        assert getattr(other, field) == getattr(plain, field)
+    assert other.flat_width is None
+    assert (other.length is None) == ("length" not in kept)
 
 
 def test_editors_do_not_ask_for_what_the_name_says(tool):

@@ -190,24 +190,38 @@ def test_a_name_gives_mass_and_edge_radius():
     assert made.panel.symmetry == "whole"
 
 
-def test_a_cube():
+def test_a_cube_has_volume_width_and_sharp_edges():
     found = stl_file.surface(CUBE, "mm")
     assert found.volume == pytest.approx(5.2e-3**3)
     assert found.width == pytest.approx(5.2e-3 * 2**0.5)
     assert found.sharp
+
+
+@pytest.fixture
+def cube():
+    """Return the cube as a projectile with rounded edges."""
     solid = stl_file.solid(CUBE, "mm", EDGE)
-    body = Projectile(1e-3, solid.radius, EDGE, "stl", length=solid.length, solid=solid)
-    assert body.mirrored(0)
-    assert body.mirrored(1)
-    # in the frame of a turned ply it lies as the chisel does
-    assert_allclose(body.seen_from(0.3).frame, NOSES["chisel"].seen_from(0.3).frame)
-    assert not np.allclose(body.seen_from(0.3).frame, body.frame)
-    assert body.distance([0, 0, -1e-3])[0] == pytest.approx(-1e-3, abs=1e-6)
-    # along the diagonal of an edge a ball of the edge radius is touched, (sqrt(2) - 1) of it inside of the sharp edge
+    return Projectile(1e-3, solid.radius, EDGE, "stl", length=solid.length, solid=solid)
+
+
+def test_a_cube_on_its_edge_has_two_planes_of_symmetry(cube):
+    assert cube.mirrored(0)
+    assert cube.mirrored(1)
+
+
+def test_a_cube_lies_in_the_frame_of_a_turned_ply_as_a_chisel_does(cube):
+    assert_allclose(cube.seen_from(0.3).frame, NOSES["chisel"].seen_from(0.3).frame)
+    assert not np.allclose(cube.seen_from(0.3).frame, cube.frame)
+
+
+def test_the_distance_to_a_cube_has_its_rounded_edge(cube):
+    """Along the diagonal of an edge a ball of the edge radius is touched, (sqrt(2) - 1) of it inside of the sharp
+    edge."""
     corner = np.array([2.6e-3, 0, 0])
     out = np.array([1, 0, 1]) / 2**0.5
-    assert body.distance(corner)[0] == pytest.approx((2**0.5 - 1) * EDGE, abs=0.25 * EDGE)
-    assert body.distance(corner)[1] @ out > 0.99
+    assert cube.distance([0, 0, -1e-3])[0] == pytest.approx(-1e-3, abs=1e-6)
+    assert cube.distance(corner)[0] == pytest.approx((2**0.5 - 1) * EDGE, abs=0.25 * EDGE)
+    assert cube.distance(corner)[1] @ out > 0.99
 
 
 def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):

@@ -40,28 +40,44 @@ def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     assert_array_equal(found["residual velocity"], [0, 40, 70, 0, np.nan])
 
 
-def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
-    """Differences of known shots, their interval by Student's t as scipy has it, and V50 of the tests."""
+@pytest.fixture
+def comparison(tmp_path):
+    """Compare the tests of TABLE with made-up shots of known residual velocities."""
     tests = read(tmp_path, TABLE)
     shots = [shot(v, r) for v, r in zip(tests["velocity"], (0.0, 44.0, 70.0, 15.0, 90.0))]
-    found = compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
-    assert found.agree == 4
-    off = found.difference()
-    assert off["shots"] == 2
-    assert off["mean"] == 2.0
+    return compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
+
+
+def test_outcomes_as_tested_are_counted(comparison):
+    assert comparison.agree == 4
+
+
+def test_residual_velocities_differ_by_mean_rms_and_interval(comparison):
+    """Differences of 4 and 0 m/s; their interval by Student's t as scipy has it."""
+    off = comparison.difference()
+    assert (off["shots"], off["mean"]) == (2, 2.0)
     assert off["rms"] == pytest.approx(np.sqrt(8))
     interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
     assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
-    summary = found.summary()
-    # between 110, stopped, and 120, perforated
-    assert summary["tested_v50_m_s"] == pytest.approx(115.0)
-    assert summary["critical_velocity_over_v50"] == pytest.approx(105 / 115)
+
+
+def test_v50_of_tests_lies_between_the_fastest_stop_and_the_slowest_perforation(comparison):
+    """110 m/s, stopped, and 120 m/s, perforated."""
+    summary = comparison.summary()
     low, high = summary["tested_v50_interval_m_s"]
+    assert summary["tested_v50_m_s"] == pytest.approx(115.0)
     assert low < 115 < high
-    assert found.tests.lambert_jonas.words() == (
+
+
+def test_the_computed_limit_stands_beside_v50_of_the_tests(comparison):
+    assert comparison.computed.limit == 105.0
+    assert comparison.summary()["critical_velocity_over_v50"] == pytest.approx(105 / 115)
+
+
+def test_too_few_perforations_determine_no_lambert_jonas_curve(comparison):
+    assert comparison.tests.lambert_jonas.words() == (
         "not determined, because 2 perforations do not determine its 3 parameters"
     )
-    assert found.computed.limit == 105.0
 
 
 def test_the_v50_that_laboratories_state(tmp_path):

@@ -1,6 +1,7 @@
 """Means over a window of strike velocities: closed forms, and a shot that perforates with --uncertainty."""
 
 import json
+import warnings
 from math import sqrt
 
 import numpy as np
@@ -38,34 +39,67 @@ def test_an_unstable_shot_counts_in_no_mean():
     assert np.isnan(mean(values, ("perforated", "perforated", *("unstable",) * 3))).all()
 
 
-@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
-def test_means_on_both_meshes_are_stated_where_a_shot_perforates(succeed, tmp_path):
-    scene = tmp_path / "scene.toml"
+@pytest.fixture(scope="module")
+def perforated(tmp_path_factory):
+    """Fire a shot that perforates, with its uncertainty: (ShotResult, summary.json, folder, input file)."""
+    folder = tmp_path_factory.mktemp("window")
+    scene = folder / "scene.toml"
     scene.write_text(impact_scene(opening="30.6 mm", end_time="200 us", run='outputs = ["report"]'))
-    out = succeed("impact", scene, "--uncertainty", "--out", "r")
-    told = json.loads((tmp_path / "r/summary.json").read_text())
-    means, errors, shots = (told["window"][part] for part in ("mean", "standard_error", "shots"))
-    for key, name in (
-        ("residual_velocity_m_s", "residual velocity"),
-        ("absorbed_energy_J", "absorbed energy"),
-    ):
-        result = told["discretisation"]["results"][name]
-        assert result["value"] == means[key]
-        assert result["standard_error"] == errors[key]
-        scatter = np.hypot(errors[key], result["finer_standard_error"])
-        assert result["uncertainty"] == pytest.approx(
-            4 * abs(result["finer"] - means[key]) + scatter
-        )
-        assert f"{name} {means[key]:.4g} +- {errors[key]:.2g}" in out
-        assert shots[2][key] == told[key]
-    assert [shot["strike_velocity_m_s"] for shot in shots] == pytest.approx(
-        [155 * factor for factor in FACTORS]
-    )
-    assert "mean and standard error" in (tmp_path / "r/report.html").read_text()
-    assert not (tmp_path / "r/window").exists()
-    alone = wc.impact(scene)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wc.DoubtfulResult)
+        shot = wc.impact(scene, uncertainty=True, out=folder / "r")
+    return shot, json.loads((folder / "r/summary.json").read_text()), folder / "r", scene
+
+
+RESULTS = [("residual_velocity_m_s", "residual velocity"), ("absorbed_energy_J", "absorbed energy")]
+
+
+@pytest.mark.parametrize("key, name", RESULTS)
+def test_a_result_of_a_perforating_shot_is_the_mean_over_its_window(perforated, key, name):
+    _, summary, _, _ = perforated
+    result = summary["discretisation"]["results"][name]
+    assert result["value"] == summary["window"]["mean"][key]
+    assert result["standard_error"] == summary["window"]["standard_error"][key]
+
+
+@pytest.mark.parametrize("key, name", RESULTS)
+def test_the_uncertainty_of_a_mean_has_the_scatter_on_both_meshes(perforated, key, name):
+    _, summary, _, _ = perforated
+    result = summary["discretisation"]["results"][name]
+    mean = summary["window"]["mean"][key]
+    scatter = np.hypot(result["standard_error"], result["finer_standard_error"])
+    assert result["uncertainty"] == pytest.approx(4 * abs(result["finer"] - mean) + scatter)
+
+
+@pytest.mark.parametrize("key, name", RESULTS)
+def test_means_are_printed_with_their_standard_error(perforated, key, name):
+    shot, summary, _, _ = perforated
+    mean, error = (summary["window"][part][key] for part in ("mean", "standard_error"))
+    assert f"{name} {mean:.4g} +- {error:.2g}" in str(shot)
+
+
+def test_the_shots_of_a_window_lie_about_the_strike_velocity(perforated):
+    _, summary, _, _ = perforated
+    shots = summary["window"]["shots"]
+    strikes = [155 * factor for factor in FACTORS]
+    assert [shot["strike_velocity_m_s"] for shot in shots] == pytest.approx(strikes)
+    for key, _ in RESULTS:
+        assert shots[2][key] == summary[key]
+
+
+def test_the_report_has_the_means_and_no_run_of_the_window_is_left(perforated):
+    _, _, folder, _ = perforated
+    assert "mean and standard error" in (folder / "report.html").read_text()
+    assert not (folder / "window").exists()
+
+
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
+def test_a_perforating_shot_alone_says_that_its_values_jump(perforated):
+    alone = wc.impact(perforated[3])
     assert alone.window is None
     assert "values jump with the velocity" in str(alone)
-    assert "at one velocity" not in out + str(
-        wc.impact("S-720", 40.0, opening="60 mm", end_time="10 us")
-    )
+
+
+def test_only_a_perforating_shot_without_a_window_says_so(perforated):
+    in_flight = wc.impact("S-720", 40.0, opening="60 mm", end_time="10 us")
+    assert "values jump with the velocity" not in str(perforated[0]) + str(in_flight)
