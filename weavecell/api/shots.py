@@ -48,11 +48,11 @@ from weavecell.scenes import honoured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from shellfabric.cell.model import CellTable
     from shellfabric.impact.result import ImpactResult
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Embedded
-    from shellfabric.cell.model import CellTable
     from weavecell.scenes.build import Case
     from weavecell.scenes.impact import AccuracyTable
     from weavecell.studies.assumed_range import AssumedRange
