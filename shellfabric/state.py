@@ -90,7 +90,7 @@ class Surface(Row):
 
 
 class Scratch(Row):
-    """Room for one call of the contact of a ply with the projectile."""
+    """Scratch of one call of the contact of a ply with the projectile."""
 
     nose_place = array("3", "m", "place of the nose")
     nose_velocity = array("3", "m/s", "its velocity")

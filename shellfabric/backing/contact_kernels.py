@@ -19,7 +19,7 @@ The face of a block that erodes has steps. A point that comes over a higher colu
 inside the block by as much as a brick, and a spring would throw it out at thousands of m/s. So what
 a point has gone in by counts from where it came: it grows by motion alone, and what came by a step
 is put into an offset, which shrinks again as the point comes out. Where the face drops away under a
-point, or a facet turns away, what its spring held is lost: the audit books the work of the
+point, or a facet turns away, what its spring held is lost: the audit counts the work of the
 contacts, and what of it no spring stores is damped (`block.Block.energies`).
 """
 

@@ -20,7 +20,7 @@ fabric that is far from failure costs nothing. The reported peak is the smaller 
 strength is that of the yarn, or follows the strain rate (`criterion_kernels`).
 
 What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it:
-see `membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in
+see `membrane_kernels` for alpha and kappa. What it stored is counted as lost, with the half step in
 which its old force has acted.
 """
 

@@ -139,7 +139,7 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2)
 
     A piece of spots.size slots at a time, in two loops: the first finds places in the table, which
     are kept in spots, N1 and N2, and the second what stands there. In one loop the rows wait for
-    their number and the sums for the rows, and what waits fills all the room that a processor has
+    their number and the sums for the rows, and what waits fills all the buffers that a processor has
     for it.
     """
     far1 = broadcast(0.0)

@@ -245,7 +245,7 @@ def work(panel: PanelGrid) -> Work:
     """Allocate the scratch of one thread, for one block of elements."""
     const = constants(panel)
     rows = Work.zeros(size=(const.rows_per_block + 4) * const.row_stride + 16)
-    # arrays that are needed last share the room of those no longer needed then: scratch is to fit
+    # arrays that are needed last share the memory of those no longer needed then: scratch is to fit
     # into the cache
     rows["T"] = rows["dW_own"]
     rows["f_over_stretch"] = rows["dW_crossing"]

@@ -139,7 +139,7 @@ def on_grids(states: Sequence[State], contact: PackContact) -> tuple[State, ...]
             f=tuple(np.zeros((3, contact.slots_per_ply))),
             turn=contact.turns[p],
         )
-        # room for what firm springs of the nose foresee
+        # predicted increments, if springs of the nose are implicit
         due, given = np.zeros((2, 3, contact.slots_per_ply))
         found.append(state._replace(surface=surface, dv_other=tuple(due), dv_contact=tuple(given)))
     return tuple(found)

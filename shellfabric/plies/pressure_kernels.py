@@ -288,7 +288,7 @@ def press_point(contact, p, q, row, j, a, b, tile):
     element = row // pressure.points_per_side**2
     number = slot_of(p, q), pressure.first_point[p] + row * contact.nj[p] + j
     if contact.dropped[contact.base[p] + element * contact.row_stride[p] + j]:
-        # what its springs held goes with the element: it is booked as lost
+        # what its springs held goes with the element: it is counted as lost
         for slot in range(SLOTS):
             pressure.lost_energy[p] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR

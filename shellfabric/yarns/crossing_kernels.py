@@ -9,7 +9,7 @@ with the tangents t, the sign of n from the weave (which yarn lies on top), h th
 both yarns in series, w the velocity of the warp over the weft. n is at right angles to both tangents, so that the
 motion of the indices does no work. Crossings of the outer rows are pinned: their indices stay, and nothing slips.
 
-A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is booked. So
+A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is counted. So
 does one whose indices run along a loop or along the whipping end of a yarn: away from the common
 perpendicular d is not along n, and F_n would do work where n turns. It comes back at the distance
 at which it is found, and that distance follows the yarns as they come apart, up to h: coming back
@@ -161,7 +161,7 @@ def crossing_force(zone, i, j):
 
 @kernel(_nrt=False)
 def drop(zone, i, j, whole):
-    """Drop the contact of a crossing, for good if a yarn of it is not whole, and book what it
+    """Drop the contact of a crossing, for good if a yarn of it is not whole, and count what it
     stored."""
     slider = zone.slider[i, j]
     square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2

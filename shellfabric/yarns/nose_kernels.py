@@ -2,7 +2,7 @@
 
 A yarn is a rod of the radius r, half its half of the ply's thickness, about its middle line. Points lie at the nodes
 and in the middle of the segments, a quarter of a crossover apart; with the signed distance D of the projectile
-(`sdf_kernels`), its normal n and friction as of the membrane's contact (`friction_kernels`),
+(`sdf_kernels`), its normal n and friction as for the membrane's contact (`friction_kernels`),
 
     f = k <r - D> n,   U = k <r - D>^2 / 2
 """

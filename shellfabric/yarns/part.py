@@ -1,4 +1,4 @@
-"""The zone of resolved yarns of a panel in a run: what it takes the place of, its books, and what pictures see."""
+"""The zone of resolved yarns of a panel in a run: what it replaces, its energies, and what pictures show."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ RESIDUAL = "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", "perforated"), "perforated")
 CONFIDENCE = 0.95
-# shares of perforations whose velocities are told beside V50
+# shares of perforations whose velocities are reported beside V50
 SHARES = {"V0": probit.LOW, "V10": 0.1, "V90": 0.9}
 # [m/s] a faster shot in a table of tests is a slip of the unit
 FASTEST = 1000.0
