@@ -12,15 +12,31 @@ from __future__ import annotations
 
 import difflib
 import re
+import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+
+_ROOT = Path(__file__).parents[2]
+_OWN = [_ROOT / name for name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell")]
 
 
 class WeavecellError(Exception):
     """Base of all errors that are reported to the user as one line, without a traceback."""
 
     exit_code = 1
+
+    def _render_traceback_(self) -> list[str]:
+        """Return what IPython shows in place of a traceback: the line that called weavecell, and the
+        error."""
+        lines = [f"{type(self).__name__}: {self}"]
+        for frame in reversed(traceback.extract_tb(self.__traceback__)):
+            library = "-packages" in frame.filename
+            own = any(Path(frame.filename).is_relative_to(folder) for folder in _OWN)
+            if not own and not library:
+                return [f"line {frame.lineno}: {frame.line}", *lines]
+        return lines
 
 
 @contextmanager

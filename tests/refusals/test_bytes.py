@@ -229,6 +229,14 @@ def test_the_end_of_standard_input_is_no_interrupt(tmp_path):
     assert "standard input ended" in run.stderr
 
 
+def test_a_notebook_shows_the_line_of_the_cell_and_the_message():
+    with pytest.raises(InputError) as caught:
+        wc.impact("S-720", "92.5 m/s", plys=2)
+    place, message = caught.value._render_traceback_()
+    assert place.endswith('wc.impact("S-720", "92.5 m/s", plys=2)')
+    assert message == f"InputError: {caught.value}"
+
+
 def test_an_interrupt_inside_a_kernel_is_an_interrupt():
     from fabrics.base.errors import interrupts
 

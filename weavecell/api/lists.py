@@ -97,7 +97,7 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
 
     Parameters
     ----------
-    out : also write it as this CSV file
+    out : also write it as this CSV file; never over one that exists
 
     Examples
     --------
@@ -130,7 +130,7 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
 
     Parameters
     ----------
-    out : also write it as this CSV file
+    out : also write it as this CSV file; never over one that exists
 
     Examples
     --------
@@ -158,7 +158,7 @@ def backings(*, out: FilePath | None = None) -> DataFrame:
 
     Parameters
     ----------
-    out : also write it as this CSV file
+    out : also write it as this CSV file; never over one that exists
 
     Examples
     --------
@@ -186,6 +186,8 @@ def _tabulate(kind, rows, out):
 
     table = DataFrame.from_dict(rows, orient="index").rename_axis(kind)
     if out is not None:
+        if Path(out).exists():
+            raise InputError("exists already", file=out)
         files.write(out, table.to_csv(float_format="%.6g"))
     return table
 

@@ -185,6 +185,25 @@ def test_a_folder_called_runs_keeps_what_is_in_it(command, tmp_path):
     assert (tmp_path / "panel/photo.png").read_text() == "mine"
 
 
+@pytest.mark.parametrize("kind", ["fabrics", "projectiles", "backings"])
+def test_a_list_is_not_written_over_a_file(command, tmp_path, kind):
+    (tmp_path / "mine.csv").write_text("mine")
+    code, _, err = command(f"{kind} list --out mine.csv")
+    assert (code, err) == (2, "error: mine.csv: exists already\n")
+    assert (tmp_path / "mine.csv").read_text() == "mine"
+
+
+@pytest.mark.parametrize("option", ["--html r/report.html", "--screenshot r/pictures/a.png"])
+def test_a_view_is_not_written_over_a_result(command, tmp_path, option):
+    (tmp_path / "r/pictures").mkdir(parents=True)
+    for name in ("report.html", "pictures/a.png"):
+        (tmp_path / "r" / name).write_text("result")
+        file_list.append(tmp_path / "r", name, tmp_path / "r" / name)
+    code, _, err = command(f"view r {option}")
+    assert code == 2
+    assert "must be another file: this one is a result of a run" in err
+
+
 @pytest.mark.parametrize("name", RUNS)
 def test_every_file_of_a_run_is_in_the_list_of_its_folder(results, name):
     if RUNS[name].get("solid"):

@@ -29,7 +29,7 @@ from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
-from weavecell.results import vtk
+from weavecell.results import file_list, vtk
 from weavecell.results.impact import ImpactRecord
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
@@ -134,6 +134,9 @@ def show(
             raise InputError(
                 key=option(name, ""), value=str(written), allowed=f"a file named {names}"
             )
+        if written is not None and file_list.is_result(written):
+            allowed = "another file: this one is a result of a run"
+            raise InputError(key=option(name, ""), value=str(written), allowed=allowed)
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
