@@ -60,7 +60,7 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
         finer = mesh_uncertainty.finer(loose, table)
         assert finer.grading is None
         assert finer.elements_per_crossover == 2 * loose.meshed.elements_per_crossover
-    with pytest.raises(InputError, match="--uncertainty"):
+    with pytest.raises(InputError, match="uncertainty = "):
         mesh_uncertainty.finer(replace(setup, elements_per_crossover=5), table)
 
 
