@@ -29,6 +29,7 @@ import numpy as np
 from numba import prange
 
 from shellfabric.cloth.vector_kernels import dot, subtract
+from shellfabric.contact import normal_kernels
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 
@@ -78,9 +79,9 @@ def nose_forces(block, position, speed, nose):
                 if gap >= 0.0:
                     continue
                 opening = dot(subtract(block.v[n], speed), normal)
-                push = -block.stiffness[n] * gap
-                drag = max(-block.damping[n] * opening, -push)
-                block.nose_spring_energy += 0.5 * block.stiffness[n] * gap * gap
+                push, stored = normal_kernels.spring(block.stiffness[n], -gap)
+                drag = normal_kernels.damping_force(push, block.damping[n], opening)
+                block.nose_spring_energy += stored
                 for c in range(3):
                     block.outer[n, c] -= push * normal[c]
                     block.drags[n, c] -= drag * normal[c]
@@ -359,9 +360,9 @@ def find_contacts(ends, block, points, thickness, dt):
         points.inside[s] = inside
         points.offset[s] = offset
         if depth > 0.0:
-            push = points.stiffness[s] * depth
+            push, _ = normal_kernels.spring(points.stiffness[s], depth)
             points.depth[s] = depth
-            points.damping_force[s] = max(-points.damping[s] * opening, -push)
+            points.damping_force[s] = normal_kernels.damping_force(push, points.damping[s], opening)
             points.normal[s] = normal
             points.weights[s] = w
 
@@ -391,8 +392,8 @@ def point_forces(block, points, thickness, dt):
         points.drag[s] = 0.0
         if depth == 0.0:
             continue
-        push = points.stiffness[s] * depth
-        block.point_spring_energy += 0.5 * push * depth
+        push, stored = normal_kernels.spring(points.stiffness[s], depth)
+        block.point_spring_energy += stored
         for c in range(3):
             normal = points.normal[s, c]
             points.force[s, c] = push * normal

@@ -6,6 +6,7 @@ boolean of one point, a mask of eight (`jit.simd`).
 """
 
 from shellfabric.cloth.vector_kernels import add, add_scaled, dot, scaled, subtract
+from shellfabric.contact.normal_kernels import damped
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import both, fabs, greater, maximum, minimum, sqrt, where
 from shellfabric.plies.law_kernels import law_at
@@ -118,7 +119,7 @@ def normal_force(pressure, p, area, closure, closing, touching):
     area : that it stands for; closure : [m]; closing : [m/s]
     """
     spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
-    force = area * maximum(spring + damping * closing, 0.0)
+    force = area * damped(spring, damping, closing)
     return where(touching, force, 0.0), where(touching, area * energy, 0.0)
 
 

@@ -8,19 +8,16 @@ surface of `cloth.surface_kernels`. A point with distance < 0 has
 
     f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
 
-and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile
+and the friction of `contact.friction_kernels`; its nodes share the force by their N_i, and the projectile
 gets its opposite. Where yarns have failed, k and c are those of what is left of the two next to a
 point.
 
 In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the
 end of the step: with the depth d and the velocity v at which the point will approach by all other
-forces than the nose's,
-
-    f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)                 (2)
-
-m = s / (A s) is the mass that a point moves, forces f accelerating the points by A f. s is the
-force of a step ago and besides, on every point, the nose's force on the ply over the points of an
-element (without the second part the load hops from point to point as fabric slides round the rim).
+forces than the nose's, eq. (2) of `contact.normal_kernels`, where m = s / (A s) is the mass that a
+point moves, forces f accelerating the points by A f. s is the force of a step ago and besides, on
+every point, the nose's force on the ply over the points of an element (without the second part the
+load hops from point to point as fabric slides round the rim).
 The largest eigenvalue of m A is 1 (Perron); up to 4/3 is stable for any k. Derivation, and why the
 surface is smooth: docs/theory-panel.md, "Contact with the projectile".
 """
@@ -48,6 +45,7 @@ from shellfabric.cloth.vector_kernels import (
     scaled,
     subtract,
 )
+from shellfabric.contact import friction_kernels, normal_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -63,7 +61,7 @@ from shellfabric.jit.simd import (
     store,
     where,
 )
-from shellfabric.projectile import friction_kernels, sdf_kernels
+from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.window_kernels import (
     erode,
     intact_at_point,
@@ -347,19 +345,19 @@ def contact_point(state, const, point, work):
     spring = 0.0
     if depth < 0.0:
         if law.implicit_factor > 0.0:
-            # eq. (2); the damper keeps its ratio to critical
+            # the damper keeps its ratio to critical
             hard = law.implicit_factor * stiffness
             drag = math.sqrt(law.implicit_factor) * damping
             away = dot(normal, add(v, column(work.dv_other, 0, lane)))
             gave = dot(normal, column(work.dv_contact, 0, lane))
-            push = implicit_penalty_force(
+            push = normal_kernels.implicit_penalty_force(
                 const, (hard, drag), (depth, away), (before, gave), state.force_scale
             )
             spring = -0.5 * depth * min(push, -hard * depth)
         else:
             # eq. (1)
-            push = max(0.0, -damping * dot(normal, v) - stiffness * depth)
-            spring = 0.5 * stiffness * depth * depth
+            held, spring = normal_kernels.spring(stiffness, -depth)
+            push = normal_kernels.damped(held, damping, -dot(normal, v))
         state.in_contact[e] = True
         # how deep fabric goes says how stiff the contact should be; torn ends hang anywhere
         if part == 1.0:
@@ -382,21 +380,3 @@ def contact_point(state, const, point, work):
         work.nose_force[c] -= force[c]
     work.contact_work -= 0.5 * const.dt * dot(force, v) + rubbed
     work.spring_energy += spring
-
-
-@kernel(forceinline=True)
-def implicit_penalty_force(const, spring, gap, last, usual):
-    """Compute the implicit penalty force [N] on a point.
-
-    spring : stiffness [N/m] and damping [N s/m]
-    gap : distance [m] and predicted opening velocity [m/s]
-    last : force on the point a step ago, and by what that and those on its neighbours have sped it
-        up
-    usual : force that every point is taken to have besides
-    """
-    stiffness, damping = spring
-    depth, away = gap
-    before, gave = last
-    both = damping + stiffness * const.dt
-    mobility = (max(gave, 0.0) + usual * const.dt / const.point_law.mass) / (before + usual)
-    return max(0.0, (-stiffness * depth - both * away) / (1.0 + both * mobility))

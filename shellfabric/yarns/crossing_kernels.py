@@ -19,7 +19,6 @@ does no work. A yarn leaves a crossing for good at its end.
 import math
 
 from shellfabric.cloth.vector_kernels import (
-    across,
     add_scaled,
     cross,
     dot,
@@ -27,6 +26,7 @@ from shellfabric.cloth.vector_kernels import (
     subtract,
     three,
 )
+from shellfabric.contact import friction_kernels, normal_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
@@ -149,9 +149,14 @@ def crossing_force(zone, i, j):
         return 0.0
     velocity = subtract(gather(zone.v, n_a, weights_a), gather(zone.v, n_b, weights_b))
     push = normal_force(zone, i, j, distance, dot(velocity, normal))
-    stored = zone.contact_energy[i, j] + slide(
-        zone, i, j, across(velocity, normal), normal, zone.friction * push
+    limit = zone.friction * push
+    if pinned:
+        limit = math.inf
+    held, taken = friction_kernels.slide(
+        zone.slider[i, j], limit, zone.friction_stiffness, zone.dt, normal, velocity
     )
+    zone.friction_work += taken
+    stored = zone.contact_energy[i, j] + held
     slider = three(zone.slider[i, j], 0)
     force = add_scaled(scaled(push, normal), -zone.friction_stiffness, slider)
     scatter(zone.f, n_a, weights_a, force)
@@ -188,31 +193,10 @@ def normal_force(zone, i, j, distance, opening):
     damping = 0.0
     if distance < onset:
         force, energy = compression(zone, onset - distance)
-        damping = max(-zone.damping * opening, -force)
+        damping = normal_kernels.damping_force(force, zone.damping, opening)
     zone.damped -= 0.5 * zone.dt * (damping + zone.contact_damping[i, j]) * opening
     zone.contact_onset[i, j] = onset
     zone.contact_force[i, j] = force
     zone.contact_energy[i, j] = energy
     zone.contact_damping[i, j] = damping
     return force + damping
-
-
-@kernel(_nrt=False)
-def slide(zone, i, j, velocity, normal, limit):
-    """Move the friction spring of a crossing, which holds at most `limit` [N]; the energy [J] that it stores.
-
-    A pinned crossing holds any force.
-    """
-    k = zone.friction_stiffness
-    before = three(zone.slider[i, j], 0)
-    after = across(add_scaled(before, zone.dt, velocity), normal)
-    most = limit / k
-    square = dot(after, after)
-    if square > most * most and not zone.pinned[i, j]:
-        after = scaled(most / math.sqrt(square), after)
-    stored = 0.5 * k * dot(after, after)
-    work = 0.5 * k * zone.dt * dot(add_scaled(before, 1.0, after), velocity)
-    zone.friction_work += work - stored + 0.5 * k * dot(before, before)
-    for c in range(3):
-        zone.slider[i, j, c] = after[c]
-    return stored

@@ -18,8 +18,9 @@ from shellfabric.cloth.vector_kernels import (
     subtract,
     three,
 )
+from shellfabric.contact import friction_kernels, normal_kernels
 from shellfabric.jit.compile import kernel
-from shellfabric.projectile import friction_kernels, sdf_kernels
+from shellfabric.projectile import sdf_kernels
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1
@@ -89,8 +90,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
             zone.friction_force[n, kind] = 0.0
         return
     normal = combined(const.frame, normal)
-    push = zone.nose_stiffness * depth
-    zone.nose_energy[n, kind] = 0.5 * push * depth
+    push, zone.nose_energy[n, kind] = normal_kernels.spring(zone.nose_stiffness, depth)
     zone.stored_at_nose += zone.nose_energy[n, kind]
     force = scaled(push, normal)
     if const.friction > 0.0:

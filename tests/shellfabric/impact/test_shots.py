@@ -9,11 +9,11 @@ import pytest
 from conftest_tools import advance, solver_at_rest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from shellfabric.contact import friction_kernels
 from shellfabric.impact.run import run_impact
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.slots import by_node
-from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.shapes import SHAPES
 from shellfabric.solver.pack_solver import PackSolver

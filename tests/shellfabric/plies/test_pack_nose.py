@@ -9,9 +9,10 @@ from conftest_tools import advance, on_grid
 from numpy.testing import assert_allclose
 
 from shellfabric.cloth.surface_kernels import quadratic_weights
+from shellfabric.contact import normal_kernels
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.projectile import contact_kernels, window_kernels
+from shellfabric.projectile import window_kernels
 from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.state import PointLaw
 
@@ -47,7 +48,7 @@ def forces(depth, away, stiffness, before, usual):
     spring = stiffness, damping
     return np.array(
         [
-            contact_kernels.implicit_penalty_force(const, spring, *point, usual)
+            normal_kernels.implicit_penalty_force(const, spring, *point, usual)
             for point in zip(gaps, last)
         ]
     )
@@ -110,12 +111,12 @@ def test_in_one_step_a_very_firm_one_closes_the_gap():
     const = Point(0.5, law(2.0))
     spring = 1e12, 1.0
     gave = const.dt / const.point_law.mass
-    force = contact_kernels.implicit_penalty_force(const, spring, (-0.25, -3.0), (1.0, gave), 0.0)
+    force = normal_kernels.implicit_penalty_force(const, spring, (-0.25, -3.0), (1.0, gave), 0.0)
     assert force == pytest.approx(
         const.point_law.mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9
     )
     assert (
-        contact_kernels.implicit_penalty_force(const, spring, (-0.25, 3.0), (1.0, 0.25), 0.0) == 0.0
+        normal_kernels.implicit_penalty_force(const, spring, (-0.25, 3.0), (1.0, 0.25), 0.0) == 0.0
     )
 
 

@@ -1,4 +1,4 @@
-"""Coulomb friction between the fabric and the projectile, at the points where they touch.
+"""Coulomb friction at a contact point: of fabric and projectile, and of yarns that cross.
 
 A point that sticks is held by a spring of the contact's own stiffness k, with its damping c, along
 the surface; what the spring could hold beyond the friction mu f it lets slip (Coulomb's law
@@ -50,3 +50,30 @@ def friction_force(last_slip, last_force, limit, spring, dt, normal, v):
         last_slip[axis] = slip[axis]
         last_force[axis] = force[axis]
     return force, taken, 0.5 * k * dot(slip, slip)
+
+
+@kernel()
+def slide(slider, limit, k, dt, normal, v):
+    """Move the friction spring of a point without damping, and return the energy [J] that it holds
+    and the work [J] of friction in the step.
+
+    Parameters
+    ----------
+    slider : (3,) elastic slip [m], updated
+    limit : [N] mu f; infinity for a point that nothing lets slip
+    k : [N/m] stiffness of the spring
+    normal : unit vector of the surface
+    v : [m/s] velocity of one body over the other
+    """
+    v = across(v, normal)
+    before = three(slider, 0)
+    after = across(add_scaled(before, dt, v), normal)
+    most = limit / k
+    square = dot(after, after)
+    if square > most * most:
+        after = scaled(most / math.sqrt(square), after)
+    held = 0.5 * k * dot(after, after)
+    work = 0.5 * k * dt * dot(add_scaled(before, 1.0, after), v)
+    for axis in range(3):
+        slider[axis] = after[axis]
+    return held, work - held + 0.5 * k * dot(before, before)
