@@ -49,8 +49,8 @@ class Tables(dict[str, "DataFrame"]):
 
 
 def format_for_terminal(table: DataFrame, title: str = "") -> str:
-    """A table as text: units below the names of columns, numbers with four digits, long texts in
-    several lines."""
+    """Format a table as text: units below the names of columns, numbers with four digits, long
+    texts in several lines."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -193,8 +193,8 @@ def _tabulate(kind, rows, out):
 
 
 def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
-    """A fabric, a projectile or a backing: what follows from its data, and where each number comes
-    from.
+    """Show a fabric, a projectile or a backing: what follows from its data, and where each number
+    comes from.
 
     Parameters
     ----------

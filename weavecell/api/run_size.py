@@ -127,7 +127,7 @@ class RunSize(_Size):
     def estimate(
         cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...], written: bool = True
     ) -> RunSize:
-        """Of a set-up, which is checked as its run does.
+        """Estimate the size of a run of a set-up, which is checked as its run does.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class RunSize(_Size):
         return cls(title, pack.elements, bricks, steps, step, needed, (low, high), assumed)
 
     def summary(self) -> dict[str, Any]:
-        """All of it, names with units."""
+        """Return all of it, names with units."""
         return {
             "elements": self.elements,
             "bricks": self.bricks,
@@ -204,7 +204,7 @@ class StudySize(_Size):
 
     @classmethod
     def estimate(cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0) -> StudySize:
-        """Of shots and searches at a set-up.
+        """Estimate the size of shots and searches at a set-up.
 
         Raises
         ------
@@ -221,14 +221,14 @@ class StudySize(_Size):
 
     @classmethod
     def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
-        """The sum of several."""
+        """Add up several sizes."""
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
         return cls(title, shots, searches, (low, high))
 
     def summary(self) -> dict[str, Any]:
-        """All of it, names with units."""
+        """Return all of it, names with units."""
         return {"shots": self.shots, "searches": self.searches, **self._summarise_cpu_time()}
 
     def __str__(self) -> str:

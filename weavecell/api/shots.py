@@ -296,8 +296,8 @@ class _Shooting:
 
 
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
-    """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of
-    its fields."""
+    """Return the ShotResult of what a run at a target came to; why it became unstable, or "";
+    `more` of its fields."""
     shapes = tuple(tuple(map(Shape.from_snapshot, plies)) for plies in result.snapshots)
     fabric = panel.setup.fabric
     lines = list_assumptions(panel.setup)
@@ -428,8 +428,8 @@ class ShotResult(ImpactRecord, Result):
         return find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
 
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/reference.md), the checks in words, the areal density
-        of the first ply, and what is assumed."""
+        """Return the entries of summary.json (docs/reference.md), the checks in words, the areal
+        density of the first ply, and what is assumed."""
         known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
@@ -458,15 +458,15 @@ class ShotResult(ImpactRecord, Result):
         return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:
-        """A matplotlib figure: velocity of the projectile [m/s] against time [us]."""
+        """Draw a matplotlib figure: velocity of the projectile [m/s] against time [us]."""
         from weavecell.report import pictures
 
         label = f"{self.fabric_name}, {self.strike_velocity:g} m/s"
         return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     def plot_panel(self) -> Figure:
-        """A matplotlib figure: the whole panel or pack and the projectile at the end, from the side
-        where this is.
+        """Draw a matplotlib figure: the whole panel or pack and the projectile at the end, from the
+        side where this is.
 
         Colours are the higher of warp and weft tension over the strength [%].
         """
@@ -475,7 +475,7 @@ class ShotResult(ImpactRecord, Result):
         return figure(view.end, self)
 
     def view(self) -> Embedded:
-        """The whole panel or pack and the projectile in motion, as a notebook shows it: instant,
+        """Show the whole panel or pack and the projectile in motion, as a notebook does: instant,
         colours and the side that is seen are chosen there."""
         from weavecell.report.page import Embedded
         from weavecell.report.shot import moving

@@ -103,15 +103,15 @@ class Target:
 
     @contextmanager
     def name_problems(self) -> Iterator[None]:
-        """An InputError inside this block names the input file and its key."""
+        """Name the input file and its key in an InputError that is raised inside this block."""
         try:
             yield
         except InputError as problem:
             raise self.name_file(problem) from None
 
     def name_file(self, problem: InputError) -> InputError:
-        """An InputError of what an input file asks, with the file and its key in it; any other as
-        it is."""
+        """Return an InputError of what an input file asks with the file and its key in it; any
+        other as it is."""
         if not self.from_file or not build.may_be_of_file(problem):
             return problem
         return build.name_file(problem, self.name)
@@ -120,7 +120,7 @@ class Target:
 def read_target(
     name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None
 ) -> Target:
-    """The target of a name.
+    """Read the target of a name.
 
     Parameters
     ----------
@@ -158,12 +158,13 @@ def read_target(
 
 
 def unknown_target(name: str) -> InputError:
-    """The InputError of a target that is neither a fabric of the catalogue nor a *.toml file."""
+    """Return the InputError of a target that is neither a fabric of the catalogue nor a *.toml
+    file."""
     return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 
 def is_input_file(name: str) -> bool:
-    """Whether a name is the path of an input file, and not of a fabric file or a fabric.
+    """Tell whether a name is the path of an input file, and not of a fabric file or a fabric.
 
     Raises
     ------
@@ -175,7 +176,7 @@ def is_input_file(name: str) -> bool:
 
 
 def change_keys(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The table of a scene with the values of dotted keys in place of its own.
+    """Return the table of a scene with the values of dotted keys in place of its own.
 
     Raises
     ------
@@ -213,7 +214,7 @@ def resolve_target(
     function: str = "setup",
     one_shot: bool = False,
 ) -> Target:
-    """The target of a study.
+    """Resolve the target of a study.
 
     Parameters
     ----------
@@ -274,8 +275,8 @@ def build_target(
     options: Mapping[str, Any],
     function: str = "setup",
 ) -> Target:
-    """What `weavecell.setup` describes, with the input file that says the same if one can. Its
-    notes are warnings.
+    """Build the target that `weavecell.setup` describes, with the input file that says the same if
+    one can. Its notes are warnings.
 
     Parameters
     ----------
@@ -308,7 +309,8 @@ def build_target(
 
 
 def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
-    """Lines that name what is assumed of the fabrics of a set-up, and of resolved yarns first."""
+    """Write the lines that name what is assumed of the fabrics of a set-up, and of resolved yarns
+    first."""
     lines = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
     if setup.crossovers is not None:
         lines = [*setup.crossovers.assumed_lines, *lines]
@@ -316,8 +318,8 @@ def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
 
 
 def resolve_fabric(fabric: Fabric | FilePath) -> Fabric:
-    """A Fabric as it is; that of a name or file with the linear densities of the runs of the
-    thesis."""
+    """Return a Fabric as it is, and load that of a name or file with the linear densities of the
+    runs of the thesis."""
     if isinstance(fabric, Fabric):
         return fabric
     return with_linear_density(catalogue.load(fabric), "effective")

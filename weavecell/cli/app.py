@@ -77,7 +77,7 @@ GROUPS = {
 
 
 def program(word: str = "") -> typer.Typer:
-    """The command line; where `word` names a command or a group, of that alone, since each takes 10
+    """Build the command line; if `word` names a command or a group, that alone, since each takes 10
     ms to make."""
     chosen = {
         name: entry for name, entry in COMMANDS.items() if name.partition(" ")[0] == word

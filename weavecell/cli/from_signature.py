@@ -149,7 +149,7 @@ def _folder(name, parameters, values):
 
 
 def unpack_keywords(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
-    """The parameters of a TypedDict that stands for `**keywords`; their meanings are added.
+    """Return the parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
     They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input
     file, which a command reads.
@@ -192,7 +192,7 @@ def _read_list(text):
 
 
 def read_docstring(function: Callable) -> tuple[str, dict[str, str]]:
-    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets
+    """Split a numpydoc docstring: (text before the sections, {parameter: its meaning}), brackets
     written for rich."""
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     parameters = "".join(sections[:1])

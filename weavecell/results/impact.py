@@ -245,8 +245,8 @@ class ImpactRecord(ImpactData):
         return self.half_energy[-1], self.final[-1]
 
     def nose_place(self, t: float) -> FloatArray:
-        """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and
-        end."""
+        """Interpolate the place x and y (2,) [m] of the nose at time t, linear between impact, half
+        energy and end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
         times = [0.0, *(shape.time for shape in self.rear)]
         return np.array([np.interp(t, times, place) for place in places[:, :2].T])
@@ -270,7 +270,7 @@ class ImpactRecord(ImpactData):
         return peaks
 
     def facts(self) -> dict[str, Any]:
-        """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
+        """Return {key: value} of all quantities of results/keys.toml, as summary.json has them."""
         tables = ["run", "impact"]
         tables += [table for part, table in keys.OF_SOME.items() if getattr(self, part)]
         known = {key.name: key.value(self) for key in keys.table(*tables)}
@@ -304,8 +304,8 @@ class ImpactRecord(ImpactData):
         return Record(columns, meanings, self.facts())
 
     def to_xarray(self) -> Dataset:
-        """The histories as an xarray.Dataset over time, those of plies over time and ply, with
-        units and meanings."""
+        """Return the histories as an xarray.Dataset over time, those of plies over time and ply,
+        with units and meanings."""
         return self.histories.to_xarray("time", "ply")
 
     def write(self, path: FilePath) -> None:

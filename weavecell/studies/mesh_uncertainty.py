@@ -125,15 +125,15 @@ class Discretisation:
 
 
 def index(difference: float, *, of_finer: bool = False) -> float:
-    """Uncertainty U of a result from its difference d on two meshes, see the module."""
+    """Compute the uncertainty U of a result from its difference d on two meshes, see the module."""
     return SAFETY * difference * (1.0 if of_finer else RATIO**ORDER) / (RATIO**ORDER - 1)
 
 
 def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
-    """The set-up with half the element side within REACH of the impact point, or further where the
-    projectile needs it; of a graded mesh with half the side of the first zone, and all zones twice
-    as far out. All elements are halved if an edge is not clamped, since fabric from anywhere may
-    come under the projectile, and if the panel cannot be graded so.
+    """Return the set-up with half the element side within REACH of the impact point, or further if
+    the projectile needs it; of a graded mesh with half the side of the first zone, and all zones
+    twice as far out. All elements are halved if an edge is not clamped, since fabric from anywhere
+    may come under the projectile, and if the panel cannot be graded so.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
 
 
 def halve_elements(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with half the side of all elements."""
+    """Return the set-up with half the side of all elements."""
     return _with(setup, tuple((until, side / RATIO) for until, side in _zones(setup)))
 
 
@@ -187,7 +187,7 @@ def _can_be_meshed(setup, table):
 
 
 def describe_mesh(setup: ImpactSetup) -> str:
-    """The mesh of a set-up."""
+    """Describe the mesh of a set-up."""
     zones = _zones(setup)
     if len(zones) == 1 and zones[0][1] <= 1:
         count = round(1 / zones[0][1])
@@ -259,7 +259,7 @@ def refine(
 
 
 def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
-    """The pair of shots, of which the coarser mesh counts, or the finer."""
+    """Compare the pair of shots, of which the coarser mesh counts, or the finer."""
     counted = coarse.result
     errors = {}
     for name, norm in differences(coarse.result, fine.result).items():
@@ -324,8 +324,8 @@ def _single(name, unit, value, error=0.0):
 
 
 def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
-    """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the
-    strike, the largest deflection and the peak tensions; infinite where the outcomes differ, 0 of
+    """Compute {quantity: [-] norm of the difference of the solutions}, over velocity and energy of
+    the strike, the largest deflection and the peak tensions; infinite if the outcomes differ, 0 of
     what a projectile that has stopped or a panel that is perforated does not have. Velocity and
     energy of a projectile that perforates have none: infinite."""
     (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
