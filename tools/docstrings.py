@@ -22,16 +22,16 @@ Balance Bisect Bore Bound Bring Broadcast Build Calculate Calibrate Call Cancel 
 Classify Clear Close Collect Combine Compare Compile Compose Compress Compute Constrain Convert Copy
 Correct Count Cut Decide Declare Decorate Define Delete Derive Describe Determine Diagonalise Digest
 Divide Do Draw Drop Encode Enforce Ensure Estimate Evaluate Expand Explain Export Extract
-Extrapolate Fill Filter Find Fire Fit Flag Follow Force Forget Format Free Gather Get Give Go Grade
-Grow Guess Hand Hold Identify Import Indicate Initialise Integrate Interpolate Invert Iterate Join
-Judge Keep Lay Let Limit Linearise List Load Look Lower Make March Mark Mask Measure Merge Mesh
-Minimise Mirror Move Multiply Name Normalise Note Notify Number Open Order Pack Pair Parse Perturb
-Place Plot Predict Prepare Prescribe Press Print Process Project Propose Provide Pull Push Put Raise
-Read Record Reduce Refuse Register Relax Remove Rename Render Repeat Replace Resample Reset Resolve
-Restore Return Rotate Round Run Sample Save Say Scale Scatter Scrape Search Select Set Share Shear
-Shift Show Shrink Simulate Smooth Solve Sort Split Spread Stack Step Stop Store Stretch Strike
-Subtract Sum Summarise Swap Tabulate Take Tell Test Thicken Thin Tie Time Transform Treat Try Turn
-Undo Unpack Update Validate Wait Walk Warn Widen Wrap Write Yield
+Extrapolate Fill Filter Find Fire Fit Flag Follow Force Forecast Forget Format Free Gather Get Give
+Go Grade Grow Guess Hand Hold Identify Import Indicate Initialise Integrate Interpolate Invert
+Iterate Join Judge Keep Lay Let Limit Linearise List Load Look Lower Make March Mark Mask Measure
+Merge Mesh Minimise Mirror Move Multiply Name Normalise Note Notify Number Open Order Pack Pair
+Parse Perturb Place Plot Predict Prepare Prescribe Press Print Process Project Propose Provide Pull
+Push Put Raise Read Record Reduce Refuse Register Relax Remove Rename Render Repeat Replace Resample
+Reset Resolve Restore Return Rotate Round Run Sample Save Say Scale Scatter Scrape Search Select Set
+Share Shear Shift Show Shrink Simulate Smooth Solve Sort Split Spread Stack Step Stop Store Stretch
+Strike Subtract Sum Summarise Swap Tabulate Take Tell Test Thicken Thin Tie Time Transform Treat Try
+Turn Undo Unpack Update Validate Wait Walk Warn Widen Wrap Write Yield
 """
 VERBS = frozenset(WORDS.split())
 Function = ast.FunctionDef | ast.AsyncFunctionDef

@@ -90,7 +90,7 @@ def _cell(value):
 
 
 def fabrics(*, out: FilePath | None = None) -> DataFrame:
-    """The catalogue, a row a fabric.
+    """List the catalogue, a row a fabric.
 
     Mass and strength are those of the data sheet. Shots use the linear density of the published
     runs, where the file has it, which gives the mass in shots.
@@ -126,7 +126,7 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
 
 
 def projectiles(*, out: FilePath | None = None) -> DataFrame:
-    """Fragment simulators, cylinders and spheres that an input file may name, a row each.
+    """List the fragment simulators, cylinders and spheres that an input file may name, a row each.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
 
 
 def backings(*, out: FilePath | None = None) -> DataFrame:
-    """Clay and gelatine that an input file may name behind a panel, a row each.
+    """List the clay and gelatine that an input file may name behind a panel, a row each.
 
     Parameters
     ----------

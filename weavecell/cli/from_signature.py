@@ -52,7 +52,7 @@ def command(
     *keywords: str,
     forecast: Callable[..., Any] | None = None,
 ) -> tuple[Callable[..., None], str]:
-    """The function that typer makes the command `name` of, and the line below its help.
+    """Make the function that typer makes the command `name` of, and the line below its help.
 
     Parameters
     ----------

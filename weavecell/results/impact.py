@@ -103,7 +103,7 @@ class ImpactRecord(ImpactData):
     def from_result(
         cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any
     ) -> Self:
-        """The record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
+        """Make the record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
         class."""
         from shellfabric.output.snapshots import quads
 
