@@ -88,7 +88,87 @@ def numbers_by_slot() -> list[str]:
     return found
 
 
+PREPOSITIONS = {
+    "of",
+    "at",
+    "by",
+    "in",
+    "on",
+    "over",
+    "about",
+    "above",
+    "below",
+    "behind",
+    "beside",
+    "after",
+    "before",
+    "ahead",
+    "around",
+    "along",
+    "across",
+    "within",
+    "between",
+    "against",
+    "under",
+    "alone",
+    "apart",
+    "away",
+    "off",
+    "worst",
+    "asked",
+}
+PARTICIPLES = {
+    "made",
+    "held",
+    "kept",
+    "shown",
+    "drawn",
+    "built",
+    "given",
+    "found",
+    "known",
+    "struck",
+    "written",
+    "done",
+    "bent",
+    "taken",
+    "told",
+    "seen",
+    "met",
+    "chosen",
+    "broken",
+    "torn",
+    "grown",
+}
+VERBS_IN_ED = {"embed", "exceed", "feed", "need", "proceed", "seed", "shed", "speed"}
+
+
+def is_preposition_or_participle(name: str) -> bool:
+    """Tell whether the first word of a name is a preposition or a participle."""
+    word = name.lstrip("_").partition("_")[0]
+    if word in PREPOSITIONS or word in PARTICIPLES:
+        return True
+    return word.endswith("ed") and word not in VERBS_IN_ED and len(word) > 3
+
+
+def functions_without_verb() -> list[str]:
+    """Return the functions, properties left out, called by a preposition or a participle."""
+    found = []
+    for package in ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell", "validation"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+                if not isinstance(node, ast.FunctionDef) or not is_preposition_or_participle(
+                    node.name
+                ):
+                    continue
+                if any("property" in ast.unparse(mark) for mark in node.decorator_list):
+                    continue
+                found.append(f"{path.relative_to(ROOT)}:{node.lineno}: {node.name}")
+    return found
+
+
 MEASURES = {
+    "functions called by a preposition or a participle": functions_without_verb,
     "places that index an array of a row by a constant or a digit": numbers_by_slot,
     "public functions whose docstring does not begin with a verb": without_verb,
 }
