@@ -23,6 +23,7 @@ SECTIONS = {
     ),
     "Shots": (
         "impact",
+        "size_of",
         "setup",
         "sweep",
         "critical_velocity",
