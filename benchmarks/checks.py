@@ -15,10 +15,10 @@ import time
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
-from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.loop import ply_kernels
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 
 
 @entry()

@@ -26,11 +26,11 @@ from shell import machine, publish
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop import ply_kernels
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver
 from validation.models.variants import with_straight_yarns
 from weavecell.studies.ballistic_limit import critical_velocity
 

@@ -27,10 +27,10 @@ from shell import march as march_single
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.jit.table import Rows
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.solver.pack_solver import PackSolver
 
 LONG = 400e-6
 

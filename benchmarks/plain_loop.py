@@ -26,16 +26,16 @@ from shell import machine, one_core, publish
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth.nodal_force_kernels import give_impulses
 from shellfabric.jit.compile import entry
-from shellfabric.panel.element_kernels import element_forces
-from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import move_rows
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop import ply_kernels
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.element_kernels import element_forces
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.motion_kernels import move_rows
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.window_kernels import place_near_nose
-from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.surface.nodal_force_kernels import give_impulses
 
 plain = njit(cache=True, error_model="numpy", fastmath=True)
 

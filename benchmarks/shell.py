@@ -26,10 +26,10 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
-from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.loop import ply_kernels
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics import catalogue
-from shellfabric.backing.block import Backing
+from shellfabric.block.block import Backing
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile

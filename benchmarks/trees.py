@@ -55,9 +55,9 @@ def march(plies, velocity, skip, steps):
 
     from fabrics import catalogue
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.panel.numerics import Numerics
+    from shellfabric.loop.pack_solver import PackSolver
+    from shellfabric.membrane.numerics import Numerics
     from shellfabric.plies.model import Pack
-    from shellfabric.solver.pack_solver import PackSolver
 
     setup = ImpactSetup(catalogue.load(FABRIC), velocity, numerics=Numerics(threads=1))
     panel = setup.panel(setup.table())

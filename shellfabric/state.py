@@ -26,6 +26,19 @@ from shellfabric.jit.table import (
     total,
 )
 
+# numbers of the two families of yarns
+WARP = 0
+WEFT = 1
+# of state.block_damage: a block without failures, with some, with some of this step
+INTACT = 0
+DAMAGED = 1
+REDO = 2
+# of state.element_flag; DRAWN_OUT: torn, and twice its size
+WARP_FAILED = 1
+WEFT_FAILED = 2
+ERODED = 4
+DRAWN_OUT = 8
+
 
 class FailureLines(Row):
     """Lines of one family for the failure criterion: strengths, weights of means, low-pass factors."""
@@ -48,7 +61,7 @@ class FailureLines(Row):
 
 
 class RateTable(Row):
-    """Strength of warp and weft by strain rate (`cloth.criterion_kernels`); no loads without such a law."""
+    """Strength of warp and weft by strain rate (`membrane.criterion_kernels`); no loads without such a law."""
 
     load = array("2, loads", "-", "loads, rising, over the strength at rest")
     rate = array("2, loads", "1/s", "rate of damage at each of them")
@@ -79,7 +92,7 @@ class Nose(Row):
 
 
 class Surface(Row):
-    """The nodes of a ply and a ring of ghosts about them, in the frame of the first ply (`cloth.grid_kernels`)."""
+    """The nodes of a ply and a ring of ghosts about them, in the frame of the first ply (`surface.grid_kernels`)."""
 
     x = array("3 x grid slots", "m", "places")
     v = array("3 x grid slots", "m/s", "velocities")

@@ -95,10 +95,10 @@ def write(root, name, text):
     [
         (
             kernels_that_are_not_plain,
-            "shellfabric/cloth/new_kernels.py",
+            "shellfabric/membrane/new_kernels.py",
             "from shellfabric.cell import model\n",
         ),
-        (kernels_that_are_not_plain, "shellfabric/cloth/new_kernels.py", "class A:\n    pass\n"),
+        (kernels_that_are_not_plain, "shellfabric/membrane/new_kernels.py", "class A:\n    pass\n"),
         (
             kernels_outside_the_cache,
             "unitcell3d/contact/new_kernels.py",

@@ -357,7 +357,7 @@ ALIVE = [
 DEAD = [
     "pull_yarn", "yarns_kernels", "cloth.grid", "yarn_kernels.difference", "shellfabric.cloth.panel.Plate",
     "Panel.meshed", "Grid.width", "Base.sides", "panel.Panel.kept", "state.counter", "lapack.solve", "meshes()",
-    "cloth/plates.py", "make nothing", "shellfabric.solver", "panel.model.Numerics", "shellfabric/gone.toml",
+    "cloth/plates.py", "make nothing", "shellfabric.loop", "panel.model.Numerics", "shellfabric/gone.toml",
 ]  # fmt: skip
 
 
@@ -418,11 +418,11 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
 @pytest.mark.parametrize(
     ("text", "dead"),
     [
-        ("`pull_yarns` of `shellfabric/cloth/yarn_kernels.py`", 0),
-        ("`push_yarns` of `shellfabric/cloth/yarn_kernels.py`", 1),
-        ("`Panel` in\n  `shellfabric/cloth/panel.py`", 0),
-        ("`Plate` in\n  `shellfabric/cloth/panel.py`", 1),
-        ("`shellfabric/cloth/gone.py`", 1),
+        ("`pull_yarns` of `shellfabric/membrane/yarn_kernels.py`", 0),
+        ("`push_yarns` of `shellfabric/membrane/yarn_kernels.py`", 1),
+        ("`Panel` in\n  `shellfabric/membrane/panel.py`", 0),
+        ("`Plate` in\n  `shellfabric/membrane/panel.py`", 1),
+        ("`shellfabric/membrane/gone.py`", 1),
         ("`shellfabric.cloth.panel.Panel.mesh` and `shellfabric.state`", 1),
         ("`projectile.shape` of an input file, `my.toml`, `panel --mesh`", 0),
     ],

@@ -8,8 +8,8 @@ import tomllib
 
 import pytest
 
-from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, ENERGY_GAIN_LIMIT
-from shellfabric.panel.quality import LIMITS
+from shellfabric.guards import ENERGY_ERROR_LIMIT, ENERGY_GAIN_LIMIT
+from shellfabric.membrane.quality import LIMITS
 from tests import printed_commands
 from tests.printed_commands import PAGES, ROOT
 from validation import program

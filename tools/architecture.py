@@ -53,7 +53,7 @@ def folders(package):
         yield str(folder.relative_to(ROOT)), purpose(folder)
 
 
-def kernels(start="shellfabric/solver/loop.py"):
+def kernels(start="shellfabric/loop/loop.py"):
     """List the kernel files behind the step of one ply, in the order of their names.
 
     start : file that imports them, directly or not
@@ -213,7 +213,7 @@ def text():
         "",
         "## Kernels of one ply",
         "",
-        "Files behind `shellfabric/solver/loop.py`, which makes the steps:",
+        "Files behind `shellfabric/loop/loop.py`, which makes the steps:",
         "",
     ]
     lines += [f"- `{name}`" for name in kernels()]

@@ -12,7 +12,7 @@ from fabrics import catalogue
 from fabrics.base.files import write_whole
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.output import snapshots
+from shellfabric.loop import snapshots
 from weavecell.report import pictures, pictures3d
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import FAINT, GREEN, INK, RED, tension_map

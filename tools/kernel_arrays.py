@@ -3,7 +3,7 @@
 import inspect
 
 from shellfabric import state
-from shellfabric.backing import state as backing
+from shellfabric.block import state as backing
 from shellfabric.cell import state as cell
 from shellfabric.coupon import state as coupon
 from shellfabric.jit.table import Row
@@ -82,7 +82,7 @@ TERMS = {
     ),
     "history row": (
         "Position of the nose, velocity and force after one step; see "
-        "shellfabric.solver.stack_kernels.record_step."
+        "shellfabric.loop.stack_kernels.record_step."
     ),
     "barrier": "Point of a step that all threads reach before any goes on.",
     "Float64x8, mask": (

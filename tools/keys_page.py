@@ -147,8 +147,8 @@ def _text(value):
 def _solver_defaults():
     """{key: default} of keys that the input file leaves to the objects of the solver, or to the data of the block."""
     from fabrics.materials import Isotropic, load
-    from shellfabric.backing.block import Backing
-    from shellfabric.panel.numerics import Numerics
+    from shellfabric.block.block import Backing
+    from shellfabric.membrane.numerics import Numerics
 
     known = {f"numerics.{entry.name}": entry.default for entry in fields(Numerics)}
     known |= {

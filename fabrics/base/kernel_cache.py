@@ -34,9 +34,9 @@ from fabrics.base.checks import FilePath
 # folder of kernels: what they compute, and how long they are compiled on two free cores
 MODELS = {
     "shellfabric.cell": ("the unit cell", "about 10 seconds"),
-    "shellfabric.panel": ("a ply", "about half a minute"),
+    "shellfabric.membrane": ("a ply", "about half a minute"),
     "shellfabric.plies": ("packs", "about 1 minute"),
-    "shellfabric.backing": ("a block behind the panel", "a minute or two"),
+    "shellfabric.block": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "validation.models.cable": ("the cable net", "a minute or two"),
 }

@@ -123,7 +123,7 @@ class RateLaw:
 
             dD/dt = r'(x) / failure strain = b exp(c (x - x_m))
 
-        as `shellfabric.cloth.criterion_kernels` take them: r(x) is the inverse of the strength, 0 up
+        as `shellfabric.membrane.criterion_kernels` take them: r(x) is the inverse of the strength, 0 up
         to the first load.
         One load, which nothing damages below, where the strength is the same at all rates.
         """

@@ -14,8 +14,8 @@ too, and no further parameter has to be chosen.
 
 import math
 
-from shellfabric.cloth.vector_kernels import across, add_scaled, dot, scaled, three
 from shellfabric.jit.compile import kernel
+from shellfabric.surface.vector_kernels import across, add_scaled, dot, scaled, three
 
 
 @kernel()

@@ -14,7 +14,7 @@ with which the balance of each yarn at the contact force F is
 with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) +
 d2(F) + g = h01 + h02 (`cell.crossover_kernels`). Yarns of fibres that slide freely on one another
 have the lower bound of B, n E pi d^4 / 64; those of a solid section of the fibres' area the upper
-one, E A^2 / 4 pi (`panel.grid`).
+one, E A^2 / 4 pi (`membrane.grid`).
 
 The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the
 flexible cell.

@@ -23,8 +23,8 @@ from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
 from shellfabric.coupon.state import Segments
-from shellfabric.driver import memory
-from shellfabric.panel.failure import mean_weights
+from shellfabric.loop import memory
+from shellfabric.membrane.failure import mean_weights
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave
@@ -173,7 +173,7 @@ class Coupon:
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """Average the tensions over the failure length about each segment, ((e1,), (e2,)) [N]: what
-        is held against the strength, M of `cloth.failure_kernels`; without its low-pass, since the
+        is held against the strength, M of `membrane.failure_kernels`; without its low-pass, since the
         test is quasi-static."""
         return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
 

@@ -26,8 +26,8 @@ import math
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.trellis_kernels import trellis_law
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.membrane.trellis_kernels import trellis_law
 
 WARP = 0
 WEFT = 1

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from shellfabric.backing.coupling import BackingResult
+from shellfabric.block.coupling import BackingResult
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.output import histories
-from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.snapshots import Snapshot
-from shellfabric.panel import quality
-from shellfabric.panel.grid import SYMMETRIES
-from shellfabric.panel.model import Panel
+from shellfabric.loop import histories
+from shellfabric.loop import snapshots as output_snapshots
+from shellfabric.loop.pack_solver import PLY_SAMPLES, PackSolver
+from shellfabric.loop.snapshots import Snapshot
+from shellfabric.membrane import quality
+from shellfabric.membrane.grid import SYMMETRIES
+from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics
-from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,13 +40,13 @@ class ImpactData:
     max_deflection : [m] largest entry of `deflection`
     energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
         the energy at the start
-    plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
+    plies : {name: (n, plies)} with the names of loop.pack_solver.PLY_SAMPLES
     max_penetration_ratio : (plies - 1,) [-] deepest penetration into the next ply, over thickness
     guard_impulses : number of impulses that kept plies from passing through each other
     measured : tuple of histories.Histories of each ply that has been followed; empty where nothing
         was to be recorded
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
-    backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
+    backing : block.coupling.BackingResult, the block behind the fabric at the end, or None
     checks : tuple of quality.Indicator
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1

@@ -8,16 +8,16 @@ from typing import Any
 
 from fabrics.base.checks import FilePath, positive
 from fabrics.base.errors import InputError, UnstableError
+from shellfabric import guards
 from shellfabric.cell.model import CellTable
-from shellfabric.driver import guards
-from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.result import ImpactResult, collect_result
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.output import checkpoint, histories
-from shellfabric.output.hooks import Snapshots
-from shellfabric.plies import memory
+from shellfabric.loop import checkpoint, histories
+from shellfabric.loop import pack_memory as memory
+from shellfabric.loop.driver import Hook, run_to_end
+from shellfabric.loop.hooks import Snapshots
+from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.plies.model import Pack
-from shellfabric.solver.pack_solver import PackSolver
 
 
 def check_impact(

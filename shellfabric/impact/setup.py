@@ -18,16 +18,16 @@ from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
-from shellfabric.backing.block import Backing
+from shellfabric.block.block import Backing
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.impact.strengths import YarnStrength, with_strengths
-from shellfabric.output import histories
-from shellfabric.panel import boundary
-from shellfabric.panel.boundary import Boundary
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop import histories
+from shellfabric.membrane import boundary
+from shellfabric.membrane.boundary import Boundary
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnPanel, YarnZone

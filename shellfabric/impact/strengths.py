@@ -10,7 +10,7 @@ the weakest place of the whole yarn, is held against its tension everywhere, the
 weak where the projectile strikes: the limit is on the safe side. Every yarn of every ply is drawn:
 panels are whole.
 
-On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line
+On a graded panel (`shellfabric.membrane.grading`) the yarns are drawn as on the uniform one; a line
 that stands for several yarns has the strength of the weakest of them. Yarns of an oblique weave
 have the length of the panel's sides, which is the most that they can have.
 """
@@ -24,8 +24,8 @@ from math import gamma, inf
 import numpy as np
 
 from fabrics.base.checks import refuse
-from shellfabric.panel import grading
-from shellfabric.panel.model import Panel
+from shellfabric.membrane import grading
+from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
 
 SCATTERED_BEFORE = (

@@ -1,20 +1,20 @@
-"""The plies of a pack on their grids (`cloth.grid_kernels`), which are parts of one: node (i, j) of
+"""The plies of a pack on their grids (`surface.grid_kernels`), which are parts of one: node (i, j) of
 ply p is number base[p] + i stride + j. What of them is torn, and what they hand over."""
 
 import numpy as np
 
-from shellfabric.cloth.grid_kernels import to_nodes
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.cloth.nodal_force_kernels import (
+from shellfabric.jit.compile import kernel
+from shellfabric.membrane.packing_kernels import is_fabric
+from shellfabric.plies.state import unit
+from shellfabric.state import ERODED
+from shellfabric.surface.grid_kernels import to_nodes
+from shellfabric.surface.nodal_force_kernels import (
     bounds,
     give_impulses,
     half_step_work,
     include_rows,
 )
-from shellfabric.cloth.packing_kernels import is_fabric
-from shellfabric.cloth.vector_kernels import add_scaled, difference, dot, nodal, subtract
-from shellfabric.jit.compile import kernel
-from shellfabric.plies.state import unit
+from shellfabric.surface.vector_kernels import add_scaled, difference, dot, nodal, subtract
 
 TALL, WIDE = 4, 8  # elements of a tile of `plies.near_kernels`
 BEFORE, BEHIND = 0, 1  # sides of a ply, of its forces

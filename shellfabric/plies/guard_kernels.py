@@ -26,9 +26,9 @@ PLANE_Y for the nodes of A. A node on such a plane has the bit of its axis in
 `PackContact.plane_bits`, and keeps to the plane.
 """
 
-from shellfabric.cloth.vector_kernels import dot, nodal
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.state import unit
+from shellfabric.surface.vector_kernels import dot, nodal
 
 PLANE_X = -1
 PLANE_Y = -2

@@ -4,7 +4,7 @@ Stacking. "aligned" plies are all alike; in an "alternating" pack every other on
 right angle (thesis section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp
 called weft: the shell does not see which yarn is on top, and each ply has its own grid. A ply at
 any other angle has its grid in a frame of its own, in which the opening is oblique
-(`panel.boundary`) and the projectile comes from elsewhere.
+(`membrane.boundary`) and the projectile comes from elsewhere.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the
 gap apart (erratum E-35). By default it is what tests of packs close and the law of the contact does
@@ -35,8 +35,8 @@ from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import AT_REST
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.motion_kernels import AT_REST
 from shellfabric.plies import friction
 from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap

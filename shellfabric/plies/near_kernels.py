@@ -20,12 +20,12 @@ beside no such element are bare.
 
 import math
 
-from shellfabric.cloth.vector_kernels import cross, difference, dot, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.frame_kernels import TALL, WIDE, mean_thickness
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, gap_to_keep
 from shellfabric.plies.separation_kernels import lower_bound, separation
 from shellfabric.plies.state import unit
+from shellfabric.surface.vector_kernels import cross, difference, dot, scaled
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of guard.fault

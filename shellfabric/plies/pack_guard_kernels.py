@@ -9,9 +9,6 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth.grid_kernels import place, turned, turned_back
-from shellfabric.cloth.nodal_force_kernels import bounds, extend_window, half_step_work
-from shellfabric.cloth.vector_kernels import add, add_scaled, column, nodal, scaled
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.jit.table import row_of
@@ -19,6 +16,9 @@ from shellfabric.plies import near_kernels as near
 from shellfabric.plies.frame_kernels import mark_torn
 from shellfabric.plies.guard_kernels import project_constraints
 from shellfabric.plies.state import unit
+from shellfabric.surface.grid_kernels import place, turned, turned_back
+from shellfabric.surface.nodal_force_kernels import bounds, extend_window, half_step_work
+from shellfabric.surface.vector_kernels import add, add_scaled, column, nodal, scaled
 
 
 @unit()

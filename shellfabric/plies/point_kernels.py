@@ -5,11 +5,11 @@ A kernel here is compiled for floats, and for vectors of eight of them. What it 
 boolean of one point, a mask of eight (`jit.simd`).
 """
 
-from shellfabric.cloth.vector_kernels import add, add_scaled, dot, scaled, subtract
 from shellfabric.contact.normal_kernels import damped
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import both, fabs, greater, maximum, minimum, sqrt, where
 from shellfabric.plies.law_kernels import law_at
+from shellfabric.surface.vector_kernels import add, add_scaled, dot, scaled, subtract
 
 _JUMP = 0.01  # [thicknesses] in a step that no motion has made
 _FLAT = 1e-12  # squared sine between slopes below which fabric counts as drawn to a line

@@ -1,6 +1,6 @@
 """Pressure and friction between plies, point by point, from where they are now.
 
-Each element of a ply carries n x n points x of its surface (`cloth.surface_kernels`). y is the
+Each element of a ply carries n x n points x of its surface (`surface.surface_kernels`). y is the
 point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
 of both plies, v the velocity of x over y:
 
@@ -12,7 +12,7 @@ at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the fro
 weights in x, f n + g on those of the rear ply by their weights in y: the sum vanishes to the last
 digits. The distance has no sign. So no point has a side, or a past: what keeps plies from passing
 through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
-contract much below it (`cloth.packing_kernels`).
+contract much below it (`membrane.packing_kernels`).
 
 Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
 come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
@@ -35,29 +35,6 @@ no neighbours meet where the ply behind the first has a hole.
 
 import math
 
-from shellfabric.cloth.nodal_force_kernels import extend_window
-from shellfabric.cloth.surface_kernels import (
-    facet_foot,
-    foot_at,
-    patch8,
-    patch_at,
-    point_vector8,
-    scatter8,
-    scatter_to_points8,
-    second_slopes8,
-    share_out,
-    spline_weights8,
-    vector_at8,
-    vector_of,
-)
-from shellfabric.cloth.vector_kernels import (
-    add_scaled,
-    cross,
-    difference,
-    dot,
-    scaled,
-    subtract,
-)
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -100,6 +77,29 @@ from shellfabric.plies.point_kernels import (
     unearned,
 )
 from shellfabric.plies.state import unit
+from shellfabric.surface.nodal_force_kernels import extend_window
+from shellfabric.surface.surface_kernels import (
+    facet_foot,
+    foot_at,
+    patch8,
+    patch_at,
+    point_vector8,
+    scatter8,
+    scatter_to_points8,
+    second_slopes8,
+    share_out,
+    spline_weights8,
+    vector_at8,
+    vector_of,
+)
+from shellfabric.surface.vector_kernels import (
+    add_scaled,
+    cross,
+    difference,
+    dot,
+    scaled,
+    subtract,
+)
 
 SLOTS = 4  # rows of `Pressure.last_closure`: of the next ply, and of three behind it
 _ITERATIONS = 8  # of Newton's method, of a point alone

@@ -6,8 +6,8 @@ node is given twice.
 
 import math
 
-from shellfabric.cloth.vector_kernels import add_scaled, cross, difference, dot, nodal, scaled
 from shellfabric.jit.compile import kernel
+from shellfabric.surface.vector_kernels import add_scaled, cross, difference, dot, nodal, scaled
 
 _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
 

@@ -4,7 +4,7 @@ smooth surface.
 The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its
 axis along z. A projectile whose axis is tilted has a frame of its own, into which positions are
 rotated, and normals back out of it. Every element carries p x p points x = sum N_i x_i of the
-surface of `cloth.surface_kernels`. A point with distance < 0 has
+surface of `surface.surface_kernels`. A point with distance < 0 has
 
     f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
 
@@ -26,25 +26,6 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth.grid_kernels import grid_of, to_nodes, turned, turned_back
-from shellfabric.cloth.nodal_force_kernels import bounds, extend_window, half_step_work
-from shellfabric.cloth.surface_kernels import (
-    foot_at,
-    point_vector8,
-    scatter_to_points8,
-    share_out,
-    vector_of,
-)
-from shellfabric.cloth.torn_kernels import WHOLE, bent_corners, torn_foot
-from shellfabric.cloth.vector_kernels import (
-    add,
-    column,
-    combined,
-    components,
-    dot,
-    scaled,
-    subtract,
-)
 from shellfabric.contact import friction_kernels, normal_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
@@ -67,6 +48,25 @@ from shellfabric.projectile.window_kernels import (
     intact_at_point,
 )
 from shellfabric.state import Scratch, unit
+from shellfabric.surface.grid_kernels import grid_of, to_nodes, turned, turned_back
+from shellfabric.surface.nodal_force_kernels import bounds, extend_window, half_step_work
+from shellfabric.surface.surface_kernels import (
+    foot_at,
+    point_vector8,
+    scatter_to_points8,
+    share_out,
+    vector_of,
+)
+from shellfabric.surface.torn_kernels import WHOLE, bent_corners, torn_foot
+from shellfabric.surface.vector_kernels import (
+    add,
+    column,
+    combined,
+    components,
+    dot,
+    scaled,
+    subtract,
+)
 
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 

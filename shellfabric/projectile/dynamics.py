@@ -19,7 +19,7 @@ from shellfabric.projectile.state import BarRow
 if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
 
-RIGID = ("z", "v", "force")  # columns of the step history, `solver.stack_kernels.record_step`
+RIGID = ("z", "v", "force")  # columns of the step history, `loop.stack_kernels.record_step`
 ENERGIES = "kinetic_projectile", "elastic_projectile", "plastic_projectile"
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 

@@ -30,9 +30,9 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.state import unit
+from shellfabric.surface.vector_kernels import three
 
 FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = range(6)  # in the order of `shapes.SHAPES`
 STL_HEAD = 7  # numbers before the coefficients

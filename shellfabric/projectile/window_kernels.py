@@ -3,13 +3,12 @@ ahead of the nose."""
 
 import numpy as np
 
-from shellfabric.cloth.grid_kernels import grid_of, place, turned
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.cloth.nodal_force_kernels import bounds, include_rows, set_window
-from shellfabric.cloth.surface_kernels import facet_foot, vector_of
-from shellfabric.cloth.vector_kernels import components, subtract
 from shellfabric.jit.compile import kernel
-from shellfabric.state import unit
+from shellfabric.state import ERODED, unit
+from shellfabric.surface.grid_kernels import grid_of, place, turned
+from shellfabric.surface.nodal_force_kernels import bounds, include_rows, set_window
+from shellfabric.surface.surface_kernels import facet_foot, vector_of
+from shellfabric.surface.vector_kernels import components, subtract
 
 X, Y = 0, 1  # axes
 

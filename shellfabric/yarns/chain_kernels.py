@@ -5,9 +5,10 @@
 with the linear density lambda: xi is the damping ratio of the highest mode of a chain with lumped masses. A yarn of
 family 0 (warp) lies along x, of family 1 (weft) along y; node n and segment n, from node n to n + 1, share a number.
 
-A segment fails by the criterion of the membrane (`cloth.failure_kernels`), whose lines are here the yarns themselves:
-M, the mean of the tensions of the same segment of neighbouring yarns over the fabric's failure length, and F, which
-follows M over the time of a wave across that length. It breaks in the step after F has passed the strength.
+A segment fails by the criterion of the membrane (`membrane.failure_kernels`), whose lines are here
+the yarns themselves: M, the mean of the tensions of the same segment of neighbouring yarns over the
+fabric's failure length, and F, which follows M over the time of a wave across that length. It
+breaks in the step after F has passed the strength.
 
 Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt / 2: works of
 dissipative forces are those of the mean of the old and the new force, each in its own direction: a segment that whips
@@ -17,10 +18,10 @@ slack within the step: `zone.lost_in_snaps` has the rest, as "yarn_snap" of the 
 
 import math
 
-from shellfabric.cloth import criterion_kernels
-from shellfabric.cloth.membrane_kernels import SUM
-from shellfabric.cloth.vector_kernels import column, dot, subtract
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.membrane import criterion_kernels
+from shellfabric.membrane.membrane_kernels import SUM
+from shellfabric.surface.vector_kernels import column, dot, subtract
 
 TINY = 1e-9  # [N] below which a force has no direction
 ROUNDING = 1e-12  # strain below which a segment counts as at rest

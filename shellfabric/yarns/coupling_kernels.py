@@ -16,10 +16,10 @@ whose sum over all steps is that of F.
 
 import numpy as np
 
-from shellfabric.cloth.vector_kernels import three
 from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 from shellfabric.subcycle_kernels import subcycle
+from shellfabric.surface.vector_kernels import three
 from shellfabric.yarns.chain_kernels import move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.state import Zone

@@ -18,7 +18,9 @@ does no work. A yarn leaves a crossing for good at its end.
 
 import math
 
-from shellfabric.cloth.vector_kernels import (
+from shellfabric.contact import friction_kernels, normal_kernels
+from shellfabric.jit.compile import kernel
+from shellfabric.surface.vector_kernels import (
     add_scaled,
     cross,
     dot,
@@ -26,8 +28,6 @@ from shellfabric.cloth.vector_kernels import (
     subtract,
     three,
 )
-from shellfabric.contact import friction_kernels, normal_kernels
-from shellfabric.jit.compile import kernel
 from shellfabric.yarns.curve_kernels import gather, scatter, spline
 
 MOST_MOVE = 0.1  # of an index in one step of Gauss and Newton: a tenth of a segment

@@ -10,9 +10,9 @@ A force at s goes to the three nodes by the same weights, so that force, moment 
 
 import numpy as np
 
-from shellfabric.cloth.surface_kernels import quadratic_weights
-from shellfabric.cloth.vector_kernels import add, column, scaled
 from shellfabric.jit.compile import kernel
+from shellfabric.surface.surface_kernels import quadratic_weights
+from shellfabric.surface.vector_kernels import add, column, scaled
 
 FIXED = (0.125, 0.75, 0.125)  # weights of a point at a node
 ONE = np.uint64(1)  # numba asks of a signed index whether it is negative

@@ -19,12 +19,11 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth.membrane_kernels import DAMAGED, WARP_FAILED, WEFT_FAILED
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
-from shellfabric.panel.slots import by_node
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part, own_steps
-from shellfabric.state import Constants, State
+from shellfabric.state import DAMAGED, WARP_FAILED, WEFT_FAILED, Constants, State
 from shellfabric.yarns.part import ResolvedYarns
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch
 from shellfabric.yarns.state import Zone

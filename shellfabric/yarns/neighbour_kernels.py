@@ -17,8 +17,8 @@ makes no energy.
 
 import math
 
-from shellfabric.cloth.vector_kernels import dot, scaled, subtract
 from shellfabric.jit.compile import kernel
+from shellfabric.surface.vector_kernels import dot, scaled, subtract
 from shellfabric.yarns.crossing_kernels import CLOSE, RUNS, moved
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter, spline
 

@@ -9,7 +9,10 @@ and in the middle of the segments, a quarter of a crossover apart; with the sign
 
 import math
 
-from shellfabric.cloth.vector_kernels import (
+from shellfabric.contact import friction_kernels, normal_kernels
+from shellfabric.jit.compile import kernel
+from shellfabric.projectile import sdf_kernels
+from shellfabric.surface.vector_kernels import (
     add_scaled,
     column,
     combined,
@@ -18,9 +21,6 @@ from shellfabric.cloth.vector_kernels import (
     subtract,
     three,
 )
-from shellfabric.contact import friction_kernels, normal_kernels
-from shellfabric.jit.compile import kernel
-from shellfabric.projectile import sdf_kernels
 from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 
 AT_NODE, BETWEEN = 0, 1

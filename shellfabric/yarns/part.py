@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from shellfabric.driver.guards import speed_limit
-from shellfabric.panel import quality
+from shellfabric.guards import speed_limit
+from shellfabric.membrane import quality
 from shellfabric.parts import Part
 from shellfabric.state import State
 from shellfabric.yarns import coupling_kernels

@@ -34,7 +34,7 @@ import numpy as np
 from fabrics import assumed
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
-from shellfabric.panel import failure
+from shellfabric.membrane import failure
 from shellfabric.yarns.state import Zone
 
 CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0

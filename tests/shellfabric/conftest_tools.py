@@ -5,15 +5,15 @@ from copy import deepcopy
 import numpy as np
 from panels import rest, set_nodal
 
-from shellfabric.cloth.grid_kernels import place
 from shellfabric.jit.compile import entry
 from shellfabric.jit.table import Rows, row_of
-from shellfabric.panel.arrays import with_ghosts
-from shellfabric.panel.slots import by_node
+from shellfabric.loop import ply_kernels
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.arrays import with_ghosts
+from shellfabric.membrane.slots import by_node
 from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.plies.arrays import on_grids
-from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.surface.grid_kernels import place
 
 
 def bring(panel, state, x):
@@ -85,7 +85,7 @@ def collide(pack, velocity, steps):
 
 
 def on_grid(const, vector):
-    """The three components of a vector on the grid of a ply (`cloth.grid_kernels`) as (ni+1, nj+1, 3)."""
+    """The three components of a vector on the grid of a ply (`surface.grid_kernels`) as (ni+1, nj+1, 3)."""
     stride = const.row_stride + 2
     rows = [part[: (const.ni + 3) * stride].reshape(-1, stride) for part in vector]
     return np.stack(rows, axis=-1)[1:-1, 1:-1]
@@ -140,7 +140,7 @@ class Pressed:
 
     Attributes
     ----------
-    pack, states, consts, contact : as of `shellfabric.solver.pack_solver.PackSolver`
+    pack, states, consts, contact : as of `shellfabric.loop.pack_solver.PackSolver`
     """
 
     def __init__(self, pack):

@@ -7,15 +7,15 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.ply_laws import packing_stiffness
-from shellfabric.backing.block import Backing
+from shellfabric.block.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
-from shellfabric.cloth.trellis_kernels import FADE_STRETCH
-from shellfabric.panel import edges
-from shellfabric.panel.grading import tributary
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane import edges
+from shellfabric.membrane.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
+from shellfabric.membrane.grading import tributary
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.trellis_kernels import FADE_STRETCH
 
 INF = np.inf
 SERIAL = Numerics(threads=1)

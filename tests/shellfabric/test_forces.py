@@ -19,20 +19,20 @@ from scipy.spatial.transform import Rotation
 
 from fabrics.materials import load
 from fabrics.ply_law import PlyLaw
-from shellfabric.backing import block_kernels
-from shellfabric.backing.block import Backing
-from shellfabric.cloth import boundary_kernels, failure_kernels
-from shellfabric.cloth.membrane_kernels import DAMAGED, INTACT
+from shellfabric.block import block_kernels
+from shellfabric.block.block import Backing
 from shellfabric.jit.table import Row
-from shellfabric.panel.boundary import Grip
-from shellfabric.panel.grid import SYMMETRIES
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop import ply_kernels
+from shellfabric.membrane import boundary_kernels, failure_kernels
+from shellfabric.membrane.boundary import Grip
+from shellfabric.membrane.grid import SYMMETRIES
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.window_kernels import place_near_nose
-from shellfabric.solver import ply_kernels
+from shellfabric.state import DAMAGED, INTACT
 
 STEP = 1e-9  # [m] of central differences
 

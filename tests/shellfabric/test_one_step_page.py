@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from shellfabric.backing.state import BlockPoints, BlockRow
+from shellfabric.block.state import BlockPoints, BlockRow
 from shellfabric.plies.state import Guard, NeighbourLists, PackContact, Pressure
 from shellfabric.projectile.state import BarRow
 from shellfabric.state import Constants, Stack, State, Work
@@ -29,11 +29,11 @@ ROWS = {
 }
 # the loop, and what it calls by address
 STARTS = (
-    "shellfabric/solver/loop.py",
+    "shellfabric/loop/loop.py",
     "shellfabric/yarns/coupling_kernels.py",
     "shellfabric/projectile/bar_kernels.py",
-    "shellfabric/backing/coupling.py",
-    "shellfabric/backing/block_kernels.py",
+    "shellfabric/block/coupling.py",
+    "shellfabric/block/block_kernels.py",
 )
 
 
@@ -78,7 +78,7 @@ def test_arrays_stand_with_files_that_use_them():
 
 def test_an_array_that_stands_with_another_file_is_found():
     section = (
-        "### 8. Edges\n\n`shellfabric/cloth/boundary_kernels.py` writes `state.u`, `state.{}`\n"
+        "### 8. Edges\n\n`shellfabric/membrane/boundary_kernels.py` writes `state.u`, `state.{}`\n"
     )
     assert arrays_of_other_files(section.format("slip_force")) == []
     assert arrays_of_other_files(section.format("trellis_turn")) == ["state.trellis_turn"]

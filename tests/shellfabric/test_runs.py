@@ -13,16 +13,16 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from fabrics.families.strain_rate import RateLaw
-from shellfabric.backing.block import Backing
+from shellfabric.block.block import Backing
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.output import checkpoint
-from shellfabric.output.histories import HistoryRequest, Recorder
-from shellfabric.output.hooks import Snapshots
-from shellfabric.panel.boundary import Grip, PullIn
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop import checkpoint
+from shellfabric.loop.histories import HistoryRequest, Recorder
+from shellfabric.loop.hooks import Snapshots
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.boundary import Grip, PullIn
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.state import PartTable
 
 S720, S726 = (catalogue.load(name).with_effective_density() for name in ("S-720", "S-726"))

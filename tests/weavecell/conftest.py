@@ -18,7 +18,7 @@ def results(shared):
 @contextmanager
 def interrupted_at(share, least_wall=0.0):
     """The user presses Ctrl-C when `share` of a run is done; checkpoints may be `least_wall` [s] apart."""
-    from shellfabric.output import checkpoint
+    from shellfabric.loop import checkpoint
     from weavecell.results import progress
 
     def advance(done, _text=""):

@@ -17,20 +17,20 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue, variants
-from shellfabric.backing.block import Backing
-from shellfabric.backing.coupling import result_of
+from shellfabric.block.block import Backing
+from shellfabric.block.coupling import result_of
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PackSolver
 from validation.models import bare_impact
 from validation.values import Values, largest
 
 VELOCITY = 300.0
 PROJECTILE = Projectile(mass=8.1e-3)
-# half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.numerics.Numerics`), in the
-# first target with free edges 0.5 % of the shot's energy at the usual one
+# half the usual time step: where stiff yarns snap taut a step loses with its square
+# (`membrane.numerics.Numerics`), in the first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
 BLOCK = Backing(min_size=1.5e-3, refined_depth=9e-3, growth=1.25, points=1)
 

@@ -11,7 +11,7 @@ from fabrics import catalogue
 from fabrics.base.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import CellModel, CellTable
-from shellfabric.panel import quality
+from shellfabric.membrane import quality
 from validation.claims.checks.cell import printed
 from validation.models import newton as thesis
 from validation.models.cable import smith

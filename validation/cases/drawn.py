@@ -11,7 +11,7 @@ import numpy as np
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel.grid import SYMMETRIES
+from shellfabric.membrane.grid import SYMMETRIES
 from validation.cases import drawn_shots
 from validation.values import Values
 from weavecell.studies import mesh_uncertainty, window

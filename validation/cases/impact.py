@@ -18,7 +18,7 @@ from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact.run import run_impact, run_impact_or_partial
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross

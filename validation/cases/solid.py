@@ -18,7 +18,7 @@ from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_solids
 from meshing import crossover
-from shellfabric.panel import quality
+from shellfabric.membrane import quality
 from unitcell3d.cases import pull_out as pulling
 from unitcell3d.cases import single_yarn
 from unitcell3d.cases.biaxial_and_platens import plate_compression, row

@@ -19,8 +19,8 @@ from fabrics.base.checks import BoolArray, FloatArray
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
-from shellfabric.output.snapshots import pyramid
-from shellfabric.panel.model import Panel
+from shellfabric.loop.snapshots import pyramid
+from shellfabric.membrane.model import Panel
 from validation.values import Values, largest, rms
 from weavecell.results import wave_fronts
 

@@ -24,12 +24,12 @@ from shellfabric.coupon import quasistatic
 from shellfabric.impact.result import ImpactResult, collect_result
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.output.snapshots import yarn_tensions
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.loop.snapshots import yarn_tensions
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.projectile.bar import Bar
-from shellfabric.solver.pack_solver import PackSolver
 from validation.cases import block
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult

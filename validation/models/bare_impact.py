@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shellfabric.backing.coupling import BackingResult, result_of
+from shellfabric.block.coupling import BackingResult, result_of
 from shellfabric.projectile.projectile import Projectile
 
 if TYPE_CHECKING:
-    from shellfabric.backing.block import Backing
+    from shellfabric.block.block import Backing
 
 RECORDED = 20  # a step in so many
 

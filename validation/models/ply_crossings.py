@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.panel.slots import by_element, by_node
+from shellfabric.membrane.slots import by_element, by_node
+from shellfabric.state import ERODED
 
 if TYPE_CHECKING:
-    from shellfabric.solver.pack_solver import PackSolver
+    from shellfabric.loop.pack_solver import PackSolver
 
 UNIT = 1e-3  # [m] of the library's coordinates
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.compression import CompressionLaw
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
     from unitcell3d.identify.calibration import Calibration
     from unitcell3d.identify.chain import LawInterval
     from unitcell3d.identify.solid_record import SolidFit
@@ -332,7 +332,7 @@ class CalibrationResult(Result):
     @property
     def checks(self) -> tuple[Indicator, ...]:
         """As in `Result`: how far the law misses its samples."""
-        from shellfabric.panel import quality
+        from shellfabric.membrane import quality
 
         law = self.law
         if law.residual_rms is None or not law.a > 0:

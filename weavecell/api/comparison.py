@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
     from weavecell.api.target import Target
     from weavecell.studies.compare import Comparison, ReducedTests
 
@@ -100,7 +100,7 @@ def compare(
     >>> comparison.comparison.agree
     2
     """
-    from shellfabric.panel import quality
+    from shellfabric.membrane import quality
     from weavecell.studies import ballistic_limit
     from weavecell.studies import compare as studies
 

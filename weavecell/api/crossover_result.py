@@ -20,7 +20,7 @@ from weavecell.results import json_file, out_folder
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
 
 __all__ = ["CrossoverResult"]
 
@@ -76,7 +76,7 @@ class CrossoverResult(Result):
     @property
     def checks(self) -> tuple[Indicator, ...]:
         """Quality checks: of a yarn alone, nodes that alternate along it."""
-        from shellfabric.panel import quality
+        from shellfabric.membrane import quality
 
         if "astray" not in self.record.columns:
             return ()

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
     from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
@@ -298,7 +298,7 @@ class CriticalVelocityResult(StudyResult):
     def checks(self) -> tuple[Indicator, ...]:
         """Each quality check of the shot in which it is worst, and the width of the zone of mixed
         outcomes."""
-        from shellfabric.panel import quality
+        from shellfabric.membrane import quality
         from weavecell.studies import limit_scan
 
         worst = quality.worst(shot.checks for shot in self.limit.shots)

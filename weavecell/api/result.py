@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
 
 __all__ = ["Result"]
 

@@ -137,9 +137,9 @@ class RunSize(_Size):
         ------
         InputError : values that do not go together
         """
-        from shellfabric.backing.coupling import bricks_of
+        from shellfabric.block.coupling import bricks_of
         from shellfabric.impact.run import check_impact
-        from shellfabric.plies import memory
+        from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
 
         pack = check_impact(setup, written=written)

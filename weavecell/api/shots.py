@@ -236,7 +236,7 @@ class _Shooting:
         mesh : its name, since each mesh has a checkpoint of its own: a state fits its mesh alone
         """
         from shellfabric.impact.run import check_impact, run_impact
-        from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
+        from shellfabric.loop.checkpoint import LEAST_WALL, Checkpoints
         from weavecell.studies.mesh_uncertainty import Shot
 
         checkpoint = self._checkpoint(mesh)

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
@@ -454,7 +454,7 @@ class SweepResult(Result, Sequence):
     @property
     def checks(self) -> tuple[Indicator, ...]:
         """Each quality check of the shot in which it is worst, without unstable shots."""
-        from shellfabric.panel import quality
+        from shellfabric.membrane import quality
 
         return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
 

@@ -25,8 +25,8 @@ import fabrics
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.output.snapshots import quads
-from shellfabric.panel import boundary
+from shellfabric.loop.snapshots import quads
+from shellfabric.membrane import boundary
 from shellfabric.projectile.solid import volume
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import Law

@@ -48,7 +48,7 @@ def crater(pyplot: Any, blocks: Any) -> Any:
 
     Parameters
     ----------
-    blocks : {title: shellfabric.backing.coupling.BackingResult}
+    blocks : {title: shellfabric.block.coupling.BackingResult}
     """
     from matplotlib.collections import PolyCollection
 

@@ -17,7 +17,7 @@ from weavecell.report.pictures_style import (
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
-    from shellfabric.output.histories import YarnHistory
+    from shellfabric.loop.histories import YarnHistory
 
 _WAVES = {"longitudinal": INK, "transverse": RED}
 
@@ -28,7 +28,7 @@ def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) ->
     Parameters
     ----------
     t : (n,) [s]
-    yarns : sequence of shellfabric.output.histories.YarnHistory
+    yarns : sequence of shellfabric.loop.histories.YarnHistory
     places : [m] along the yarns, from the impact point
     """
     figure, grid = _panels(pyplot, len(yarns), 3.6)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
-    from shellfabric.panel.quality import Indicator
+    from shellfabric.membrane.quality import Indicator
 
 FORMAT = "weavecell coupon 2"
 CHECKPOINT = "weavecell coupon checkpoint 3"
@@ -164,7 +164,7 @@ def _biaxial(inputs, solved):
 def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     """Compute the quality indicators of a test; the load step in which a yarn fails may go beyond
     its strength."""
-    from shellfabric.panel import quality
+    from shellfabric.membrane import quality
 
     coupon = solved.coupon
     peaks = [float(tension.max()) for tension in coupon.tensions(solved.states[-1].x)]
@@ -175,7 +175,7 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
 
 def indicate_locking(solved: Result) -> tuple[Indicator, ...]:
     """Indicate how far a picture frame is sheared beyond the angle at which its yarns lock."""
-    from shellfabric.panel import quality
+    from shellfabric.membrane import quality
 
     law = solved.coupon.table.model.fabric.shear
     if law is None or not len(solved.prescribed):
@@ -212,7 +212,7 @@ def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
 
 def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
     """Compute the quality indicators of a pull-out."""
-    from shellfabric.panel import quality
+    from shellfabric.membrane import quality
 
     return quality.of_cell(curve.coupon.table, (curve.peak, curve.coupon.pre_tension))
 

@@ -27,7 +27,7 @@ from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.impact.result import ImpactData, ImpactResult
-from shellfabric.panel.quality import status
+from shellfabric.membrane.quality import status
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
@@ -105,7 +105,7 @@ class ImpactRecord(ImpactData):
     ) -> Self:
         """Make the record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
         class."""
-        from shellfabric.output.snapshots import quads
+        from shellfabric.loop.snapshots import quads
 
         setup = result.setup
         panels = result.panels
@@ -195,7 +195,7 @@ class ImpactRecord(ImpactData):
     def viscous_note(self) -> str:
         """That viscosity dissipated more in the whole run than the check allows until the first
         failure, or ""."""
-        from shellfabric.panel.quality import LIMITS
+        from shellfabric.membrane.quality import LIMITS
 
         # a nose that hardly loses energy would make any share large
         share = float(self.energies["viscous"][-1]) / max(
@@ -207,7 +207,7 @@ class ImpactRecord(ImpactData):
 
     @property
     def _viscous_split(self):
-        from shellfabric.panel.quality import split_viscous
+        from shellfabric.membrane.quality import split_viscous
 
         return split_viscous(self.cut_yarns, self.energies)
 
@@ -352,8 +352,8 @@ class ImpactRecord(ImpactData):
     @classmethod
     def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
-        from shellfabric.backing.coupling import BackingResult
-        from shellfabric.panel.quality import Indicator
+        from shellfabric.block.coupling import BackingResult
+        from shellfabric.membrane.quality import Indicator
         from shellfabric.projectile.dynamics import BarHistory
 
         with read_hdf5(path, FORMAT) as file:
@@ -420,7 +420,7 @@ def _write_measured(group, measured):
 
 
 def _read_measured(group):
-    from shellfabric.output.histories import EDGES, Histories, YarnHistory
+    from shellfabric.loop.histories import EDGES, Histories, YarnHistory
 
     yarns = [read_group(yarn, YarnHistory, "yarn") for yarn in _members(group, "yarns")]
     edges = {name: group[f"edges/{name}"][()] for name in EDGES}

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from shellfabric.output.snapshots import Snapshot
-    from shellfabric.panel.model import Panel
+    from shellfabric.loop.snapshots import Snapshot
+    from shellfabric.membrane.model import Panel
 
 _GRIDS = (
     "nodes",
@@ -49,7 +49,7 @@ class Shape:
 
     @classmethod
     def from_snapshot(cls, shot: Snapshot) -> Shape:
-        """Take the shape of a `shellfabric.output.snapshots.Snapshot`."""
+        """Take the shape of a `shellfabric.loop.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
         flat = {}
         for name, grid in grids.items():
@@ -74,7 +74,7 @@ class Cut:
 
     @classmethod
     def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
-        """Cut the plies' `shellfabric.output.snapshots.Snapshot` of one instant along x at rest."""
+        """Cut the plies' `shellfabric.loop.snapshots.Snapshot` of one instant along x at rest."""
         lines = []
         for shot, panel in zip(shots, panels):
             j = panel.nearest_lines[1]

@@ -279,7 +279,7 @@ def _is_checkpoint(name, path):
     """Whether a file is a checkpoint, which carries its own digests."""
     if not file_list.matches(name, [CHECKPOINTS]):
         return False
-    from shellfabric.output import checkpoint
+    from shellfabric.loop import checkpoint
     from weavecell.results import coupon
 
     with suppress(InputError), files.read_hdf5(path, checkpoint.FORMAT, coupon.CHECKPOINT):

@@ -21,7 +21,7 @@ from scipy.stats import linregress
 from scipy.stats import t as student
 
 from fabrics.base.checks import FloatArray
-from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
+from shellfabric.loop.histories import FAMILIES, Histories, YarnHistory
 
 # share of the yarn's strength: the tension that counts as the arrival of the longitudinal front
 TOE = 0.01

@@ -357,8 +357,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     InputError : values that fit each on its own but not together, named with the scene's file
     """
     from shellfabric.impact.strengths import YarnStrength
-    from shellfabric.output.histories import HistoryRequest
-    from shellfabric.panel.numerics import Numerics
+    from shellfabric.loop.histories import HistoryRequest
+    from shellfabric.membrane.numerics import Numerics
     from shellfabric.yarns.model import aim
     from weavecell.scenes.short_setup import ShortSetup
 
@@ -435,7 +435,7 @@ def _backing(table):
     """The block that a scene names; what it leaves out is the thesis's, or the mesh's default."""
     if table is None:
         return None
-    from shellfabric.backing.block import Backing
+    from shellfabric.block.block import Backing
 
     given = _collect_given(table)
     given["name"] = given.pop("material", "")
@@ -460,7 +460,7 @@ def _boundary(boundary):
 
 
 def _side(side):
-    from shellfabric.panel.boundary import Grip, PullIn
+    from shellfabric.membrane.boundary import Grip, PullIn
 
     if isinstance(side, str):
         return side

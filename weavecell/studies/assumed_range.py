@@ -26,8 +26,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel import quality
-from shellfabric.panel.boundary import Grip
+from shellfabric.membrane import quality
+from shellfabric.membrane.boundary import Grip
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]

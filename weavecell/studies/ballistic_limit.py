@@ -29,13 +29,13 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
-from shellfabric.driver import guards
-from shellfabric.driver.solver import STOPPED
+from shellfabric import guards
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel import quality
-from shellfabric.panel.model import Panel
+from shellfabric.loop.driver import STOPPED
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import quality
+from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
-from shellfabric.solver.pack_solver import PackSolver
 from weavecell.studies import inputs
 from weavecell.studies.bracket import STEP, Bracket
 

@@ -16,7 +16,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_csv, read_number
 from fabrics.base.units import refused, si
-from shellfabric.panel import quality
+from shellfabric.membrane import quality
 from weavecell.studies import lambert_jonas, probit, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.lambert_jonas import LambertJonas

@@ -10,7 +10,7 @@ from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
 from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel import quality
+from shellfabric.membrane import quality
 from weavecell.studies import inputs, v50
 from weavecell.studies import limit as limits
 from weavecell.studies.limit_scan import ScanRange

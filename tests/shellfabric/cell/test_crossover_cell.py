@@ -11,10 +11,9 @@ from panels import potential_grid, table
 from fabrics import catalogue
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import table_kernels
 from shellfabric.coupon import relaxation_kernels
-from shellfabric.panel import element_kernels
-from shellfabric.panel.model import Panel
+from shellfabric.membrane import element_kernels, table_kernels
+from shellfabric.membrane.model import Panel
 from validation.models.variants import with_law_form
 
 

@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from shellfabric.contact import friction_kernels
 from shellfabric.impact.run import run_impact
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
-from shellfabric.panel.slots import by_node
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.slots import by_node
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.shapes import SHAPES
-from shellfabric.solver.pack_solver import PackSolver
 
 OFTEN = {"table_size": 51, "audit_interval": 1e-6}
 ANALYTIC = [shape for shape in SHAPES if shape != "stl"]

@@ -7,8 +7,8 @@ import pytest
 
 from fabrics.base.errors import InputError
 from fabrics.families.strain_rate import RateLaw
-from shellfabric.cloth import failure_kernels
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.membrane import failure_kernels
 
 LAW = RateLaw((100.0, 1000.0, 10000.0), (1.0, 1.2, 1.6))
 

@@ -9,7 +9,7 @@ from numpy.testing import assert_array_equal
 
 from fabrics.base.errors import InputError
 from shellfabric.jit import barrier
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane.numerics import Numerics
 
 
 @njit(nogil=True)

@@ -77,7 +77,7 @@ def test_a_unit_refuses_arguments_of_other_types():
 
 RUN = """
 import logging, sys
-from shellfabric.solver import compile_ahead
+from shellfabric.loop import compile_ahead
 from shellfabric.jit.table import GRADED
 wanted = compile_ahead.cells(GRADED, False)[:8]
 compile_ahead.cells = lambda grid, several: wanted
@@ -86,7 +86,7 @@ compile_ahead.fill(GRADED, False)
 print(*[int(cell.kinds in cell.unit.dispatcher.stats.cache_misses) for cell in wanted])
 """
 CHILD = """
-from shellfabric.solver.compile_ahead import cells
+from shellfabric.loop.compile_ahead import cells
 [cell.fill() for cell in cells({}, {})[3:8]]
 """
 

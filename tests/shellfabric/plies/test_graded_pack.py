@@ -8,9 +8,9 @@ from conftest_tools import Pressed, grid
 from numpy.testing import assert_allclose
 from test_ply_contact import LAW, assert_as_plain
 
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.solver.pack_solver import PackSolver
 
 INF = np.inf
 ZONES = ((7, 1), (INF, 2))

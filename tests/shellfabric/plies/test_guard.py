@@ -10,13 +10,13 @@ from numpy.testing import assert_allclose
 from fabrics import catalogue
 from fabrics.base.errors import UnstableError
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
 from shellfabric.plies.model import Pack, at_angle
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.state import ERODED, WARP_FAILED, WEFT_FAILED
 from validation.models.ply_crossings import plies_cross, surfaces
 
 

@@ -9,7 +9,7 @@ import pytest
 from fabrics import catalogue
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.gap import gap_between
 
 SETUP = ImpactSetup(

@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from fabrics import ply_laws
 from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
+from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.plies.frame_kernels import BEHIND
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.solver.pack_solver import PackSolver
 from validation.models.ply_crossings import plies_cross
 
 GAP = 0.1e-3

@@ -8,13 +8,13 @@ import pytest
 from conftest_tools import advance, on_grid
 from numpy.testing import assert_allclose
 
-from shellfabric.cloth.surface_kernels import quadratic_weights
 from shellfabric.contact import normal_kernels
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import window_kernels
-from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.state import PointLaw
+from shellfabric.surface.surface_kernels import quadratic_weights
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_law")

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
 from fabrics.ply_law import PlyLaw
-from shellfabric.cloth import surface_kernels as surface
 from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact, at_angle
+from shellfabric.surface import surface_kernels as surface
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
 LAW = PlyLaw([0.0, 20e-6, 40e-6], [0.0, 1e6, 19e6], 1.4e13)

@@ -8,16 +8,15 @@ from numpy.testing import assert_allclose
 from panels import areas, grid
 
 from fabrics import catalogue
-from shellfabric.cloth import packing_kernels
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.driver import guards
+from shellfabric import guards
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Rows
-from shellfabric.panel import quality
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import packing_kernels, quality
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import law_kernels
-from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.state import ERODED
 
 S726 = catalogue.load("S-726").with_effective_density()
 SHOT = ImpactSetup(

@@ -11,11 +11,11 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PackSolver
 
 # round, and so small a time that no wave comes back from the edge: what is left of the opening turns with nothing
 SETUP = ImpactSetup(

@@ -5,11 +5,11 @@ from conftest_tools import advance, solver_at_rest
 from numpy.testing import assert_allclose
 from panels import make_panel
 
-from shellfabric.cloth.membrane_kernels import DAMAGED, ERODED
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.window_kernels import place_near_nose
+from shellfabric.state import DAMAGED, ERODED
 
 R = 2.75e-3
 RHO = 0.3e-3

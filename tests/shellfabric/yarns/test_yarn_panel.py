@@ -10,11 +10,11 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.output.checkpoint import Checkpoints
-from shellfabric.panel import arrays, quality
-from shellfabric.panel.numerics import Numerics
+from shellfabric.loop.checkpoint import Checkpoints
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import arrays, quality
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PackSolver
 from shellfabric.yarns.model import YarnZone, aim, friction_to_hold
 from shellfabric.yarns.part import slip_at_rim
 

@@ -15,7 +15,7 @@ from fabrics.base.record import Record
 from fabrics.compression import CompressionLaw
 from meshing.mesh_plan import Plan, with_room
 from shellfabric.cell.model import CellModel
-from shellfabric.panel import quality
+from shellfabric.membrane import quality
 from unitcell3d.cases.biaxial_and_platens import first_reached
 from unitcell3d.identify.assumed_range import _packed_later
 from unitcell3d.identify.calibrate import (

@@ -13,7 +13,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon
-from shellfabric.panel.model import Panel
+from shellfabric.membrane.model import Panel
 from shellfabric.projectile.bar import Bar
 from validation.claims import checks, judge, runner
 from validation.claims import claims as data

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellfabric.backing.block import Backing
+from shellfabric.block.block import Backing
 from shellfabric.projectile.projectile import Projectile
 from validation.models.bare_impact import strike
 

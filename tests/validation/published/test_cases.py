@@ -6,7 +6,7 @@ from math import sqrt
 import pytest
 
 from fabrics import catalogue
-from shellfabric.panel.numerics import Numerics
+from shellfabric.membrane.numerics import Numerics
 from tests.shellfabric.panels import BLOCK
 from validation.cases import block, impact
 

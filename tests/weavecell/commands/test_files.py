@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal, assert_equal
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from shellfabric.output.histories import EDGES
+from shellfabric.loop.histories import EDGES
 from tests.weavecell.session_runs import SCENES, fired, set_up
 from weavecell.results import json_file, keys, vtk
 from weavecell.results.impact import ImpactRecord
@@ -77,7 +77,7 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
 
 
 def test_energies_of_the_solvers_are_documented_and_drawn():
-    from shellfabric.solver.pack_solver import PackSolver
+    from shellfabric.loop.pack_solver import PackSolver
     from weavecell.report import pictures
 
     names = PackSolver(wc.setup("S-726", 100, plies=2).target(), 100.0, 1e-6).energy_names

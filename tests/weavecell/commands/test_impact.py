@@ -12,7 +12,7 @@ import pytest
 import pyvista
 from PIL import Image
 
-from shellfabric.output import checkpoint
+from shellfabric.loop import checkpoint
 from tests.scene_text import datasets, every, impact_scene
 from tests.weavecell.written import names, table_of
 from weavecell.report.shot import view

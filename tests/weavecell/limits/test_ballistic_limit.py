@@ -10,10 +10,10 @@ import pytest
 
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
-from shellfabric.driver import guards
-from shellfabric.panel.numerics import Numerics
+from shellfabric import guards
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.solver.pack_solver import PackSolver
 from tests.shellfabric.panels import make_panel
 from validation.models.cable.smith import smith
 from weavecell.studies import ballistic_limit, limit_scan

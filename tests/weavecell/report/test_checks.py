@@ -8,8 +8,8 @@ import pytest
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import DoubtfulError
-from shellfabric.panel import quality
-from shellfabric.panel.quality import Indicator
+from shellfabric.membrane import quality
+from shellfabric.membrane.quality import Indicator
 from tests.scene_text import impact_scene
 from validation.models.cable.smith import smith
 from weavecell.report import checks

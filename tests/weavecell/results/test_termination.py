@@ -9,7 +9,7 @@ from unittest import mock
 
 import pytest
 
-from shellfabric.output import checkpoint
+from shellfabric.loop import checkpoint
 from tests.scene_text import datasets, impact_scene
 from weavecell.results import progress, termination
 

@@ -10,7 +10,7 @@ import pytest
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel.boundary import Grip
+from shellfabric.membrane.boundary import Grip
 from weavecell.report import chapters_discretisation as chapters
 from weavecell.studies import mesh_uncertainty
 from weavecell.studies.mesh_uncertainty import Shot

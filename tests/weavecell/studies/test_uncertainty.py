@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import failure_kernels
 from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
-from shellfabric.panel.model import Panel
-from shellfabric.panel.numerics import Numerics
-from shellfabric.panel.slots import by_node
+from shellfabric.membrane import failure_kernels
+from shellfabric.membrane.model import Panel
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.slots import by_node
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,

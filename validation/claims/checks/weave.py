@@ -19,7 +19,7 @@ from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon
 from shellfabric.coupon.quasistatic import inextensible_shear
-from shellfabric.panel.model import Panel
+from shellfabric.membrane.model import Panel
 from validation.claims.checks.cell import rectangle
 from validation.claims.readers import ALL, FAMILIES, KEVLAR, crimped
 from validation.published.bias_extension import coupon_fabric

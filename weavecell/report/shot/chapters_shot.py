@@ -18,7 +18,7 @@ from weavecell.results.display import text
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.output.histories import Histories
+    from shellfabric.loop.histories import Histories
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
     from weavecell.studies.assumed_range import AssumedRange
@@ -357,7 +357,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
     Parameters
     ----------
-    recorded : shellfabric.output.histories.Histories of at least one yarn
+    recorded : shellfabric.loop.histories.Histories of at least one yarn
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
     """

@@ -1,0 +1,63 @@
+"""Numerical parameters of a panel: time step, viscosity, contact, threads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fabrics.base.checks import not_negative, positive, refuse
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an
+    outcome.
+
+    Parameters
+    ----------
+    cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear
+        stiffening in distorted elements. Where yarns snap taut a step loses energy, with its
+        square, whatever the mesh, since a snap is a few elements wide; the loss stays in the energy
+        error
+    stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much
+        of the time step. Without it crimped yarns that snap taut ring. In a yarn that stiffens as
+        its crimp goes, fronts are shocks, which dissipate whatever the viscosity
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2,
+        with the dt that `cfl` would make of the bound (see `time_step`). The critical velocity
+        depends on it, by how deep the rim of the nose presses itself in; at 1 and above yarns
+        bounce off the nose. It is stable to 1.5 at the damping below
+    contact_damping : ratio to critical of that mass on that spring
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see
+        `contact_kernels`). None takes 8, and more under a sharp nose: as many as put them
+        panel_arrays.SPACING nose radii apart, at most panel_arrays.MOST_POINTS along an element.
+        Points further apart miss the edge: it acts as a rounder or a sharper one, as it lies among
+        them
+    widest : stretch of the gap left by failed yarns at which its element loses contact: two
+        neighbours' worth
+    clear_time : [s] without a push and with nothing ahead, after which the panel counts as
+        perforated
+    block : elements worked on together, six rows at least: more share the cost of a block and of
+        the rows about it, fewer keep its scratch in cache
+    threads : that share the plies of a pack, at most one a ply, and the bricks of a block. None
+        takes all that the process may use where it pays (`barrier`), and goes on with one for the
+        plies where other processes use the processor (`loop.driver`). No result depends on it
+    """
+
+    cfl: float = 0.9
+    stretch_viscosity: float = 0.1
+    penalty: float = 0.6
+    contact_damping: float = 0.5
+    contact_points: int | None = None
+    widest: float = 3.0
+    clear_time: float = 2e-6
+    block: int = 2000
+    threads: int | None = None
+
+    def __post_init__(self):
+        positive(self, "cfl", "penalty", "widest", "clear_time", "block")
+        not_negative(self, "stretch_viscosity", "contact_damping")
+        if self.contact_points is not None and self.contact_points < 1:
+            refuse(self, "contact_points", "at least 1")
+        if self.threads is not None and self.threads < 1:
+            refuse(self, "threads", "at least 1")
+        if self.cfl > 1:
+            refuse(self, "cfl", "at most 1")

@@ -1,0 +1,440 @@
+"""Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
+
+A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a
+run. A run is "doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower
+value in NOTES. The limits follow from where the methods were found to fail
+(docs/reports/numerics.md) and, of the viscous energy, from experiments; docs/reports/numerics.md
+says how many of those points they flag, and how many scenes at default settings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from fabrics.base.checks import FloatArray
+
+OK = "ok"
+NOTED = "noted"
+DOUBTFUL = "doubtful"
+_T = ("T1", "T2")
+EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
+LIGHT = 0.03  # of the strength: tensions below it count as it
+
+
+@dataclass(frozen=True)
+class Indicator:
+    """A quality indicator: one number with its limit.
+
+    Parameters
+    ----------
+    name : for the reader and as the key in summary.json
+    value, limit : value <= limit where all is well; a value that is not finite is not well
+    unit : of both; "" where it is a ratio
+    meaning : what the value is, in one sentence
+    note : value above which the indicator is noted though it is within its limit, or None
+    """
+
+    name: str
+    value: float
+    limit: float
+    unit: str = ""
+    meaning: str = ""
+    note: float | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Whether the value is within the limit."""
+        return isfinite(self.value) and self.value <= self.limit
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the value is beyond the limit."""
+        return not self.ok
+
+    @property
+    def status(self) -> str:
+        """ "ok", "noted" or "doubtful"."""
+        if self.doubtful:
+            return DOUBTFUL
+        if self.note is not None and self.value > self.note:
+            return NOTED
+        return OK
+
+    @property
+    def text(self) -> str:
+        """Value, limit and what the value is."""
+        return f"{self}: {self.meaning}"
+
+    @property
+    def excess(self) -> float:
+        """[-] value over limit."""
+        if not isfinite(self.value):
+            return float("inf")
+        if self.limit > 0:
+            return self.value / self.limit
+        if self.value > self.limit:
+            return float("inf")
+        return 0.0
+
+    @property
+    def number(self) -> str:
+        """The value with two decimals or three digits; with more where it passes the limit by
+        less."""
+        for decimals in range(2, 9):
+            if self.value >= 1:
+                text = f"{self.value:.{decimals}f}"
+            else:
+                text = f"{self.value:#.{decimals + 1}g}"
+            if self.ok or float(text) > self.limit:
+                break
+        return text
+
+    def __str__(self):
+        unit = f" {self.unit}".rstrip()
+        bounds = f"limit {self.limit:g}{unit}"
+        if self.status == NOTED:
+            bounds = f"noted above {self.note:g}{unit}, {bounds}"
+        if self.doubtful and self.name in REMEDIES:
+            bounds = f"{bounds}; {REMEDIES[self.name]}"
+        return f"{self.name} {self.number}{unit} ({bounds})"
+
+    def entry(self) -> dict[str, Any]:
+        """Return it as a dict, for summary.json."""
+        return asdict(self) | {"ok": self.ok, "status": self.status}
+
+
+def status(indicators: Iterable[Indicator]) -> str:
+    """Return the worst status of several indicators: "ok", "noted" or "doubtful"; "ok" of none."""
+    return max((one.status for one in indicators), key=(OK, NOTED, DOUBTFUL).index, default=OK)
+
+
+# name: (limit, what the value is)
+LIMITS = {
+    "time step": (1.0, "time step over the stability limit of the explicit integration"),
+    "energy error": (0.005, "largest error of the energy balance over the strike energy"),
+    "yarn snap": (
+        0.005,
+        "energy that steps lose while yarns stiffen, over the strike energy",
+    ),
+    "energy gained in contact": (
+        0.008,
+        "energy that contact forces created, over the strike energy",
+    ),
+    "viscous energy": (
+        0.15,
+        "energy dissipated by viscosity over the energy absorbed, until a yarn first fails",
+    ),
+    "formulation energy": (
+        0.1,
+        "work of the cell's forces that no potential stores, over the energy absorbed",
+    ),
+    "tension oscillation": (
+        0.07,
+        "rms oscillation of the tension from node to node over the rms tension",
+    ),
+    "nose penetration": (
+        1.8,
+        "largest penetration of the projectile into the fabric over its edge radius",
+    ),
+    "contact point spacing": (
+        1.2,
+        "spacing of the contact points over the projectile's edge radius",
+    ),
+    "element side": (1.0, "longest element side over the projectile's radius"),
+    "element over failure length": (
+        2.0,
+        "if yarns fail: element side over the failure length",
+    ),
+    "path over fine mesh": (
+        1.0,
+        "distance from the impact point to the furthest fabric under the projectile at the end, over the half width of "
+        "the fine mesh, beyond which fabric does not touch the projectile",
+    ),
+    "yarns an element": (1.0, "yarns per element side under the projectile"),
+    "tension over cell table": (
+        1.0,
+        "peak tension over the largest tension tabulated for the unit cell",
+    ),
+    "tension over sampled surface": (
+        1.0,
+        "peak tension over the largest tension sampled for the response surface",
+    ),
+    "contact force over fitted range": (
+        1.0,
+        "force between yarns over the largest that the law was fitted to",
+    ),
+    "swelling under contact": (
+        1e-3,
+        "growth of a yarn's thickness under a light contact force over its thickness",
+    ),
+    "relaxation residual": (1.0, "out-of-balance force over the tolerance of the relaxation"),
+    "shear beyond locking": (
+        2.0,
+        "shear angle over that at which the yarns lock, beyond which the law is an extrapolation",
+    ),
+    "misfit of the law": (
+        0.1,
+        "rms distance of the samples from the compression law over its greatest compression a",
+    ),
+    "node alternation": (
+        0.01,
+        "displacements that alternate from node to node over the yarn's thickness",
+    ),
+    "ply penetration": (
+        0.75,
+        "largest loaded penetration of a ply into the next over the ply's thickness",
+    ),
+    "ply collisions": (
+        0.1,
+        "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
+    ),
+    "slip at the rim": (
+        0.15,
+        "slip of a resolved yarn beside the rim of its zone, in crossovers",
+    ),
+    "friction to hold yarns": (
+        0.25,
+        "least friction between yarns with which one ply stops this projectile; with less, it pushes them aside and "
+        'passes, which crossovers = "yarns" computes',
+    ),
+}
+# name: value above which the indicator is noted
+NOTES = {
+    "viscous energy": 0.1,
+    "element over failure length": 0.5,
+    "ply collisions": 0.05,
+    "shear beyond locking": 1.0,
+    "misfit of the law": 0.05,
+    "friction to hold yarns": 0.15,
+}
+
+
+REMEDIES = {
+    "misfit of the law": "see whether the yarns are at closest packing (mesh), or take a response surface",
+    "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
+    "slip at the rim": "more yarn would be drawn in: widen panel.zone",
+    "friction to hold yarns": 'compare with crossovers = "yarns"',
+}  # name: what to do beyond the limit
+
+
+def indicator(name: str, value: float) -> Indicator:
+    """Return the Indicator of LIMITS with a value."""
+    limit, meaning = LIMITS[name]
+    return Indicator(name, float(value), limit, meaning=meaning, note=NOTES.get(name))
+
+
+class Monitor:
+    """Samples of a run, taken with the solver's own, reduced to sums and maxima.
+
+    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads
+    then rings, and torn fabric hangs in other fabric, without an error.
+
+    Parameters
+    ----------
+    solver : PackSolver, which is not kept: a run whose solver is dropped frees its memory at once
+
+    Attributes
+    ----------
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the
+        squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
+        that the ply and those behind it have closed, over the thickness [-]
+    """
+
+    def __init__(self, solver: Any) -> None:
+        self.found = np.zeros((len(solver.plies), 3))
+        plies = solver.pack.plies
+        self._places = [ply.nearest_lines for ply in plies]
+        self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
+
+    def sampled(self, solver: Any) -> None:
+        """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
+        from shellfabric.membrane.quality_kernels import sample
+
+        if solver.replaces_membrane:
+            return  # about the nose there are yarns in the place of the panel's edges
+        if len(solver.samples) % EVERY or any(state.failures for state in solver.states):
+            return
+        for (_, const, state), row, (i, j), light in zip(
+            solver.plies, self.found, self._places, self._light
+        ):
+            sample(state, const, i, j, *light, row)
+        self.found[:-1, -1] = solver.deepest
+
+    @property
+    def oscillation(self) -> float:
+        """[-] root of the ratio of the two sums of squares."""
+        alternation, squares = self.found[:, :-1].sum(axis=0)
+        if squares > 0:
+            return float(np.sqrt(alternation / squares))
+        return 0.0
+
+
+def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
+    """Split what viscosity dissipates at the last sample before the first failure is seen: yarns
+    fail between samples.
+
+    After the split it takes the energy of recoiling cut yarns, which is lost whatever the
+    viscosity.
+
+    Parameters
+    ----------
+    cut_yarns : (n,) so far, of all plies
+    energies : {name: (n,)} [J] of which "viscous" and "kinetic_projectile" are used
+
+    Returns
+    -------
+    share : [-] of viscosity in what the projectile has lost, at the split or, where no yarn fails,
+        at the end
+    recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
+    """
+    viscous = energies["viscous"]
+    kinetic = energies["kinetic_projectile"]
+    # the first sample has none: without a cut this is the last sample
+    split = int(np.argmax(cut_yarns > 0)) - 1
+    lost = max(kinetic[0] - kinetic[split], 1e-3 * kinetic[0])
+    return float(viscous[split] / lost), float(viscous[-1] - viscous[split])
+
+
+def of_solver(solver: Any) -> tuple[Indicator, ...]:
+    """Return the Indicators of a run of a `loop.pack_solver.PackSolver`."""
+
+    panel = solver.panel
+    const = solver.const
+    shot = panel.projectile
+    strike = solver.strike_energy
+    energies = {name: solver.sample(name) for name in solver.energy_names}
+    cut_yarns = solver.sample("cut_yarns")
+    absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
+    broken = float(cut_yarns[-1] > 0 and not solver.replaces_membrane)
+    depth = max(float(state.max_penetration) for state in solver.states)
+    nose = shot.nose_radius
+    bound = panel.time_step / panel.numerics.cfl
+    largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}
+    contacts = (solver.contacts.keys() - {"ply_friction"}) & energies.keys()
+    given = max(-float(energies[name].min()) for name in contacts)
+    found = [
+        indicator("time step", const.dt / bound),
+        indicator("energy error", largest["error"] / strike),
+        indicator("yarn snap", largest["yarn_snap"] / strike),
+        indicator("energy gained in contact", max(given, 0.0) / strike),
+        indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
+        indicator("formulation energy", largest["formulation_residual"] / absorbed),
+        indicator("tension oscillation", solver.monitor.oscillation),
+        indicator("nose penetration", depth / nose),
+        indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
+        indicator("element side", max(panel.spacing) / shot.radius),
+        indicator(
+            "element over failure length",
+            broken * max(panel.spacing) / panel.fabric.failure_length,
+        ),
+        indicator("yarns an element", float(panel.finest)),
+        *_path(solver),
+        *_extrapolation(solver),
+    ]
+    found += solver.part_indicators
+    if len(solver.plies) > 1:
+        found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
+        collided = float(energies["ply_collisions"][-1])
+        found.append(indicator("ply collisions", max(collided, 0.0) / strike))
+    return tuple(found)
+
+
+def _path(solver):
+    """The indicator of a projectile that moves sideways over a graded panel."""
+    shares = [
+        panel.share_of_first_zone(state.projectile_position)
+        for panel, const, state in solver.plies
+        if panel.sides is not None and const.window_follows
+    ]
+    return [indicator("path over fine mesh", max(shares))] if shares else []
+
+
+def _extrapolation(solver):
+    """Indicators of a cell that is used beyond where it is known."""
+    peaks = np.max([state.peak_tension for state in solver.states], axis=0)
+    table = solver.panel.table
+    found = []
+    if not solver.panel.yarn_failure:
+        found.append(
+            indicator(
+                "tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))
+            )
+        )
+    else:  # the step in which a yarn fails may go beyond its strength, and no further
+        peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
+    return (*found, *of_cell(table, peaks))
+
+
+def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
+    """Return the Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far
+    as `peaks`."""
+    model = table.model
+    values = table.values
+    found = []
+    if hasattr(model, "surface"):
+        sampled = (model.surface.T1, model.surface.T2)
+        reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
+        return (indicator("tension over sampled surface", reached),)
+    if model.cell_model != "compressible":
+        return ()
+    inside = np.logical_and(*(values[T] <= max(peak, 0.0) for peak, T in zip(peaks, _T)))
+    force = float(np.max(values["F"], where=inside, initial=0.0))
+    known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
+    if known:
+        found.append(indicator("contact force over fitted range", force / min(known)))
+    least = float(values["F"].min(where=values["F"] > 0, initial=np.inf))
+    if least == np.inf:
+        least = 0.0
+    swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))
+    found.append(indicator("swelling under contact", swelling))
+    return tuple(found)
+
+
+def _swelling(law, force, height):
+    """[-] by which a yarn grows thicker under a light contact force, over its height."""
+    shift = 0.0
+    if law.form == "regularised":
+        shift = law.F0
+    if force + shift > 0:
+        return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height
+    return 0.0
+
+
+def of_coupon(
+    table: Any, tensions: Sequence[float], residual: float, tolerance: float
+) -> tuple[Indicator, ...]:
+    """Return the Indicators of a quasi-static test.
+
+    Parameters
+    ----------
+    table : CellTable
+    tensions : (warp, weft) [N] largest of each family
+    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation
+        was to reach
+    """
+    over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
+    found = (
+        indicator("relaxation residual", residual / tolerance),
+        indicator("tension over cell table", over),
+    )
+    return (*found, *of_cell(table, tensions))
+
+
+def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
+    """Return the Indicators of a yarn of solids whose nodes alternate along it by `astray` (n,)
+    [m]."""
+    return (indicator("node alternation", float(np.max(astray)) / thickness),)
+
+
+def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
+    """Select each indicator of several runs' Indicators where it is furthest beyond its limit."""
+    found: dict[str, Indicator] = {}
+    for one in (one for indicators in runs for one in indicators):
+        if one.name not in found or one.excess > found[one.name].excess:
+            found[one.name] = one
+    return tuple(found.values())

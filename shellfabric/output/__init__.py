@@ -1,1 +1,0 @@
-"""What is recorded of a run: hooks, histories, snapshots, wave fronts, checkpoints."""

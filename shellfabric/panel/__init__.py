@@ -1,1 +1,0 @@
-"""One ply: its arrays, boundary conditions, time step, grading, motion and quality indicators."""

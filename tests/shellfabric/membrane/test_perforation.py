@@ -1,0 +1,66 @@
+"""Cut-out cloth that stays before the projectile does not keep it from having perforated."""
+
+import numpy as np
+import pytest
+from conftest_tools import grid
+from numpy.testing import assert_array_equal
+from panels import make_panel
+
+from fabrics import catalogue
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import perforation
+from shellfabric.state import ERODED
+
+
+def cut(panel, state, low, high, intact=0.0):
+    """Cut the yarns round the nodes low .. high - 1 along both sides, on all sides that the panel has."""
+    warp, weft = (grid(panel.constants(), part) for part in state.intact_fraction)
+    for line in (high - 1, low - 1) if low > 0 else (high - 1,):
+        warp[line, low:high] = weft[low:high, line] = intact
+
+
+@pytest.mark.parametrize("symmetry, low, high", [("quarter", 0, 4), ("whole", 9, 14)])
+def test_what_is_held(symmetry, low, high):
+    """Nodes that yarn joins to no edge are not, nor the elements at them; one yarn left whole keeps them all. What is
+    eroded is not."""
+    panel = make_panel(symmetry=symmetry)
+    state = panel.state(1.0)
+    const = panel.constants()
+    assert perforation.held(state, const).all()
+    cut(panel, state, low, high)
+    held = perforation.held(state, const)
+    touched = np.zeros(panel.counts, bool)
+    touched[max(low - 1, 0) : high, max(low - 1, 0) : high] = True
+    assert_array_equal(held, ~touched)
+    state.intact_fraction[0][(high - 1) * const.row_stride + low] = 0.5
+    assert perforation.held(state, const).all()
+    state.element_flag[3 * const.row_stride + 4] = ERODED
+    assert np.argwhere(~perforation.held(state, const)).tolist() == [[3, 4]]
+
+
+def test_passed():
+    """The nose has passed where no held cloth is ahead of its edge within its radius."""
+    panel = make_panel()
+    state = panel.state(1.0)
+    c = panel.constants()
+    assert not perforation.passed(state, c)  # cloth at rest before the nose
+    cut(panel, state, 0, 4)
+    assert perforation.passed(state, c)  # all that is left before it is the plug
+    cut(panel, state, 0, 4, intact=1.0)
+    assert not perforation.passed(state, c)
+    state.projectile_position[2] = 1e-3
+    assert perforation.passed(state, c)  # behind the edge
+
+
+def test_a_plug_that_flies_ahead():
+    """S-728 at 205.5 m/s: a plug of two elements flies before the projectile; without asking what holds it, the run
+    had no outcome after 5 ms."""
+    march = PackSolver(
+        ImpactSetup(catalogue.load("S-728").with_effective_density(), 1.0, table_size=101).panel(),
+        205.5,
+        600e-6,
+    ).run()
+    assert march.outcome == "perforated"
+    assert march.time < 150e-6
+    assert march.sample("v")[-1] > 100
