@@ -111,7 +111,7 @@ class Scratch(Row):
     contact_work = total("J", "work that the contact takes")
     spring_energy = total("J", "energy in its springs")
     axes = array("3, 3", "-", "axes of the projectile as rows, in the frame of the surface")
-    bent = array("8 int64", "-", "of eight elements, see `cloth.torn_kernels`")
+    bent = array("8 int64", "-", "of eight elements, see `surface.torn_kernels`")
     place = array("3, 8", "m", "places of eight contact points, from the nose along its axes")
     velocity = array("3, 8", "m/s", "their velocities relative to the nose")
     dv_other = array("3, 8", "m/s", "`State.dv_other` at the points")
@@ -257,7 +257,7 @@ class Constants(Row):
     )
     packing_stiffness = number("N/m", "stiffness of a ply in its plane as solid fibre")
     packed_area = number(
-        "-", "share of its area at rest that packed fabric keeps (`cloth.packing_kernels`)"
+        "-", "share of its area at rest that packed fabric keeps (`membrane.packing_kernels`)"
     )
     yarn_ends = array(
         "2, 2 int64",
@@ -350,7 +350,7 @@ class State(Row, kept=True):
         "blocks boolean", "-", "whether T of a block is out of date, since nothing has needed it"
     )
     packed_blocks = array(
-        "blocks boolean", "-", "whether a block has packed elements (`cloth.packing_kernels`)"
+        "blocks boolean", "-", "whether a block has packed elements (`membrane.packing_kernels`)"
     )
     block_max_tension = array(
         "blocks, 2", "N", "largest tension of warp and weft in a block, or an upper bound of it"

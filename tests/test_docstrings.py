@@ -332,7 +332,7 @@ def test_pages_name_files_and_functions_that_exist():
 def small_house(tmp_path_factory):
     """Write a package with a module, a class, a kernel file, a folder and a Makefile."""
     root = tmp_path_factory.mktemp("house")
-    folder = root / "shellfabric" / "cloth"
+    folder = root / "shellfabric" / "membrane"
     folder.mkdir(parents=True)
     (root / "Makefile").write_text("lint:\n\ttrue\n")
     (root / "shellfabric" / "__init__.py").write_text("")
@@ -350,14 +350,14 @@ def small_house(tmp_path_factory):
 
 
 ALIVE = [
-    "pull_yarns", "yarn_kernels", "cloth.yarn_kernels", "yarn_kernels.pull_yarns", "shellfabric.cloth.panel.Panel",
+    "pull_yarns", "yarn_kernels", "membrane.yarn_kernels", "yarn_kernels.pull_yarns", "shellfabric.membrane.panel.Panel",
     "Panel.mesh", "Panel.width", "Panel.sides", "panel.Panel.mesh", "state.sides", "np.linalg.solve", "mesh()",
-    "cloth/panel.py", "make lint", "x * y + 1", "local", "print", "not", "folder/of/a/user.toml",
+    "membrane/panel.py", "make lint", "x * y + 1", "local", "print", "not", "folder/of/a/user.toml",
 ]  # fmt: skip
 DEAD = [
-    "pull_yarn", "yarns_kernels", "cloth.grid", "yarn_kernels.difference", "shellfabric.cloth.panel.Plate",
+    "pull_yarn", "yarns_kernels", "membrane.grid", "yarn_kernels.difference", "shellfabric.membrane.panel.Plate",
     "Panel.meshed", "Grid.width", "Base.sides", "panel.Panel.kept", "state.counter", "lapack.solve", "meshes()",
-    "cloth/plates.py", "make nothing", "shellfabric.loop", "panel.model.Numerics", "shellfabric/gone.toml",
+    "membrane/plates.py", "make nothing", "shellfabric.loop", "panel.model.Numerics", "shellfabric/gone.toml",
 ]  # fmt: skip
 
 
@@ -403,7 +403,7 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
 ):
     folder = tmp_path / "fabrics"
     folder.mkdir()
-    (folder / "cloth.py").write_text(
+    (folder / "membrane.py").write_text(
         'def force(u):\n    """The force."""\n\n'
         'def _inner(u):\n    """The same."""\n\n'
         "class Yarn:\n"
@@ -412,7 +412,7 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
         "    def strain(self):\n        return 0\n"
     )
     found = tool("docstrings").without_verb(tmp_path)
-    assert found == ["fabrics/cloth.py:1 force", "fabrics/cloth.py:15 Yarn.strain"]
+    assert found == ["fabrics/membrane.py:1 force", "fabrics/membrane.py:15 Yarn.strain"]
 
 
 @pytest.mark.parametrize(
@@ -423,7 +423,7 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
         ("`Panel` in\n  `shellfabric/membrane/panel.py`", 0),
         ("`Plate` in\n  `shellfabric/membrane/panel.py`", 1),
         ("`shellfabric/membrane/gone.py`", 1),
-        ("`shellfabric.cloth.panel.Panel.mesh` and `shellfabric.state`", 1),
+        ("`shellfabric.membrane.panel.Panel.mesh` and `shellfabric.state`", 1),
         ("`projectile.shape` of an input file, `my.toml`, `panel --mesh`", 0),
     ],
 )

@@ -1,6 +1,6 @@
 """Graded panels: what they are made of, equal gradings against the plain panel, waves, failing yarns, shots.
 
-Forces of their elements: see `test_forces` and `cloth/test_membrane`.
+Forces of their elements: see `test_forces` and `membrane/test_membrane`.
 """
 
 from fractions import Fraction
