@@ -350,7 +350,8 @@ def small_house(tmp_path_factory):
 
 
 ALIVE = [
-    "pull_yarns", "yarn_kernels", "membrane.yarn_kernels", "yarn_kernels.pull_yarns", "shellfabric.membrane.panel.Panel",
+    "pull_yarns", "yarn_kernels", "membrane.yarn_kernels", "yarn_kernels.pull_yarns",
+    "shellfabric.membrane.panel.Panel",
     "Panel.mesh", "Panel.width", "Panel.sides", "panel.Panel.mesh", "state.sides", "np.linalg.solve", "mesh()",
     "membrane/panel.py", "make lint", "x * y + 1", "local", "print", "not", "folder/of/a/user.toml",
 ]  # fmt: skip
