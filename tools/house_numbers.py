@@ -167,9 +167,83 @@ def functions_without_verb() -> list[str]:
     return found
 
 
+def kernel_modules() -> dict[str, ast.Module]:
+    """Return {name: syntax tree} of the modules of shellfabric, `jit` left out: its functions are
+    operations of the language that kernels are written in."""
+    found = {}
+    for path in (ROOT / "shellfabric").rglob("*.py"):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        if not name.startswith("shellfabric.jit"):
+            found[name] = ast.parse(path.read_text("utf-8"))
+    return found
+
+
+def calls_of_a_step() -> list[tuple[str, str]]:
+    """Return the pairs (caller, called) of functions that a step of `loop.advance` can reach, by the
+    text of the code."""
+    modules = kernel_modules()
+    functions = {}
+    names: dict[str, dict[str, str]] = {}
+    for module, tree in modules.items():
+        names[module] = {}
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef):
+                functions[f"{module}.{node.name}"] = module, node
+                names[module][node.name] = f"{module}.{node.name}"
+            if isinstance(node, ast.ImportFrom) and node.module:
+                for alias in node.names:
+                    names[module][alias.asname or alias.name] = f"{node.module}.{alias.name}"
+    waiting = ["shellfabric.loop.loop.advance"]
+    seen = set()
+    found = []
+    while waiting:
+        caller = waiting.pop()
+        if caller in seen:
+            continue
+        seen.add(caller)
+        module, node = functions[caller]
+        for called in sorted(called_names(node, names[module]) & functions.keys()):
+            found.append((caller, called))
+            waiting.append(called)
+    return found
+
+
+def called_names(function: ast.FunctionDef, names: dict[str, str]) -> set[str]:
+    """Return the full names of what a function names, from what its module calls them."""
+    found = set()
+    for node in ast.walk(function):
+        if isinstance(node, ast.Name):
+            found.add(names.get(node.id, ""))
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            found.add(f"{names.get(node.value.id, '')}.{node.attr}")
+    return found
+
+
+def calls_inside_their_folder() -> list[str]:
+    """Return the calls of a step whose caller and called stand in one folder."""
+    return [place for place, leaves in places_of_calls() if not leaves]
+
+
+def calls_out_of_their_folder() -> list[str]:
+    """Return the calls of a step that lead into another folder."""
+    return [place for place, leaves in places_of_calls() if leaves]
+
+
+def places_of_calls() -> list[tuple[str, bool]]:
+    """Return (file: caller calls called, whether the called stands in another folder)."""
+    found = []
+    for caller, called in calls_of_a_step():
+        file = caller.rpartition(".")[0].replace(".", "/") + ".py"
+        leaves = caller.split(".")[1] != called.split(".")[1]
+        found.append((f"{file}: {caller.rpartition('.')[2]} calls {called}", leaves))
+    return found
+
+
 MEASURES = {
     "functions called by a preposition or a participle": functions_without_verb,
     "places that index an array of a row by a constant or a digit": numbers_by_slot,
+    "calls of a step that lead out of their folder": calls_out_of_their_folder,
+    "calls of a step inside their folder": calls_inside_their_folder,
     "public functions whose docstring does not begin with a verb": without_verb,
 }
 
