@@ -178,8 +178,12 @@ class KernelFolder:
 
 @cache
 def _files():
-    """numba's files of a kernel, of which one that was cut short is one that is not there: the
-    kernel is compiled again."""
+    """Return the class of numba's files of a kernel, changed in two ways.
+
+    A file that was cut short counts as missing: the kernel is compiled again. Machine code is in a
+    file that is named after the types that it is for. numba numbers these files, so that two
+    processes which compile for other types at the same time write over each other's code.
+    """
     from numba.core import caching
 
     class Files(caching.IndexDataCacheFile):
@@ -195,6 +199,11 @@ def _files():
             except DAMAGED:
                 # what numba takes for a kernel that is not there
                 raise FileNotFoundError(name) from None
+
+        def save(self, key, data):
+            name = self._data_name(int(hashlib.sha256(repr(key).encode()).hexdigest()[:15], 16))
+            self._save_data(name, data)
+            self._save_index(self._load_index() | {key: name})
 
     return Files
 

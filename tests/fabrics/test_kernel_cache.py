@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("numba")
+from fabrics.base import kernel_cache
 from fabrics.base.kernel_cache import kernel_sources
 
 ROOT = Path(__file__).parents[2]
@@ -148,3 +149,16 @@ def is_inside(path, name):
         if isinstance(node, ast.Assign) and name in map(ast.unparse, node.targets):
             return not isinstance(node.value, (ast.Constant, ast.Call))
     return True
+
+
+def test_two_processes_that_compile_for_other_types_keep_their_code(tmp_path):
+    """Each has read the index before the other wrote it: numba gives both files one name."""
+    made = [kernel_cache._files()(str(tmp_path), "kernel", "stamp") for _ in range(2)]
+    made[0].save(("uniform", 1), "code of uniform")
+    (tmp_path / "kernel.nbi").unlink()
+    made[1].save(("graded", 1), "code of graded")
+    graded = made[1].load(("graded", 1))
+    made[0].save(("uniform", 1), "code of uniform")
+    assert graded == made[0].load(("graded", 1)) == "code of graded"
+    assert made[1].load(("uniform", 1)) == "code of uniform"
+    assert len(list(tmp_path.glob("*.nbc"))) == 2
