@@ -64,7 +64,7 @@ def merged(table, changes):
 
 
 def table_of(key, value):
-    """{"panel": {"boundary": {"warp": value}}} of "membrane.boundary.warp"."""
+    """{"panel": {"boundary": {"warp": value}}} of "panel.boundary.warp"."""
     for part in reversed(key.split(".")):
         value = {part: value}
     return value

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
-from math import ceil, degrees, inf, pi
+from math import ceil, degrees, inf, isfinite, pi
 from typing import Any
 
 import numpy as np
@@ -175,7 +175,7 @@ class ImpactSetup:
         for key, gap in gaps:
             if gap is not None and thickness > 0:
                 yield plausible.Number(key, "ply_gap", gap / thickness)
-        if self.strength is not None:
+        if self.strength is not None and isfinite(self.strength.weibull_shape):
             shape = self.strength.weibull_shape
             yield plausible.Number("panel.strength.weibull_shape", "weibull_shape", shape)
         if self.backing is not None:

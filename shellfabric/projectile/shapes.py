@@ -1,6 +1,7 @@
 """Shapes of the projectile's nose: all that is known of a shape but its distance (`sdf_kernels`).
 
-A new shape is one entry here, and its distance there.
+A new shape is one entry here and its distance there; a number of its own is also a field of
+`Projectile`.
 """
 
 from __future__ import annotations

@@ -174,14 +174,14 @@ def test_what_a_terminal_cannot_print_is_replaced(command, monkeypatch, encoding
 
 def test_a_quantity_of_pint_is_taken():
     u = pint.UnitRegistry()
-    small = {"opening": 20 * u.mm, "end_time": "10 us", "check": True}
-    size = wc.impact("S-720", 92.5 * u.m / u.s, **small)
+    small = {"opening": 20 * u.mm, "end_time": "10 us"}
+    size = wc.size_of("S-720", 92.5 * u.m / u.s, **small)
     assert "92.5 m/s" in str(size)
-    assert str(size) == str(wc.impact("S-720", "92.5 m/s", **small))
+    assert str(size) == str(wc.size_of("S-720", "92.5 m/s", **small))
     with pytest.raises(InputError, match="velocity"):
-        wc.impact("S-720", 92.5 * u.kg, **small)
+        wc.size_of("S-720", 92.5 * u.kg, **small)
     with pytest.raises(InputError, match="velocity"):
-        wc.impact("S-720", [92.5, 93] * u.m / u.s, **small)
+        wc.size_of("S-720", [92.5, 93] * u.m / u.s, **small)
 
 
 def test_a_script_without_the_main_guard_is_told_of_it(tmp_path):

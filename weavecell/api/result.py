@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from html import escape
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import DoubtfulResult
+from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, keys
 from weavecell.results.left_out import LeftOut
 
@@ -60,7 +60,7 @@ class Result:
     def warn(self) -> None:
         """Warn with the category `DoubtfulResult` if the result is doubtful."""
         if self.doubtful:
-            warnings.warn(f"{self._what()}: {self.checks_text}", DoubtfulResult, stacklevel=3)
+            warn_user(f"{self._what()}: {self.checks_text}", DoubtfulResult)
 
     @property
     def assumed(self) -> tuple[str, ...]:

@@ -6,9 +6,7 @@ flat cylinder of 3 g and 5.5 mm (`scenes.impact.standard_shot`).
 
 from __future__ import annotations
 
-import inspect
 import os
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -25,6 +23,7 @@ from fabrics.base.schema import read_toml
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords
+from weavecell.api.user_warnings import warn_user
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.honoured import NO_HISTORY, Keys
@@ -298,13 +297,8 @@ def build_target(
         raise keywords.name_as_keywords(problem) from None
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
-    folder = str(Path(__file__).parents[1])
-    # a warning should point at the script, not at a file of ours
-    line_of_the_user = next(
-        n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)
-    )
     for note in ply.notes:
-        warnings.warn(note, stacklevel=line_of_the_user + 1)
+        warn_user(note)
     return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
 
 

@@ -41,7 +41,7 @@ def choose_unit(unit: str) -> tuple[str, float]:
 
     Examples
     --------
-    >>> shown("m"), shown("%"), shown("1")
+    >>> choose_unit("m"), choose_unit("%"), choose_unit("1")
     (('mm', 1000.0), ('%', 100.0), ('', 1.0))
     """
     return SHOWN.get(unit, (unit, 1.0))

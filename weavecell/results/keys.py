@@ -131,7 +131,7 @@ def infer_key(name: str) -> Key:
 
     Examples
     --------
-    >>> of_name("strike_velocity_m_s").label, of_name("energy_error_max").label
+    >>> infer_key("strike_velocity_m_s").label, infer_key("energy_error_max").label
     ('strike velocity [m/s]', 'energy error max [%]')
     """
     words, *ending = _UNIT.split(name)

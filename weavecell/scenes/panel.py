@@ -35,7 +35,7 @@ class SlipTable(Table):
     """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
     `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
-    [membrane.boundary]
+    [panel.boundary]
     warp = [{ clamp_force = "20 N" }, { clamp_force = "40 N" }]
     weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
     """
@@ -57,7 +57,7 @@ class SlipTable(Table):
     @model_validator(mode="after")
     def _check_clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
-        # [membrane.boundary] has these keys too, and may have none of them
+        # [panel.boundary] has these keys too, and may have none of them
         if given == {"clamp_force"} or (
             type(self) is not SlipTable and not given & set(SlipTable.model_fields)
         ):
@@ -96,7 +96,7 @@ class BoundaryTable(SlipTable):
     """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys
     of a slipping side, which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
-    [membrane.boundary]
+    [panel.boundary]
     warp = "clamped"
     weft = "free"
     """

@@ -4,7 +4,6 @@ import doctest
 import inspect
 import math
 import re
-from contextlib import suppress
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -343,13 +342,9 @@ def test_notes_of_a_set_up_warn_at_the_line_of_the_user(call):
     target = ("S-726", 96.0)
     more = {"end_time": "5 us"}
     if call is wc.v50:
-        # refused, after the set-up is made
         target = ("S-726",)
-        more = {"shots": 0}
-    with (
-        pytest.warns(UserWarning, match="the edges follow yarns") as told,
-        suppress(InputError),
-    ):
+        more = {"shots": 8, "check": True}
+    with pytest.warns(UserWarning, match="the edges follow yarns") as told:
         call(*target, opening="28 mm", weave_angle="30 deg", symmetry="whole", **more)
     assert [one.filename for one in told] == [__file__]
 

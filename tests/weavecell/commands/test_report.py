@@ -73,7 +73,7 @@ def test_the_outcome_is_one_line(record):
         record,
         outcome="stopped",
         residual_velocity=0.0,
-        cut_yarns=np.zeros(len(record.time)),
+        plies=record.plies | {"cut_yarns": np.zeros((len(record.time), 1))},
         max_deflection=7.5e-3,
         peak_tension=np.array([[0.3, 0.98]]) * record.strength,
         checks=(Indicator("energy error", 0.1, 0.01),),

@@ -1,5 +1,7 @@
 """How numbers are shown: their unit decides, and not their name."""
 
+import doctest
+
 import pytest
 
 from weavecell.results import display, keys
@@ -55,3 +57,10 @@ def test_what_a_coupon_test_prescribes_has_its_unit_in_keys_toml(name):
     from weavecell.results import coupon
 
     assert keys.COUPON_MEASURES[coupon.PRESCRIBED[name]].si_unit in ("m", "rad", "1")
+
+
+@pytest.mark.parametrize("module", [display, keys], ids=lambda module: module.__name__)
+def test_examples_of_docstrings_run(module):
+    found = doctest.testmod(module)
+    assert found.attempted > 0
+    assert found.failed == 0

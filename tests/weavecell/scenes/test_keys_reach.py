@@ -219,3 +219,7 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
     }
     assert displacement == pytest.approx(5e-3)
     assert samples == 100
+
+
+def test_every_row_is_of_a_key():
+    assert set(TABLES["rows"]) <= set(ENTRIES)

@@ -76,8 +76,8 @@ projectile.body = "elastic_bar"
 said = "a cylinder of 3 g and 5.5 mm, elastic-plastic along its axis"
 [[shot]]
 panel.opening = ["203 mm", "100 mm"]
-membrane.boundary.warp = ["clamped", { clamp_force = "20 N" }]
-membrane.boundary.weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
+panel.boundary.warp = ["clamped", { clamp_force = "20 N" }]
+panel.boundary.weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
 said = "clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
 [[shot]]
 panel.weave_angle = "45 deg"

@@ -104,7 +104,7 @@ def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
 def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
     (tmp_path / "tests.csv").write_text(TABLE)
     out = succeed("compare", "tests.csv", "--out", "r")
-    assert sorted(path.name for path in (tmp_path / "r").iterdir()) == [
+    assert sorted(path.name for path in (tmp_path / "r").glob("[!.]*")) == [
         "shots.csv",
         "tests.json",
         "tests.svg",

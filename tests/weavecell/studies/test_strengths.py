@@ -112,7 +112,7 @@ def test_a_sweep_over_seeds_has_mean_and_scatter(tmp_path):
     table = wc.sweep(tmp_path / "scene.toml", over={"panel.strength.seed": [1, 2, 3]})
     found = [row["residual_velocity_m_s"] for row in table.rows]
     assert len(set(found)) == 3
-    line = str(table).splitlines()[-1]
+    (line,) = [line for line in str(table).splitlines() if "mean and standard error" in line]
     deviation = np.std(found, ddof=1)
     assert f"{np.mean(found):.4g} ± {deviation / 3**0.5:.4g} m/s (mean and standard error)" in line
     assert f"standard deviation {deviation:.4g} m/s" in line
