@@ -110,12 +110,15 @@ def rows() -> dict[str, Row]:
     return {name: Row.read(entry) for name, entry in content.items()}
 
 
-def judge(numbers: Iterable[Number], *, file: FilePath | None = None) -> tuple[str, ...]:
+def judge(
+    numbers: Iterable[Number], *, file: FilePath | None = None, refuses: bool = True
+) -> tuple[str, ...]:
     """Compare numbers with their rows.
 
     Parameters
     ----------
     file : that they are read from, named in errors
+    refuses : whether a number far outside is refused; else it has a note too
 
     Returns
     -------
@@ -132,7 +135,7 @@ def judge(numbers: Iterable[Number], *, file: FilePath | None = None) -> tuple[s
         if row.holds(number.value):
             continue
         words = row.words(number.value)
-        if not row.allows(number.value):
+        if refuses and not row.allows(number.value):
             raise InputError(
                 f"{words}: check value and unit ({row.source})", key=number.key, file=file
             )
@@ -304,7 +307,11 @@ def of_block(material: Isotropic) -> Iterator[Number]:
 
 
 def noted(
-    fabric: Fabric, numbers: Iterable[Number] | None = None, *, file: FilePath | None = None
+    fabric: Fabric,
+    numbers: Iterable[Number] | None = None,
+    *,
+    file: FilePath | None = None,
+    refuses: bool = True,
 ) -> Fabric:
     """Return the fabric with a note about each number that is not plausible.
 
@@ -312,6 +319,7 @@ def noted(
     ----------
     numbers : that are judged; None takes those of the fabric
     file : that they are read from, named in errors
+    refuses : as for `judge`
 
     Raises
     ------
@@ -319,5 +327,5 @@ def noted(
     """
     if numbers is None:
         numbers = of_fabric(fabric)
-    found = [f"note: {note}" for note in judge(numbers, file=file)]
+    found = [f"note: {note}" for note in judge(numbers, file=file, refuses=refuses)]
     return replace(fabric, notes=tuple(dict.fromkeys((*fabric.notes, *found))))

@@ -137,8 +137,9 @@ def material(
     if given is None:
         fabric = _fabric(table, key, file)
     else:
-        # a fabric that Python has changed has not been compared with the plausible ranges
-        fabric = plausible.noted(given)
+        # a fabric that Python has changed has not been compared with the plausible ranges; who takes
+        # a quarter of its mass or all of its crimp to see what that does means it
+        fabric = plausible.noted(given, refuses=False)
     plain = fabric
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))

@@ -195,7 +195,7 @@ def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
 def test_stopping_and_the_end_of_time(shoot):
     slow = shoot(8.0, end_time=800e-6)
     assert slow.outcome == "stopped"
-    assert slow.v[-1] <= 0.01
+    assert slow.velocity[-1] <= 0.01
     assert shoot(100.0).outcome == "in flight"
 
 

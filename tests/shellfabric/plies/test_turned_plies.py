@@ -91,7 +91,7 @@ def test_an_oblique_shot_turns_with_its_pack():
     c = np.cos(radians(50))
     s = np.sin(radians(50))
     turn = np.array([[c, s], [-s, c]])
-    for name in ("velocity", "projectile_position"):
+    for name in ("final_velocity", "projectile_position"):
         there = getattr(one, name)
         here = getattr(two, name)
         assert_allclose(turn @ there[:2], here[:2], rtol=1e-9, atol=1e-12)
