@@ -71,7 +71,7 @@ def test_nothing_is_kept_without_a_folder(fills, tmp_path, monkeypatch, folder):
 
 def test_the_least_recently_used_are_removed(tmp_path):
     for age, name in enumerate("abcd"):
-        file = tmp_path / f"{64 * name}.npz"
+        file = tmp_path / f"{32 * name}.npz"
         file.write_bytes(b"x" * 100)
         os.utime(file, (1000 - age, 1000 - age))
     table_cache.trim(tmp_path, 250)
