@@ -149,12 +149,12 @@ def test_a_patch_that_falls_apart_keeps_its_energy():
     assert energy(zone) == pytest.approx(start, rel=3e-3)
 
 
-@pytest.mark.parametrize("friction", [0.2, 0.05])
-def test_cut_yarns_that_recoil_keep_their_energy(friction):
+@pytest.mark.parametrize("friction, cfl, error", [(0.2, 0.5, 3e-3), (0.05, 0.9, 8e-3)])
+def test_cut_yarns_that_recoil_keep_their_energy(friction, cfl, error):
     """A taut patch of which six yarns are cut. Crossings whose indices run along whipping ends made 5 to 9 % of the
     energy, and took yarns that only whip for yarns that have changed sides."""
     made = patch((12, 12), friction=friction, failure=False)
-    zone = free_zone(made, 0.5)
+    zone = free_zone(made, cfl)
     zone.x[:2] *= 1.035
     for _ in range(60):  # indices come to their places
         zone_kernels.inner_forces(zone)
@@ -173,7 +173,7 @@ def test_cut_yarns_that_recoil_keep_their_energy(friction):
     assert not zone.whole[cut].any()
     assert zone.lost_when_slack > 0.0
     assert zone.tangled == 0
-    assert energy(zone) == pytest.approx(start, rel=3e-3)
+    assert energy(zone) == pytest.approx(start, rel=error)
 
 
 def lead(zone, stretch, steps):
