@@ -85,7 +85,7 @@ class PlyLaw:
     def words(self) -> str:
         """Describe travel, pressure at its end, and stiffness beyond, for the reader."""
         beyond = f"{self.stiffness:.3g} Pa/m beyond"
-        return f"{1e6 * self.travel:.1f} um up to {1e-6 * self.pressure[-1]:.3g} MPa, {beyond} ({self.status})"
+        return f"{1e6 * self.travel:.1f} µm up to {1e-6 * self.pressure[-1]:.3g} MPa, {beyond} ({self.status})"
 
     def table(self) -> dict[str, Any]:
         """Return the law as the table that `from_table` reads."""

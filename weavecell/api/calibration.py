@@ -34,7 +34,8 @@ from weavecell.api import meshes, study_run
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure, save_to
-from weavecell.results import json_file, out_folder, progress
+from weavecell.results import display, json_file, out_folder, progress
+from weavecell.results.named_value import NamedValue, tabulate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,6 +54,8 @@ TRIALS = 20
 SOLID_RUNS = "solid-runs"
 # [-] to which fibre fractions of the mesh and of the fabric are the same
 FRACTIONS_ALIKE = 0.02
+YARNS = ("warp", "weft")
+FROM_FITTED = "rms from the fitted law"
 WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
 
@@ -258,7 +261,7 @@ def _solid(fabric, curve, runs):
                 fabric,
                 curve,
                 on_progress=lambda trials, rms: advance(
-                    min(trials / TRIALS, 0.99), f"misfit {1e6 * rms:.1f} µm"
+                    min(trials / TRIALS, 0.99), f"misfit {display.text(rms, 'fine m', '.1f')}"
                 ),
             )
     return kept[key]
@@ -363,18 +366,17 @@ class CalibrationResult(Result):
         "outside" says at which forces the ends of that range do not bracket the law.
         """
         law = self.law
-        numbers: dict[str, Any] = {
-            "fabric": self.fabric.name,
-            "a_m": law.a,
-            "b_m_N^(1/3)": law.b,
-            "rms_m": law.residual_rms,
-            "checks": self.checks_text,
-        }
-        for key, interval in (("a_interval", law.a_interval), ("b_interval", law.b_interval)):
+        numbers: dict[str, Any] = {"fabric": self.fabric.name}
+        for value in _name_constants(law.a, law.b, law.residual_rms):
+            numbers |= value.entries()
+        numbers["checks"] = self.checks_text
+        a, b, _ = _name_constants(law.a_interval, law.b_interval)
+        for value, interval in ((a, law.a_interval), (b, law.b_interval)):
             if interval is not None:
-                numbers[f"{key}_low"], numbers[f"{key}_high"] = interval
-        for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
-            numbers |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+                numbers |= value.entries()
+        for end, constants in zip(("soft", "stiff"), law.assumed_range or ()):
+            a, b, _ = _name_constants(*constants)
+            numbers |= a.entries(end) | b.entries(end)
         # an assumed range that does not bracket its own law deserves a word
         if law.outside_ends():
             numbers["outside"] = "; ".join(law.outside_ends())
@@ -431,36 +433,35 @@ class CalibrationResult(Result):
             return {}
         return self.interval.around(self.law)
 
-    def _laws(self):
-        """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread,
-        what it leaves out."""
+    def _list_laws(self):
+        """List (name, (a, b, rms) as `NamedValue`s): the law with intervals and spread, what it
+        leaves out."""
         done = self.calibration
         law = self.law
         rows = [
-            _row("fitted", law.a, law.b, law.residual_rms),
-            _row("95 % interval", law.a_interval, law.b_interval),
+            ("fitted", _name_constants(law.a, law.b, law.residual_rms)),
+            ("95 % interval", _name_constants(law.a_interval, law.b_interval)),
         ]
         if done.published is not None:
             published = done.published
-            rows.append(_row("published", published.a, published.b, published.residual_rms))
+            constants = _name_constants(published.a, published.b, published.residual_rms)
+            rows.append(("published", constants))
         if done.spread:
-            rows.append(_row("each path", done.spread["a"], done.spread["b"]))
+            rows.append(("each path", _name_constants(**done.spread)))
         for name, own in zip(("warp alone", "weft alone"), done.yarn_laws):
             if own is not None:
-                rows.append(_row(name, own.a, own.b, own.residual_rms))
+                rows.append((name, _name_constants(own.a, own.b, own.residual_rms)))
         for end, constants in zip(("soft", "stiff"), law.assumed_range or ()):
-            rows.append(_row(f"{end} end", *constants))
+            rows.append((f"{end} end", _name_constants(*constants)))
         around = self._propagate_intervals()
         if around:
-            rows.append(_row("of the solid", around["a"], around["b"]))
+            rows.append(("of the solid", _name_constants(**around)))
         if done.ratio_law is not None:
-            rows.append(("alternative", "-", "-", f"{1e6 * done.ratio_law.residual_rms:.2f}"))
+            rows.append(("alternative", _name_constants(None, None, done.ratio_law.residual_rms)))
         return rows
 
     def _notebook_table(self):
-        from pandas import DataFrame
-
-        return DataFrame(self._laws(), columns=["law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"])
+        return tabulate("law", self._list_laws())
 
     @property
     def _forces(self):
@@ -475,20 +476,24 @@ class CalibrationResult(Result):
         if done.friction:
             lines.append(("friction", f"{done.friction:g}"))
         if self.solid is not None:
-            for name in self.solid.values:
-                lines.append((name, _format_constant(self.solid, name)))
+            for fitted, before, determined in _list_solid(self.solid):
+                remark = ""
+                if not determined:
+                    remark = ", not determined by the curve"
+                interval = f"{fitted.interval()}, 95 %{remark}"
+                lines.append((fitted.name, f"{fitted.text()} ({interval}); from {before.text()}"))
             lines += [("misfit", text) for text in _misfits(self.solid)]
             if isinstance(self.interval, Exception):
                 lines.append(("intervals", f"none: {self.interval}"))
-        for name, a, b, rms in self._laws():
-            text = f"a = {a} mm, b = {b} mm N^(1/3)"
+        for name, (a, b, rms) in self._list_laws():
+            text = f"{a.line()}, {b.line()}"
             if name == "alternative":
                 text = "compliance that depends on the ratio of warp and weft tension"
-            if rms:
-                text += f", {rms} um rms"
+            if rms.value is not None:
+                text += f", {rms.text()} rms"
             lines.append((name, text))
-        residual = 1e6 * (law.residual_rms or 0)
-        lines.append(("residual", f"{residual:.2f} um rms {self._forces}"))
+        residual = display.text(law.residual_rms or 0, "fine m", ".2f")
+        lines.append(("residual", f"{residual} rms {self._forces}"))
         used = "the fitted law"
         if done.chosen != "one law":
             used += ", although the alternative fits the paths better"
@@ -503,8 +508,8 @@ class CalibrationResult(Result):
             lines.append(("plies", done.contact.words()))
         for name, path in done.histories.items():
             if path.failed:
-                share = 100 * path["path"][-1]
-                lines.append((name, f"ended at {share:.1f} % of its path: {path.failed}"))
+                share = display.text(path["path"][-1], "%", ".1f")
+                lines.append((name, f"ended at {share} of its path: {path.failed}"))
         return "\n".join(f"{name:<13} {text}" for name, text in lines)
 
     def save(self, out: FilePath) -> None:
@@ -572,8 +577,9 @@ class CalibrationResult(Result):
         caption = f"Fitted laws, {self._forces}; impacts use the fitted one"
         ratio = done.ratio_law
         if ratio is not None:
-            c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
-            caption += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+            ends = [ratio.compliance(m) for m in ratio.m_range]
+            compliance = NamedValue("c", None, "m/N", *ends, form=".3f")
+            caption += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), {compliance.line()}, all weft .. all warp"
         lead = "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted."
         for line in self.law.outside_ends():
             lead += f" Note: {line}."
@@ -594,31 +600,40 @@ class CalibrationResult(Result):
 
     def _each_path(self):
         """The law of each path alone, why the path ended, and how long it took."""
-        from pandas import DataFrame
-
         done = self.calibration
         rows = []
+        ends = []
         for name, path in done.histories.items():
+            constants = _name_constants(None, None, rms_name=FROM_FITTED)
             law = done.path_laws.get(name)
-            constants = (name, "-", "-", "")
             if law is not None:
-                constants = _row(name, law.a, law.b, done.residuals.get(name))
-            rows.append((*constants, _explain_end(name, path), done.seconds[name]))
-        columns = ["path", "a [mm]", "b [mm N^(1/3)]", "rms [µm] from the fitted law", "ended"]
-        return DataFrame(rows, columns=[*columns, "time [s]"])
+                residual = done.residuals.get(name)
+                constants = _name_constants(law.a, law.b, residual, rms_name=FROM_FITTED)
+            rows.append((name, constants))
+            ends.append(_explain_end(name, path))
+        table = tabulate("path", rows)
+        table["ended"] = ends
+        table["time [s]"] = [done.seconds[name] for name in done.histories]
+        return table
 
     def _failures(self):
         """The state of each path in which a fibre first fails, by each criterion."""
-        from pandas import DataFrame
-
-        rows = []
+        paths = []
+        states = []
         for name, failures in self.calibration.failures.items():
-            for state in failures:
-                yarn = ("warp", "weft")[state.yarn]
-                d1, d2 = (1e6 * d for d in state.d)
-                rows.append((name, state.criterion, yarn, d1, d2, *state.T, state.F_c))
-        columns = ["path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]"]
-        return DataFrame(rows, columns=columns)
+            paths += [name] * len(failures)
+            states += failures
+        columns = {
+            "path": ("", paths),
+            "criterion": ("", [state.criterion for state in states]),
+            "yarn": ("", [YARNS[state.yarn] for state in states]),
+        }
+        for way, yarn in enumerate(("1", "2")):
+            columns[f"d{yarn}"] = ("fine m", [state.d[way] for state in states])
+        for way, yarn in enumerate(("1", "2")):
+            columns[f"T{yarn}"] = ("N", [state.T[way] for state in states])
+        columns["F_c"] = ("N", [state.F_c for state in states])
+        return display.frame(columns)
 
     def _list_solid_constants(self):
         """The constants of the solid, and which of them the platen curve determines."""
@@ -630,14 +645,13 @@ class CalibrationResult(Result):
         solid = self.solid
         rows = []
         loose = []
-        for name, value in solid.values.items():
-            low, high = solid.intervals[name]
-            determined = "yes"
-            if not solid.determined[name]:
-                determined = "no"
-                loose.append(name)
-            before = _format_value_of_file(solid.started, name)
-            rows.append((name, value, before, f"{low:.3g} to {high:.3g}", determined))
+        for fitted, before, determined in _list_solid(solid):
+            answer = "yes"
+            if not determined:
+                answer = "no"
+                loose.append(fitted.name)
+            numbers = (fitted.value, before.value, fitted.interval())
+            rows.append((fitted.name, *numbers, answer))
         columns = [
             "parameter",
             "fitted [SI]",
@@ -651,25 +665,39 @@ class CalibrationResult(Result):
             lead += f"The curve does not determine {' and '.join(loose)}."
         else:
             lead += "The curve determines all three."
-        for (key, (low, high)), unit in zip(
-            self._propagate_intervals().items(), ("mm", "mm N^(1/3)")
-        ):
-            lead += f" {key} of the law is then between {1e3 * low:.4f} and {1e3 * high:.4f} {unit} (95 %)."
+        around = self._propagate_intervals()
+        if around:
+            a, b, _ = _name_constants(**around)
+            for one in (a, b):
+                lead += f" {one.name} of the law is then between {' and '.join(one.ends())} {one.unit_shown} (95 %)."
         caption = "Closure of the platens against their pressure."
         drawn = pictures.draw_figure("solid", caption, pictures_crossover.plates, solid)
         table = Table.from_frame(DataFrame(rows, columns=columns))
         return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))
 
 
-def _row(name, a, b, rms=None):
-    """Two constants, or two intervals of them, and the rms of a fit, in mm and µm as texts."""
-    texts = []
-    for value in (a, b):
-        texts.append(" .. ".join(f"{1e3 * v:.4f}" for v in np.atleast_1d(value)))
-    misfit = ""
-    if rms is not None:
-        misfit = f"{1e6 * rms:.2f}"
-    return (name, *texts, misfit)
+def _name_constants(a, b, rms=None, rms_name="rms"):
+    """Name a and b of a law, each a number [m], [m N^(1/3)], the (low, high) of one, or None, and
+    the rms [m] of its fit."""
+    constants = []
+    for name, given, unit in (("a", a, "m"), ("b", b, "m N^(1/3)")):
+        if np.ndim(given):
+            low, high = given
+            constants.append(NamedValue(name, None, unit, low, high, form=".4f"))
+        else:
+            constants.append(NamedValue(name, given, unit, form=".4f"))
+    return (*constants, NamedValue(rms_name, rms, "fine m", form=".2f"))
+
+
+def _list_solid(solid):
+    """List (constant of the solid with its interval, the same in the fabric's file, whether the
+    curve determines it)."""
+    listed = []
+    for name, value in solid.values.items():
+        fitted = NamedValue(name, value, "1", *solid.intervals[name], margin=".3g")
+        before = NamedValue(name, _read_value_of_file(solid.started, name), "1")
+        listed.append((fitted, before, solid.determined[name]))
+    return listed
 
 
 def _explain_end(name, path):
@@ -687,15 +715,6 @@ def _explain_end(name, path):
     return "with the plates at half their distance"
 
 
-def _format_constant(solid, name):
-    """A fitted constant with its interval, and what it was before."""
-    low, high = solid.intervals[name]
-    interval = f"{low:.3g} .. {high:.3g}, 95 %"
-    if not solid.determined[name]:
-        interval += ", not determined by the curve"
-    return f"{solid.values[name]:.4g} ({interval}); from {_format_value_of_file(solid.started, name):.4g}"
-
-
 def _misfits(solid):
     yield f"{_misfit(solid.misfit)}, before {_misfit(solid.misfit_before)}, to {solid.curve.source}"
     if solid.misfit_checked is not None:
@@ -704,10 +723,12 @@ def _misfits(solid):
 
 def _misfit(of):
     """A PlatenMisfit as a text."""
-    return f"{1e6 * of.closure:.1f} um and {100 * of.pressure:.0f} % of the pressure (rms)"
+    closure = display.text(of.closure, "fine m", ".1f")
+    pressure = display.text(of.pressure, "%", ".0f")
+    return f"{closure} and {pressure} of the pressure (rms)"
 
 
-def _format_value_of_file(fabric, name):
+def _read_value_of_file(fabric, name):
     """The value of the fabric's file, of the warp."""
     law = fabric.solid_laws[0]
     if name == "K_r E_c":

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics.base.files import read_csv
 from weavecell.report.page import Section, Table
 from weavecell.results import display
+from weavecell.results.named_value import NamedValue
 
 if TYPE_CHECKING:
     from weavecell.studies.mesh_uncertainty import Discretisation
@@ -73,14 +74,14 @@ def words(pair: Discretisation) -> str:
     if window is not None:
         mean = "mean "
         lines.append(f"mean and standard error, {_describe_window(window)}:")
-        for quantity, with_error, value in _means(window):
-            at_strike = f"{value} at {window.strike_velocity:g} m/s"
-            lines.append(f"  {quantity} {with_error} ({at_strike})")
+        for average, value in _list_means(window):
+            at_strike = f"{value.cell()} at {window.strike_velocity:g} m/s"
+            lines.append(f"  {average.name} {average.text()} ({at_strike})")
     lines.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
     lines += [f"  {line}" for line in _outcomes(pair)]
-    for interval in pair.intervals:
-        value = f"{mean}{interval.name} {interval.value:.4g} +- {interval.uncertainty:.2g} {interval.unit}"
-        lines.append(f"  {value} ({interval.other:.4g} on the {pair.other} mesh; no test)")
+    for result, other in _list_results(pair):
+        on_other = f"{other.cell()} on the {pair.other} mesh; no test"
+        lines.append(f"  {mean}{result.name} {result.text()} ({on_other})")
     return "\n".join([*lines, *_verdict(pair), *_compare_with_tests(pair)])
 
 
@@ -95,16 +96,28 @@ def _counts(window):
     return ", ".join(f"{count} {outcome}" for outcome, count in window.outcomes.items())
 
 
-def _means(window):
-    """(quantity, mean with standard error and unit, value at the one velocity) of each quantity."""
+def _list_means(window):
+    """List (mean with its standard error, value at the one velocity) of each quantity."""
     from weavecell.studies.window import QUANTITIES
 
     shot = next(
         shot for shot in window.shots if shot["strike_velocity_m_s"] == window.strike_velocity
     )
-    for name, (key, words, unit) in QUANTITIES.items():
-        mean, error = window.mean(name)
-        yield words, f"{mean:.4g} +- {error:.2g} {unit}".rstrip(), f"{shot[key]:.4g}"
+    listed = []
+    for quantity, (key, words, unit) in QUANTITIES.items():
+        mean, error = window.mean(quantity)
+        average = NamedValue(words, mean, unit, error=error, margin=".2g")
+        listed.append((average, NamedValue(words, shot[key], unit)))
+    return listed
+
+
+def _list_results(pair):
+    """List (result with its uncertainty, the same on the other mesh)."""
+    listed = []
+    for one in pair.intervals:
+        result = NamedValue(one.name, one.value, one.unit, error=one.uncertainty, margin=".2g")
+        listed.append((result, NamedValue(one.name, one.other, one.unit)))
+    return listed
 
 
 def _outcomes(pair):
@@ -161,24 +174,17 @@ def section(pair: Discretisation) -> Section:
             of_means = _MEANS
         sentences.append(_INDEX.format(mesh, of_means))
         rows = []
-        for interval in pair.intervals:
-            rows.append(
-                (
-                    f"{interval.name} [{interval.unit}]",
-                    interval.value,
-                    interval.other,
-                    interval.uncertainty,
-                )
-            )
+        for result, other in _list_results(pair):
+            rows.append((result.heading, result.value, other.value, result.error))
         tables.append(Table.from_frame(DataFrame(rows, columns=heads)))
     lead = " ".join(sentences)
     if window is not None:
         heads = ["result", "mean and standard error", f"at {window.strike_velocity:g} m/s"]
-        tables.append(
-            Table.from_frame(
-                DataFrame(_means(window), columns=heads), f"Means: {_describe_window(window)}"
-            )
-        )
+        means = [
+            (average.name, average.text(), value.cell()) for average, value in _list_means(window)
+        ]
+        caption = f"Means: {_describe_window(window)}"
+        tables.append(Table.from_frame(DataFrame(means, columns=heads), caption))
     if pair.quantity:
         runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
         tables.append(Table.from_frame(runs, "Meshes that were run"))

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 # unit: unit shown, factor
 SHOWN = {
     "m": ("mm", 1e3),
+    "fine m": ("µm", 1e6),
+    "m/N": ("µm/N", 1e6),
+    "m N^(1/3)": ("mm N^(1/3)", 1e3),
     "s": ("µs", 1e6),
     "Pa": ("MPa", 1e-6),
     "m3": ("cm³", 1e6),
@@ -25,14 +28,15 @@ SHOWN = {
     "wall s": ("s", 1.0),
 }
 # of quantities that are not shown as other quantities in their SI unit are
-_SI = {"%": "1", "wall s": "s"}
+_SI = {"%": "1", "wall s": "s", "fine m": "m"}
 MM = SHOWN["m"][1]
 US = SHOWN["s"][1]
 
 
 def si_unit(unit: str) -> str:
-    """Return the SI unit of the number in a file: "1" of a share, whose unit here is "%", and "s"
-    of the time that a computer took, whose unit here is "wall s"."""
+    """Return the SI unit of the number in a file: "1" of a share, whose unit here is "%", "s"
+    of the time that a computer took, whose unit here is "wall s", and "m" of a length within
+    a yarn, such as a closure or a misfit, whose unit here is "fine m"."""
     return _SI.get(unit, unit)
 
 

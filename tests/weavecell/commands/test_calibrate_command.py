@@ -94,7 +94,7 @@ def told(out):
 def test_one_fabric_from_its_platen_curve(succeed, tmp_path, small, fitted):
     out = succeed("calibrate S-720 --fit-solid --mesh coarse --jobs 1 --out c")
     assert told(out)["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
-    assert told(out)["misfit"].startswith("0.7 um and ")
+    assert told(out)["misfit"].startswith("0.7 µm and ")
     assert told(out)["of the solid"].count("..") == 2
     solid = table_of(tmp_path / "c", "solid.json")
     assert solid["rms_relative_pressure_before"] > solid["rms_relative_pressure"]
