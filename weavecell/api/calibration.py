@@ -650,8 +650,9 @@ class CalibrationResult(Result):
             if not determined:
                 answer = "no"
                 loose.append(fitted.name)
-            numbers = (fitted.value, before.value, fitted.interval())
-            rows.append((fitted.name, *numbers, answer))
+            value, _ = fitted.numbers()
+            value_before, _ = before.numbers()
+            rows.append((fitted.name, value, value_before, fitted.interval(), answer))
         columns = [
             "parameter",
             "fitted [SI]",

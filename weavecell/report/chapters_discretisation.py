@@ -175,7 +175,9 @@ def section(pair: Discretisation) -> Section:
         sentences.append(_INDEX.format(mesh, of_means))
         rows = []
         for result, other in _list_results(pair):
-            rows.append((result.heading, result.value, other.value, result.error))
+            value, uncertainty = result.numbers()
+            value_on_other, _ = other.numbers()
+            rows.append((result.heading, value, value_on_other, uncertainty))
         tables.append(Table.from_frame(DataFrame(rows, columns=heads)))
     lead = " ".join(sentences)
     if window is not None:

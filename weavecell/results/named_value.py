@@ -77,6 +77,14 @@ class NamedValue:
             error = display.number(self.error, self.unit, self.margin or self.form)
         return f"{number} +- {error}"
 
+    def numbers(self) -> tuple[float | None, float | None]:
+        """Return value and error in the unit shown, for a table of numbers."""
+        factor = display.choose_unit(self.unit)[1]
+        value, error = (
+            None if given is None else factor * given for given in (self.value, self.error)
+        )
+        return value, error
+
     def text(self) -> str:
         """Format the value with its unit, such as "0.0447 mm"."""
         return f"{self.cell()} {self.unit_shown}".rstrip()

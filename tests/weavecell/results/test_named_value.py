@@ -59,6 +59,13 @@ def test_an_error_stands_behind_its_value():
     assert NamedValue("absorbed energy", 1.6, "J", error=inf).text() == "1.6 +- inf J"
 
 
+def test_a_table_of_numbers_has_them_in_the_unit_of_its_heading():
+    deflection = NamedValue("peak deflection", 9.25e-3, "m", error=0.5e-3)
+    assert deflection.heading == "peak deflection [mm]"
+    assert deflection.numbers() == pytest.approx((9.25, 0.5))
+    assert NamedValue("rms", None, "m").numbers() == (None, None)
+
+
 def test_an_entry_of_a_part_names_it():
     b = NamedValue("b", 1.44e-5, "m N^(1/3)")
     assert b.entries("soft") == {"b_soft_m_N^(1/3)": 1.44e-5}
