@@ -40,7 +40,15 @@ def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
 PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace(
     '"3 g"', '"0.5 g"'
 )
-SCENES = {
+LOADS = [10 * 1.2**n for n in range(36)]  # [N] of a record of compression, of 50 um of free height
+TIMES = range(0, 200, 2)  # [us] of a projectile that is stopped slowly
+RECORDS = {
+    "one.csv": "force [N], displacement [mm]\n"
+    + "".join(f"{F:.6g}, {0.05 * (1 - (10 / F) ** (1 / 3)):.6g}\n" for F in LOADS),
+    "flight.csv": "time [us], displacement [mm]\n"
+    + "".join(f"{t}, {0.1 * t - 1e-4 * t**2:.6g}\n" for t in TIMES),
+}
+SCENES = RECORDS | {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),
     "accuracy.toml": PLY + '\n[accuracy]\nquantity = "deflection"\nuncertainty = "10 %"\n',
@@ -67,6 +75,8 @@ GROUPS = {
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "export ply.toml --to lsdyna --out export",
+        "reduce compression one.csv --platen-area 361mm^2 --cell-of S-728 --out compression",
+        "reduce shot flight.csv --mass 3g --bandwidth 20kHz --out flight",
     ),
     "meshes": ("mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",),
     "views": (
