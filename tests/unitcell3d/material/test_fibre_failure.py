@@ -84,9 +84,14 @@ def test_the_most_overstrained_fail_first(tiny, s720):
     assert set(np.round(fibres.damage, 6)) == {0.0, LARGEST_RISE}
 
 
-def test_the_yarns_of_a_crossover_break_one_after_the_other(tiny, s720):
+@pytest.fixture(scope="module")
+def broken_crossover(tiny, s720):
+    return load_path.along(tiny, s720, [(40e-6, 40e-6)], failure=True)
+
+
+def test_the_yarns_of_a_crossover_break_one_after_the_other(broken_crossover, s720):
     """The weft first; the warp, no longer bent over it, loses tension, is pulled straight and breaks by itself."""
-    record = load_path.along(tiny, s720, [(40e-6, 40e-6)], failure=True)
+    record = broken_crossover
     assert record.failed == ""
     T1 = record["T1"]
     T2 = record["T2"]
@@ -99,5 +104,10 @@ def test_the_yarns_of_a_crossover_break_one_after_the_other(tiny, s720):
     warp = int(np.argmax(T1))
     assert warp > weft
     assert T1[-1] < 0.01 * T1[warp]
-    # of four bars each fibre has to break in one: which others break too, depends on where they stand
-    assert np.all(record["broken"][-1] > 0.25)
+
+
+@pytest.mark.xfail(
+    reason="0.854 with the bars where gmsh places them; why is not known", strict=True
+)
+def test_nearly_all_bars_of_broken_yarns_break(broken_crossover):
+    assert np.all(broken_crossover["broken"][-1] > 0.9)
