@@ -99,7 +99,7 @@ class Quantity:
         sourced = isinstance(entry, dict) and bool(entry.get("source"))
         if not isinstance(entry, dict):
             entry = {"value": entry, "source": info.context["source"]}
-        for key in set(entry) - set(ENTRY):
+        for key in sorted(set(entry) - set(ENTRY)):
             message, allowed = _unknown(nearest(key, ENTRY), ENTRY)
             raise InputError(message, key=key, allowed=allowed)
         status = entry.get("status", "user")

@@ -100,7 +100,8 @@ def _plain(value, arrays):
     if kind is tuple:
         return {"tuple": [_plain(part, arrays) for part in value]}
     if kind in (set, frozenset):
-        return {kind.__name__: [_plain(part, arrays) for part in value]}
+        # the order in which a set is walked changes from process to process
+        return {kind.__name__: [_plain(part, arrays) for part in sorted(value, key=repr)]}
     if kind is dict:
         return {"dict": [[_plain(key, arrays), _plain(value[key], arrays)] for key in value]}
     if isinstance(value, (np.ndarray, np.generic)) and value.dtype != object:

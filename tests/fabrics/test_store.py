@@ -4,6 +4,8 @@ import io
 import json
 import os
 import pickle
+import subprocess
+import sys
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +46,7 @@ CONTENTS = [
     (1, ("a", None)),
     {"a": {2: (3,)}, ("b", 1): [4]},
     {1, 2},
-    frozenset("ab"),
+    frozenset("abcdefgh"),
     Path("a/b"),
     np.arange(12.0).reshape(3, 4)[:, ::2],
     np.float32(0.3),
@@ -74,6 +76,25 @@ def test_a_result_comes_back_as_it_was(content):
     assert same(found, content)
     if isinstance(content, Exception):
         assert str(found) == str(content)
+
+
+def test_what_is_written_does_not_depend_on_the_hashes_of_a_process():
+    program = (
+        "import io; from fabrics.base import store; file = io.BytesIO();"
+        "store.write([set('abcdefgh'), {'k': frozenset(map(str, range(20)))}], file);"
+        "print(file.getvalue().hex())"
+    )
+    made = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | {"PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(made) == 1
 
 
 @dataclass
