@@ -125,7 +125,7 @@ def _constants(panel):
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
         rate_law=failure.rate_table(panel.rate_law),
-        erosion_gap_ratio=numerics.widest,
+        erosion_gap_ratio=numerics.erosion_gap,
         window_limits=_near(panel, roaming),
         **_contact(panel, mass),
         projectile_radius=shot.radius,

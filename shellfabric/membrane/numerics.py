@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from fabrics.base.checks import not_negative, positive, refuse
 
@@ -31,8 +32,8 @@ class Numerics:
         panel_arrays.SPACING nose radii apart, at most panel_arrays.MOST_POINTS along an element.
         Points further apart miss the edge: it acts as a rounder or a sharper one, as it lies among
         them
-    widest : stretch of the gap left by failed yarns at which its element loses contact: two
-        neighbours' worth
+    erosion_gap : length over that at rest at which the gap left by failed yarns of one family takes
+        its element out of contact (thesis section 4.3.3): two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as
         perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of
@@ -47,14 +48,16 @@ class Numerics:
     penalty: float = 0.6
     contact_damping: float = 0.5
     contact_points: int | None = None
-    widest: float = 3.0
+    erosion_gap: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
     threads: int | None = None
 
     def __post_init__(self):
-        positive(self, "cfl", "penalty", "widest", "clear_time", "block")
+        positive(self, "cfl", "penalty", "clear_time", "block")
         not_negative(self, "stretch_viscosity", "contact_damping")
+        if not 1 < self.erosion_gap < inf:
+            refuse(self, "erosion_gap", "above 1, the length at rest")
         if self.contact_points is not None and self.contact_points < 1:
             refuse(self, "contact_points", "at least 1")
         if self.threads is not None and self.threads < 1:

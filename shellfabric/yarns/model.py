@@ -40,7 +40,7 @@ MOST_STEPS = 3  # of the yarns in a step of the membrane
 HOLDING = 2.8
 WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 # of Numerics: what the contact of the nose with the membrane has, and that with yarns has not
-MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "widest")
+MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "erosion_gap")
 REACH = 2.0  # spacings between the nose and the rim at least
 
 

@@ -355,6 +355,12 @@ class NumericsTable(Table):
         1,
         64,
     ) = None
+    erosion_gap: number(
+        "length, over that at rest, at which an element whose yarns of one family have failed is eroded: it leaves the "
+        "contact with projectile, plies and block, with its mass; one without yarns does so at once",
+        2.0,
+        gt=1.0,
+    ) = None
     threads: Annotated[
         int | None,
         described(

@@ -10,6 +10,8 @@ from fabrics import catalogue
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import perforation
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.projectile.window_kernels import erode
 from shellfabric.state import ERODED
 
 
@@ -64,3 +66,27 @@ def test_a_plug_that_flies_ahead():
     assert march.outcome == "perforated"
     assert march.time < 150e-6
     assert march.sample("v")[-1] > 100
+
+
+@pytest.mark.parametrize("opened, eroded", [(2.35, False), (2.45, True)])
+@pytest.mark.parametrize("family", [0, 1])
+def test_a_distorted_element_is_eroded_at_the_gap_that_is_given(family, opened, eroded):
+    """Nodes drawn 2.35 and 2.45 lengths apart, with erosion_gap = 2.4: the length counts across the
+    failed family alone, and only where it failed."""
+    panel = make_panel(numerics=Numerics(erosion_gap=2.4))
+    const = panel.constants()
+    state = panel.state(1.0)
+    i, j = 3, 5
+    row = const.row_stride
+    first = i * row + j
+    # warp runs along x: where it has failed the cell opens along x
+    length = (const.dx, const.dy)[family]
+    beyond = [[first + row, first + row + 1], [first + 1, first + row + 1]][family]
+    state.u[family][beyond] = (opened - 1) * length
+    assert not erode.py_func(state, const, i, j)
+    failed = [[first, first + 1], [first, first + row]][family]
+    state.intact_fraction[family][failed] = 0.0
+    assert bool(erode.py_func(state, const, i, j)) == eroded
+    assert bool(state.element_flag[first] & ERODED) == eroded
+    # the neighbour has the same gap on one side, and its yarns
+    assert not erode.py_func(state, const, i + 1, j + 1)

@@ -226,7 +226,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
         ({"numerics": Numerics(penalty=0.1)}, "penalty"),
         ({"numerics": Numerics(contact_damping=0.0)}, "contact_damping"),
         ({"numerics": Numerics(contact_points=2)}, "contact_points"),
-        ({"numerics": Numerics(widest=2.0)}, "widest"),
+        ({"numerics": Numerics(erosion_gap=2.0)}, "erosion_gap"),
     ],
 )
 def test_what_a_zone_does_not_have_is_refused(table, values, key):
