@@ -3,10 +3,7 @@
 
     strain e = l / L - 1,    force N = E A s(e)      (eq. 4-7: nominal, so that T = E A_s e for a whole yarn)
 
-with s(e) = r e in compression (r: fraction of the stiffness left to slack fibres), e in tension
-beyond the width d of the kink, and between 0 and d the cubic that joins both with continuous slope:
-
-    s = r e (1 - t)^2 + e t (2 - t),   t = e / d,   largest slope 4/3.
+with s(e) of `fabrics.yarn_stress_kernels.fibre_law`.
 
 The bars lie on the crimped path, so their strain is strain beyond crimp and failure needs no
 correction (erratum E-18).
@@ -16,20 +13,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics import yarn_stress_kernels
 from fabrics.base.kernel_cache import kernel
 
-
-@kernel()
-def fibre_law(strain, compression, width):
-    """Compute value and slope of s(e) [-]."""
-    if strain <= 0.0:
-        return compression * strain, compression
-    if strain >= width:
-        return strain, 1.0
-    t = strain / width
-    value = strain * (compression * (1.0 - t) ** 2 + t * (2.0 - t))
-    slope = compression * (1.0 - 4.0 * t + 3.0 * t * t) + 4.0 * t - 3.0 * t * t
-    return value, slope
+fibre_law = kernel()(yarn_stress_kernels.fibre_law)
 
 
 @kernel()

@@ -8,9 +8,10 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from fabrics.solid import SolidLaw
+from fabrics.yarn_stress_kernels import LOOSE_WIDTH, PACKED_WIDTH
 from tests.meshing.hexahedra import CUBE
 from unitcell3d.assembly.compat import Assembler, HexSpace
-from unitcell3d.material.solid_law import LOOSE_WIDTH, PACKED_WIDTH, forms, transverse_modulus
+from unitcell3d.material.solid_law import forms, transverse_modulus
 
 LAW = SolidLaw(E_a=1e6, E_c=2e9, K_r=0.02, K_G=1e-3, V_c=1.0, Vf0=0.7)
 PARAMETERS = np.array([[LAW.E_a, LAW.a_E, LAW.b_E, LAW.Vf0, LAW.V_c, LAW.G]])
