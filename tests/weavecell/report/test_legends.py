@@ -1,0 +1,928 @@
+"""Every figure as data: the points drawn under a label, on axes of a title and a unit, are those of the data of that
+name. No two numbers of the made-up data are alike, so that nothing can be exchanged unseen."""
+
+import ast
+from pathlib import Path
+from types import SimpleNamespace as Given
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+
+from fabrics import catalogue
+from fabrics.base.record import Record
+from fabrics.surface import ResponseSurface
+from shellfabric.loop.histories import YarnHistory
+from weavecell.decks import mismatch
+from weavecell.report import (
+    pictures,
+    pictures_body,
+    pictures_coupon,
+    pictures_crossover,
+    pictures_figure,
+    pictures_histories,
+    pictures_records,
+    pictures_surface,
+    pictures_uncertainty,
+)
+from weavecell.report.shot import pictures_shot
+from weavecell.results.impact_shapes import Cut
+from weavecell.results.wave_fronts import Front
+from weavecell.studies import probit, v50
+from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.ballistic_limit import Limit, Shot
+from weavecell.studies.sweep import QUANTITIES
+
+ROOT = Path(__file__).parents[3]
+DRAWN = {}
+rng = np.random.default_rng(7)
+
+
+def numbers(*shape, low=1.0, high=9.0):
+    """Numbers that are all different."""
+    return rng.uniform(low, high, shape)
+
+
+def rising(n, scale=1.0):
+    return scale * np.cumsum(numbers(n))
+
+
+def xy(x, y):
+    return np.column_stack([x, y])
+
+
+class Span(tuple):
+    """What an area covers along x; along y where `up`."""
+
+    up = False
+
+
+class Up(Span):
+    up = True
+
+
+class Among(np.ndarray):
+    """Points that an area or a bar has among its corners."""
+
+    def __new__(cls, *points):
+        return np.concatenate(points).view(cls)
+
+
+def case(function):
+    """A figure function with made-up data: the test returns the figure and
+    {(title, label of x, label of y): {label: points}} of all axes."""
+
+    def registered(draw):
+        DRAWN[function] = draw
+        return draw
+
+    return registered
+
+
+@case(pictures.fit)
+def fit(pyplot):
+    samples = {name: (numbers(4), numbers(4)) for name in ("biaxial", "uniaxial")}
+    laws = {
+        name: Given(d=lambda F, k=k: k * F) for name, k in (("fitted", 2e-6), ("published", 3e-6))
+    }
+    platen = numbers(3), numbers(3)
+    F = np.linspace(0, 1.05 * max(F.max() for F, _ in samples.values()), 600)
+    wanted = {f"3D crossover, {name}": xy(F, 1e6 * d) for name, (F, d) in samples.items()}
+    wanted |= {"3D crossover between rigid plates": xy(platen[0], 1e6 * platen[1])}
+    wanted |= {"fitted": xy(F, 2 * F), "published": xy(F, 3 * F)}
+    place = "", "contact force F [N]", "compression of one yarn d$_c$ [µm]"
+    return pictures.fit(pyplot, samples, laws, platen), {place: wanted}
+
+
+@case(pictures.cell)
+def cell(pyplot):
+    cases, wanted = {}, {}
+    for number, title in enumerate(("warp extension", "both")):
+        strain = rising(5, 1e-3)
+        curves = {name: (numbers(5), numbers(5)) for name in ("fitted", "published")}
+        points = rising(3, 1e-3), numbers(3), numbers(3)
+        cases[title] = {"strain": strain, "curves": curves, "points": points}
+        lines = {}
+        for family, yarn in enumerate(("warp", "weft")):
+            for name, tensions in curves.items():
+                lines[f"{yarn}, {name}"] = xy(100 * strain, tensions[family])
+            lines[f"{yarn}, 3D crossover"] = xy(100 * points[0], points[1 + family])
+        wanted[title, "strain of the cell [%]", "" if number else "yarn tension [N]"] = lines
+    return pictures.cell(pyplot, cases), wanted
+
+
+@case(pictures.velocity)
+def velocity(pyplot):
+    runs = {name: (rising(4, 1e-6), numbers(4)) for name in ("own", "finer mesh", "coarser")}
+    wanted = {name: xy(1e6 * t, v) for name, (t, v) in runs.items()}
+    place = "", "time after strike [µs]", "velocity of the projectile [m/s]"
+    return pictures.velocity(pyplot, runs), {place: wanted}
+
+
+SHOTS = (
+    (81.0, 0.0, "stopped"),
+    (92.0, 0.0, "stopped"),
+    (87.0, 23.0, "perforated"),
+    (96.0, 51.0, "perforated"),
+    (105.0, 68.0, "perforated"),
+)
+
+
+def shots_of(rows=SHOTS):
+    return tuple(Shot(v, left, outcome, 1e-4, 0, (1.0, 2.0), 0.0, 0.1) for v, left, outcome in rows)
+
+
+def curve_of(name, k):
+    """A fitted curve of residual velocities: its samples up to a velocity."""
+    return Given(
+        reason="",
+        sample=lambda high: (np.linspace(80, high, 7), k * np.linspace(80, high, 7)),
+        words=lambda between: name,
+    )
+
+
+STRUCK = {
+    outcome: np.array([shot[:2] for shot in SHOTS if shot[2] == outcome])
+    for outcome in ("stopped", "perforated")
+}
+
+
+@pytest.mark.parametrize("single", [True, False])
+def test_a_limit(single):
+    shots = shots_of([shot for shot in SHOTS if shot[0] != 87.0] if single else SHOTS)
+    limit = Limit(92.0, 96.0, shots)
+    with pictures_figure.plots() as pyplot:
+        figure = pictures.residual_velocity(pyplot, "S-720", limit, curve_of("a 1", 0.5), shots)
+    high = 1.02 * 105
+    line = np.linspace(80, high, 7)
+    struck = {
+        outcome: points[points[:, 0] != 87.0] if single else points
+        for outcome, points in STRUCK.items()
+    }
+    name = "critical velocity\n94.0 ± 2.0 m/s" if single else "mixed outcomes\n87.0 to 92.0 m/s"
+    zone = Span((92.0, 96.0) if single else (87.0, 92.0))
+    low = 0.94 * 81
+    wanted = struck | {
+        "no loss of velocity": [[low, low], [high, high]],
+        "Lambert-Jonas\na 1": xy(line, 0.5 * line),
+        name: zone,
+    }
+    place = "S-720", "strike velocity [m/s]", "residual velocity [m/s]"
+    compare(figure, {place: wanted})
+
+
+@case(pictures.residual_velocity)
+def residual_velocity(pyplot):
+    return None  # the test above
+
+
+@case(pictures.draw_tests_and_shots)
+def shots_beside_tests(pyplot):
+    table = pd.DataFrame(
+        {
+            "velocity [m/s]": [70.0, 95.0, 110.0],
+            "tested": ["stopped", "perforated", "perforated"],
+            "tested residual velocity [m/s]": [0.0, 31.0, 64.0],
+            "computed residual velocity [m/s]": [3.0, 27.0, 66.0],
+        }
+    )
+    curve = Given(reason="", V50=84.0, interval_of=lambda _: (79.0, 88.0))
+    tests = Given(table=table, curve=curve, lambert_jonas=curve_of("", 0.3))
+    comparison = Given(
+        table=table, limit=Given(low=90.0, high=92.0, velocity=91.0), computed=curve_of("", 0.6)
+    )
+    high = 1.02 * 110
+    low = 0.94 * 70
+    line = np.linspace(80, high, 7)
+    wanted = {
+        "no loss of velocity": [[low, low], [high, high]],
+        "V50 of the tests\n84.0 m/s\n(grey: 95 % interval)": [[84, 0], [84, 1]],
+        "computed critical\nvelocity 91.0 m/s": [[91, 0], [91, 1]],
+        "tests, Lambert-Jonas": xy(line, 0.3 * line),
+        "computed, Lambert-Jonas": xy(line, 0.6 * line),
+        "test, stopped": [[70, 0]],
+        "test, perforated": [[95, 31], [110, 64]],
+        "computed": [[70, 3], [95, 27], [110, 66]],
+    }
+    place = "both", "strike velocity [m/s]", "residual velocity [m/s]"
+    return pictures.draw_tests_and_shots(pyplot, "both", tests, comparison), {place: wanted}
+
+
+@case(pictures_body.bar)
+def bar(pyplot):
+    names = ("tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
+    history = Given(t=rising(4, 1e-6), **{name: numbers(4) for name in names})
+    t = 1e6 * history.t
+    upper = {
+        "tip": xy(t, history.tip_velocity),
+        "tail": xy(t, history.tail_velocity),
+        "centre of mass": xy(t, history.centre_velocity),
+    }
+    lower = {
+        "tip": xy(t, 1e6 * (history.tip - history.centre)),
+        "tail": xy(t, 1e6 * (history.tail - history.centre)),
+    }
+    places = ("", "", "velocity [m/s]"), ("", "time after strike [µs]", "from the centre [µm]")
+    return pictures_body.bar(pyplot, history), dict(zip(places, (upper, lower)))
+
+
+@case(pictures_body.crater)
+def crater(pyplot):
+    """Two bricks side by side at y = 0, the second eroded; strain and profile under each title."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    brick = np.concatenate([x, x + np.array([0, 0, 1])]) * 1e-3
+    nodes = np.concatenate([brick, brick + np.array([1e-3, 0, 0])])
+    bricks = np.array([range(8), range(8, 16)])
+    blocks = {
+        title: Given(
+            nodes=nodes * np.array([1, 1, k]),
+            bricks=bricks,
+            gone=np.array([False, True]),
+            plastic=np.array([0.1 * k, 9.0]),
+            depth=2e-3 * k,
+            half_width=1e-3,
+            face=0.0,
+            share=1.0,
+            crater=xy(rising(3, 1e-3), numbers(3, high=2.0) * 1e-3),
+        )
+        for k, title in enumerate(("first", "second"), 1)
+    }
+    figure = pictures_body.crater(pyplot, blocks)
+    for axes, (title, block) in zip(figure.axes, blocks.items()):
+        (faces,) = axes.collections
+        assert axes.get_title(loc="left") == title
+        assert_allclose(faces.get_array(), block.plastic[:1])
+        assert_allclose(axes.lines[0].get_xydata(), 1e3 * block.crater)
+        assert_allclose(axes.lines[1].get_xydata(), 1e3 * block.crater * [-1, 1])
+    assert figure.axes[-1].get_ylabel() == "effective plastic strain"
+    return None
+
+
+def record_of(facts, **columns):
+    return Record(columns, dict.fromkeys(columns, "[-] made up"), facts)
+
+
+FABRIC = catalogue.load("S-726")
+
+
+@case(pictures_crossover.yarn)
+def yarn(pyplot):
+    record = record_of(
+        {"crimp": 0.02, "yarn": 1}, strain=rising(4, 1e-3), T_taut=numbers(4), T=numbers(4)
+    )
+    strain = 100 * record["strain"]
+    wanted = {
+        "fibres without bending, eq. 4-7": xy(strain, record["T_taut"]),
+        "weft, solid and bars": xy(strain, record["T"]),
+    }
+    place = "S-726, one weft pulled straight", "strain of the end distance [%]", "tension [N]"
+    return pictures_crossover.yarn(pyplot, FABRIC, record), {place: wanted}
+
+
+@case(pictures_crossover.stack)
+def stack(pyplot):
+    from fabrics.plate_curve import PlateCurve
+
+    law = PlateCurve.pressure_law(FABRIC.areal_density_measured, 4)
+    pressure = np.concatenate([[0.0], np.linspace(0.9, 3.0, 6) * law.pressure[3]])
+    closure = np.concatenate([[0.0], rising(6, 1e-6)])
+    record = record_of(
+        {"plies": 4}, pressure=pressure, closure=closure, closure_ply=np.array(closure) / 3.7
+    )
+    inside = (pressure >= law.pressure[0]) & (pressure <= law.pressure[-1])
+    first = np.interp(np.log(law.pressure[0]), np.log(pressure[1:]), closure[1:])
+    start = closure[np.searchsorted(pressure, pressure[inside][0])] - (closure[inside][0] - first)
+    wanted = {
+        "3D yarns": xy(1e6 * closure[1:] / 3.7, 1e-6 * pressure[1:]),
+        "pressure law (eqs. 2-5, 2-6)": xy(1e6 * (law.closure + start) / 4, 1e-6 * law.pressure),
+    }
+    place = (
+        "S-726, 4 plies between plates",
+        "closure of the plates per ply [µm]",
+        "mean pressure [MPa]",
+    )
+    return pictures_crossover.stack(pyplot, FABRIC, record), {place: wanted}
+
+
+@case(pictures_crossover.tensions)
+def tensions(pyplot):
+    names = ("T1", "T2", "F_c", "d1", "d2")
+    record = record_of(
+        {"case": "a path"}, path=rising(4, 0.1), **{name: numbers(4) for name in names}
+    )
+    path = 100 * record["path"]
+    labels = {"warp tension": "T1", "weft tension": "T2", "contact": "F_c"}
+    upper = {label: xy(path, record[name]) for label, name in labels.items()}
+    lower = {f"d$_{k}$": xy(path, 1e6 * record[f"d{k}"]) for k in (1, 2)}
+    places = (
+        ("S-726, a path", "", "force [N]"),
+        ("", "share of the path [%]", "end displacement [µm]"),
+    )
+    return pictures_crossover.tensions(pyplot, FABRIC, record), dict(zip(places, (upper, lower)))
+
+
+@case(pictures_crossover.shear)
+def shear(pyplot):
+    pytest.importorskip("dolfinx")
+    from unitcell3d.identify import shear_fit
+
+    gamma = np.linspace(0.0, 0.8, 9)
+    tau = FABRIC.shear.stress(gamma) * 1.3
+    record = record_of({}, gamma=gamma, tau=tau, F_c=numbers(9), F_side=numbers(9, 2))
+    law = shear_fit.fit(gamma, tau).law
+    fine = np.linspace(0, 0.8, 300)
+    own = FABRIC.shear
+    upper = {
+        "3D yarns": xy(gamma, 1e-6 * tau),
+        f"fit of eq. 4-35: γ$_1$ {law.gamma1:.2f}, γ$_2$ {law.gamma2:.2f}": xy(
+            fine, 1e-6 * law.stress(fine)
+        ),
+        f"fabric's data: γ$_1$ {own.gamma1:g}, γ$_2$ {own.gamma2:g}": xy(
+            fine, 1e-6 * own.stress(fine)
+        ),
+    }
+    lower = {"at a crossing": xy(gamma, record["F_c"])}
+    for family, name in enumerate(("warps", "wefts")):
+        lower[f"between parallel {name}"] = xy(gamma, record["F_side"][:, family])
+    places = (
+        ("S-726, shear of the weave", "", "shear stress [MPa]"),
+        ("", "shear angle γ [rad]", "contact force [N]"),
+    )
+    return pictures_crossover.shear(pyplot, FABRIC, record), dict(zip(places, (upper, lower)))
+
+
+@case(pictures_crossover.pull_out)
+def crossover_pull_out(pyplot):
+    pytest.importorskip("dolfinx")
+    from unitcell3d.cases import pull_out as case
+
+    load = np.repeat([1, 2], 3)
+    pull = np.array([0.0, 1.0, 2.0, 0.0, 1.5, 2.5]) * 1e-6
+    record = record_of(
+        {"friction": 0.2, "pulled": 1, "loads": 2, "pull": 1e-6},
+        load=load,
+        pull=pull,
+        P=np.array([0.1, 0.5, 0.9, 0.2, 1.1, 1.9]),
+        F_c=np.array([2.0, 2.1, 2.2, 5.0, 5.1, 5.3]),
+        mobilised=np.array([0.0, 0.6, 1.0, 0.0, 0.7, 1.0]),
+    )
+    F_c, T_f = case.thresholds(record)
+    law = case.fit(record)
+    left = {}
+    for number, last in ((1, 2.2), (2, 5.3)):
+        of = load == number
+        left[f"F$_c$ {last:.3g} N"] = xy(1e6 * pull[of], record["P"][of])
+    fine = np.array([0.0, 1.05 * F_c.max()])
+    right = {
+        "3D yarns in full sliding": xy(F_c, T_f),
+        f"T$_f$ = {law.c0:.2g} N + {law.mu_eff:.3f} F$_c$": xy(fine, law.threshold(fine)),
+    }
+    places = (
+        ("S-726, weft pulled, friction 0.2", "pull along the axis [µm]", "axial force [N]"),
+        ("", "contact force F$_c$ [N]", "slip threshold T$_f$ [N]"),
+    )
+    return pictures_crossover.pull_out(pyplot, FABRIC, record), dict(zip(places, (left, right)))
+
+
+@case(pictures_crossover.plates)
+def plates(pyplot):
+    found = Given(**{name: numbers(4) for name in ("pressure", "measured", "before", "computed")})
+    pressure = 1e-6 * found.pressure
+    labels = {"measured": "measured", "before the fit": "before", "fitted": "computed"}
+    wanted = {label: xy(1e6 * getattr(found, name), pressure) for label, name in labels.items()}
+    place = "", "closed by the plates [µm]", "pressure [MPa]"
+    return pictures_crossover.plates(pyplot, found), {place: wanted}
+
+
+def yarn_history(family, offset):
+    X = np.linspace(-4.5, 4.5, 10) * 1e-3
+    one = numbers(6, 10), numbers(6, 11), numbers(6, 11)
+    return YarnHistory(family, offset, 5e4 + 1e4 * offset, 100.0, 0.01, X, *one)
+
+
+@case(pictures_histories.tensions)
+def yarn_tensions(pyplot):
+    t = rising(6, 1e-6)
+    yarns = yarn_history("warp", 1e-3), yarn_history("weft", 2e-3)
+    wanted = {}
+    for yarn in yarns:
+        lines = {f"{1e3 * yarn.X[k]:.1f} mm": xy(1e6 * t, yarn.tension[:, k]) for k in (5, 8)}
+        title = f"{yarn.family}, {1e3 * yarn.offset:.1f} mm off centre"
+        wanted[title, "time after strike [µs]", "tension [N]"] = lines
+    return pictures_histories.tensions(pyplot, t, yarns, (0.4e-3, 3.6e-3)), wanted
+
+
+@case(pictures_histories.fronts)
+def fronts(pyplot):
+    t = rising(6, 1e-6)
+    yarns = yarn_history("warp", 1e-3), yarn_history("weft", 2e-3)
+    waves = [
+        Front(kind, family, rising(3, 1e-6), rising(3, 1e-4), speed, (0, 1), k * 1e-6, 1.0)
+        for k, (kind, family, speed) in enumerate(
+            (
+                ("longitudinal", "warp", 5000.0),
+                ("transverse", "warp", 300.0),
+                ("longitudinal", "weft", 6000.0),
+                ("transverse", "weft", 400.0),
+            ),
+            1,
+        )
+    ]
+    figure = pictures_histories.fronts(pyplot, t, yarns, waves)
+    for axes, yarn in zip(figure.axes, yarns):
+        own = [wave for wave in waves if wave.family == yarn.family]
+        assert axes.get_title(loc="left").startswith(yarn.family)
+        side = yarn.X > 0
+        (image,) = axes.collections
+        assert_allclose(np.ravel(image.get_array()), yarn.tension[:, side].ravel())
+        for wave, (dots, line, key) in zip(own, zip(*[iter(axes.lines)] * 3)):
+            assert_allclose(dots.get_xydata(), xy(1e3 * wave.place, 1e6 * wave.time))
+            ends = np.array([0.0, wave.place.max()])
+            assert_allclose(
+                line.get_xydata(), xy(1e3 * ends, 1e6 * (wave.start + ends / wave.speed))
+            )
+            assert key.get_label() == f"{wave.kind}, {wave.speed:.0f} m/s"
+            assert key.get_color() == dots.get_color()
+    assert figure.axes[-1].get_ylabel() == "tension [N]"
+    return None
+
+
+@case(pictures_coupon.cloth)
+def cloth(pyplot):
+    """Shear at the left, tension at the right, each by its elements and edges."""
+    x = np.array([[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]) * 1e-3
+    sheared = np.radians([3.0, -7.0])
+    edges = np.array([[0, 1], [1, 2]]), np.array([[0, 3], [1, 4], [2, 5]])
+    tension = numbers(2), numbers(3)
+    coupon = Given(
+        quads=np.array([[0, 1, 4, 3], [1, 2, 5, 4]]), edges=edges, tensions=lambda _: tension
+    )
+    solved = Given(coupon=coupon, states=[Given(x=x)], shear=lambda: sheared, force_floor=0.1)
+    name = "shear angle"
+    record = record_of(
+        {"test": "picture_frame", "prescribed_name": name}, **{name: np.radians([1.0, 12.0])}
+    )
+    figure = pictures_coupon.cloth(pyplot, record, solved)
+    left, right, shears, pulls = figure.axes
+    assert_allclose(left.collections[0].get_array(), [3.0, 7.0])
+    order = np.argsort(np.concatenate(tension))
+    assert_allclose(right.collections[0].get_array(), np.concatenate(tension)[order])
+    drawn = np.array(right.collections[0].get_segments())
+    assert_allclose(drawn, 1e3 * x[np.concatenate(edges)[order]])
+    assert left.get_title(loc="left") == "shear, shear angle 12 °"
+    assert (shears.get_xlabel(), pulls.get_xlabel()) == (
+        "shear angle [°]",
+        "tension of a yarn [N]",
+    )
+    return None
+
+
+@case(pictures_coupon.curves)
+def curves(pyplot):
+    names = ["load of a warp yarn", "load of a weft yarn"]
+    names += [f"cell at these strains, {family}" for family in ("warp", "weft")]
+    across = next(key.name for key in pictures_coupon.COUPON_MEASURES.values() if key.unit == "%")
+    record = record_of(
+        {"prescribed_name": across},
+        **{across: rising(4, 1e-3)},
+        **{name: numbers(4) for name in names},
+    )
+    wanted = {name: xy(100 * record[across], record[name]) for name in names}
+    place = "", f"{across} [%]", "load of a yarn [N]"
+    return pictures_coupon.curves(pyplot, record, names, "load of a yarn"), {place: wanted}
+
+
+@case(pictures_coupon.relaxation)
+def relaxation(pyplot):
+    states = [
+        Given(history=xy(numbers(n, high=2.0), numbers(n)), iterations=10 * n) for n in (3, 4)
+    ]
+    figure = pictures_coupon.relaxation(pyplot, Given(states=states, force_floor=0.1), 1e-3)
+    (axes,) = figure.axes
+    out, reaction = np.concatenate([state.history for state in states]).T
+    ratio, tolerance, *ends = axes.lines
+    assert_allclose(ratio.get_xydata(), xy(range(1, 8), out / reaction))
+    assert (tolerance.get_label(), tolerance.get_ydata()[0]) == ("tolerance", 1e-3)
+    assert [line.get_xdata()[0] for line in ends] == [30, 70]
+    return None
+
+
+@case(pictures_coupon.pull_out)
+def coupon_pull_out(pyplot):
+    curve = Given(
+        displacement=rising(4, 1e-3), load=numbers(4), sliding=numbers(4), left=numbers(4)
+    )
+    curve.plateau = 3.5
+    at = 1e3 * curve.displacement
+    upper = {"": xy(at, curve.load), "plateau 3.5 N": [[0, 3.5], [1, 3.5]]}
+    lower = {"in slip": xy(at, curve.sliding), "left by the yarn's end": xy(at, curve.left)}
+    places = (("", "", "load [N]"), ("", "displacement of the crosshead [mm]", "crossovers"))
+    return pictures_coupon.pull_out(pyplot, curve), dict(zip(places, (upper, lower)))
+
+
+@case(pictures_records.draw_compression)
+def compression(pyplot):
+    laws = []
+    wanted = {"": []}
+    for plies in (1, 4):
+        drawn = numbers(5), numbers(5)
+        law = Given(
+            plies=plies,
+            exponent=0.1 * plies,
+            rms=plies * 1e-6,
+            pressure=numbers(6),
+            closed=numbers(6),
+        )
+        law.curve = lambda drawn=drawn: drawn
+        laws.append(law)
+        name = "1 ply" if plies == 1 else f"{plies} plies"
+        label = f"{name}: n = {0.1 * plies:.2f}, rms {plies} µm"
+        wanted[label] = xy(1e-6 * drawn[0], 1e6 * drawn[1])
+        wanted[""].append(xy(1e-6 * law.pressure, 1e6 * law.closed))
+    wanted[""] = np.concatenate(wanted[""])
+    place = "packs", "pressure [MPa]", "closed since the first load [µm]"
+    return pictures_records.draw_compression(pyplot, laws, "packs"), {place: wanted}
+
+
+@case(pictures_records.draw_motion)
+def motion(pyplot):
+    names = ("measured", "displacement", "velocity", "velocity_error", "force", "force_error")
+    record = Given(time=rising(4, 1e-6), bandwidth=25e3, **{name: numbers(4) for name in names})
+    computed = {"time": rising(3, 1e-6), "velocity": numbers(3), "contact_force": numbers(3)}
+    t = 1e6 * record.time
+    at = 1e6 * computed["time"]
+    wanted = {
+        ("a shot", "", "record less curve [µm]"): {
+            "": xy(t, 1e6 * (record.measured - record.displacement))
+        }
+    }
+    for quantity, key, factor, x, y in (
+        ("velocity", "velocity", 1.0, "", "velocity [m/s]"),
+        ("force", "contact_force", 1e-3, "time [µs]", "force [kN]"),
+    ):
+        value, error = getattr(record, quantity), getattr(record, f"{quantity}_error")
+        wanted["", x, y] = {
+            "record, up to 25 kHz": xy(t, factor * value),
+            "95 %": Among(xy(t, factor * (value - error)), xy(t, factor * (value + error))),
+            "computed": xy(at, factor * computed[key]),
+        }
+    wanted["", "time [µs]", "force [kN]"][""] = [[0, 0], [1, 0]]
+    return pictures_records.draw_motion(pyplot, record, "a shot", computed), wanted
+
+
+def response():
+    axes = rising(5, 1e-6), rising(6, 1e-6)
+    surface = ResponseSurface(*axes, *(numbers(5, 6) for _ in range(5)))
+    return surface, lambda name, x, y: getattr(surface, name)[0, 0] * (1 + 1e5 * x + 2e5 * y)
+
+
+def interpolant():
+    surface, evaluate = response()
+
+    class Interpolant:
+        def __call__(self, name, x, y):
+            return evaluate(name, x, y)
+
+    made = Interpolant()
+    made.surface = surface
+    return made
+
+
+@case(pictures_surface.surfaces)
+def surfaces(pyplot):
+    made = interpolant()
+    figure = pictures_surface.surfaces(pyplot, made)
+    for axes, (name, title) in zip(figure.axes, pictures_surface.FORCES):
+        assert axes.get_title() == f"{title} [N]"
+        first = np.array(axes.lines[0].get_data_3d())
+        samples = getattr(made.surface, name)
+        assert_allclose(first[2], samples[0])
+        assert_allclose(first[1], 1e6 * made.surface.d2)
+        assert (axes.get_xlabel(), axes.get_ylabel()) == ("d$_1$ [µm]", "d$_2$ [µm]")
+    return None
+
+
+@case(pictures_surface.contours)
+def contours(pyplot):
+    """Levels of each quantity under its name: limits of the colours are those of its values."""
+    made = interpolant()
+    figure = pictures_surface.contours(pyplot, made)
+    drawn = dict(zip(pictures_surface.FORCES + pictures_surface.HEIGHTS, figure.axes))
+    for (name, title), axes in drawn.items():
+        factor, unit = (1.0, "N") if name in ("T1", "T2", "F_c") else (1e6, "µm")
+        assert axes.get_title(loc="left") == f"{title} [{unit}]"
+        x, y = (axis[[0, -1]] for axis in (made.surface.d1, made.surface.d2))
+        values = factor * made(name, x[:, None], y[None, :])
+        filled = axes.collections[0].norm
+        steps = (values.max() - values.min()) / 12
+        assert abs(filled.vmin - values.min()) < steps
+        assert abs(filled.vmax - values.max()) < steps
+    points = figure.axes[5].lines
+    found = np.concatenate([line.get_xydata() for line in points])
+    a, b = np.meshgrid(1e6 * made.surface.d1, 1e6 * made.surface.d2)
+    assert sorted(map(tuple, found)) == sorted(zip(a.ravel(), b.ravel()))
+    return None
+
+
+@case(pictures_surface.slices)
+def slices(pyplot):
+    surface, _ = response()
+    theirs = {name: numbers(5, 6) for name in ("T1", "T2", "F_c")}
+    figure = pictures_surface.slices(pyplot, surface, theirs, "own cell")
+    for number, axes in enumerate(figure.axes):
+        row, column = divmod(number, 3)
+        name, title = pictures_surface.FORCES[column]
+        along, across = (surface.d1, surface.d2)[:: 1 if row == 0 else -1]
+        ours, others = (
+            values if row else values.T for values in (getattr(surface, name), theirs[name])
+        )
+        assert axes.get_title(loc="left") == ("" if row else title)
+        assert axes.get_xlabel() == f"d$_{row + 1}$ [µm]"
+        for cut, points, line in zip((0, across.size // 2, -1), axes.lines[::2], axes.lines[1::2]):
+            assert_allclose(points.get_xydata(), xy(1e6 * along, ours[cut]))
+            assert_allclose(line.get_xydata(), xy(1e6 * along, others[cut]))
+            assert points.get_label() == f"3D, d$_{2 - row}$ = {1e6 * across[cut]:.0f} µm"
+    return None
+
+
+@case(pictures_surface.draw_misses)
+def misses(pyplot):
+    surface, _ = response()
+    errors = {name: Given(lines=(numbers(5), numbers(6))) for name in ("T1", "T2", "F_c")}
+    wanted = {}
+    for number, axis in enumerate((surface.d1, surface.d2)):
+        lines = {
+            title: xy(1e6 * axis, 100 * errors[name].lines[number] / getattr(surface, name).max())
+            for name, title in pictures_surface.FORCES
+        }
+        lines[""] = xy(1e6 * axis, np.full(axis.size, 0.03))
+        place = f"left-out line at d$_{number + 1}$ [µm]"
+        wanted["", place, "" if number else "largest miss [% of the largest]"] = lines
+    return pictures_surface.draw_misses(pyplot, surface, errors), wanted
+
+
+@case(pictures_uncertainty.tornado)
+def tornado(pyplot):
+    rows = [Row("nominal", "stopped", 100.0)]
+    ends = {"failure length": (70.0, 120.0), "friction": (95.0, 113.0)}
+    for name, pair in ends.items():
+        rows += [Row(name, "stopped", velocity, name) for velocity in pair]
+    around = AssumedRange("critical velocity", tuple(rows))
+    figure = pictures_uncertainty.tornado(pyplot, around, "S-720")
+    (axes,) = figure.axes
+    found = {
+        bars.get_label(): [bar.get_bbox().intervalx for bar in bars] for bars in axes.containers
+    }
+    assert_allclose(found["below nominal"], [(100, 70), (100, 95)])
+    assert_allclose(found["above nominal"], [(100, 120), (100, 113)])
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    assert names == ["failure length, 74 %", "friction, 26 %"]
+    assert axes.get_xlabel() == "critical velocity [m/s]"
+    (nominal,) = axes.lines
+    assert (nominal.get_label(), nominal.get_xdata()[0]) == ("nominal, 100.0 m/s", 100.0)
+    assert reach(axes.patches[0], 0) == pytest.approx((70, 120))
+    return None
+
+
+@case(pictures_uncertainty.perforation)
+def perforation(pyplot):
+    shots = tuple(
+        v50.Shot(n, v, left, left > 0, 1, 1, 1, (1, 1), (0, 0), 0.0)
+        for n, (v, left) in enumerate(
+            ((80.0, 0.0), (90.0, 11.0), (95.0, 3.0), (97.0, 0.0), (104.0, 31.0), (111.0, 47.0))
+        )
+    )
+    velocity, hit = ([getattr(s, name) for s in shots] for name in ("velocity", "perforated"))
+    curves = {link: probit.fit(velocity, hit, link=link) for link in probit.LINKS}
+    study = Given(
+        shots=shots, curves=curves, deterministic=(88.0, 89.0), lambert_jonas=curve_of("", 0.4)
+    )
+    grid = np.linspace(78, 113, 400)
+    line = np.linspace(80, 113, 7)
+    lift = 0.012 * (np.arange(6) % 5)
+    V, hit = np.array(velocity), np.array(hit)
+    residual = np.array([shot.residual for shot in shots])
+    edges = probit.band(V, hit, curves["probit"], pictures_uncertainty._PROBABILITIES)
+    inner = edges.clip(78, 113)
+    P = pictures_uncertainty._PROBABILITIES
+    upper = {
+        "95 % of the probit": Among(xy(inner[:, 0], P), xy(inner[:, 1], P)),
+        "probit": xy(grid, curves["probit"].probability(grid)),
+        "logit": xy(grid, curves["logit"].probability(grid)),
+        "stopped": xy(V, -0.03 - lift)[~hit],
+        "perforated": xy(V, 1.03 + lift)[hit],
+        "share of all 6 shots": [[V.mean(), hit.mean()]],
+        "limit without scatter": Span((88, 89)),
+    }
+    lower = {
+        "stopped": xy(V, residual)[~hit],
+        "perforated": xy(V, residual)[hit],
+        "Lambert-Jonas": xy(line, 0.4 * line),
+    }
+    places = (
+        ("S-720", "", "probability of perforation [-]"),
+        ("", "strike velocity [m/s]", "residual velocity [m/s]"),
+    )
+    return pictures_uncertainty.perforation(pyplot, study, "S-720"), dict(
+        zip(places, (upper, lower))
+    )
+
+
+@case(pictures_uncertainty.sweep)
+def sweep(pyplot):
+    table = pd.DataFrame(
+        {
+            "mass": ["1 g", "2 g", "1 g", "2 g"],
+            "v50_m_s": [90.0, 70.0, 130.0, 110.0],
+            "v50_low_m_s": [85.0, 62.0, 121.0, 108.0],
+            "v50_high_m_s": [96.0, 71.0, 133.0, 117.0],
+        }
+    )
+    x = [1, 1.5, 2, 3]
+    figure = pictures_uncertainty.sweep(pyplot, x, "plies", table, ["mass"], QUANTITIES["v50"])
+    (axes,) = figure.axes
+    found = {bars.get_label(): bars for bars in axes.containers}
+    for name, rows in (("mass = 1 g", [0, 2]), ("mass = 2 g", [1, 3])):
+        line, _, (bars,) = found[name]
+        assert_allclose(line.get_xydata(), xy(np.take(x, rows), table["v50_m_s"][rows]))
+        ends = table.loc[rows, ["v50_low_m_s", "v50_high_m_s"]].to_numpy()
+        assert_allclose([segment[:, 1] for segment in bars.get_segments()], ends)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("plies", "V50 [m/s], 95 % interval")
+    return None
+
+
+@case(pictures_uncertainty.one_at_a_time)
+def one_at_a_time(pyplot):
+    table = pd.DataFrame({"residual_velocity_m_s": [50.0, 61.0, 43.0], "other": [1, 2, 3]})
+    changes = ["input file", "mass = 1 g", "mass = 2 g"]
+    figure = pictures_uncertainty.one_at_a_time(pyplot, changes, table, QUANTITIES["shot"])
+    (axes,) = figure.axes
+    assert_allclose(axes.lines[0].get_xydata(), [[50, 0], [61, 1], [43, 2]])
+    assert axes.lines[1].get_xdata()[0] == 50.0
+    assert [text.get_text() for text in axes.get_yticklabels()] == changes
+    assert axes.get_xlabel() == "residual velocity [m/s]"
+    return None
+
+
+@case(pictures_shot.histories)
+def histories(pyplot):
+    names = ("velocity", "deflection", "nose_position", "contact_force")
+    record = Given(time=rising(4, 1e-6), **{name: numbers(4) for name in names})
+    t = 1e6 * record.time
+    wanted = {
+        ("", "", "velocity [m/s]"): {
+            "": np.concatenate([xy(t, record.velocity), [[0, 0], [1, 0]]])
+        },
+        ("", "", "deflection of the\nback face [mm]"): {
+            "": xy(t, 1e3 * record.deflection),
+            "nose of the projectile": xy(t, 1e3 * record.nose_position),
+        },
+        ("", "time after strike [µs]", "contact force [kN]"): {
+            "": xy(t, 1e-3 * record.contact_force)
+        },
+    }
+    return pictures_shot.histories(pyplot, record), wanted
+
+
+@case(pictures_shot.cuts)
+def cuts(pyplot):
+    """Each row has its lines, the close-up the same and their thickness; z is up."""
+    rows = []
+    for title in ("first", "second"):
+        lines = tuple(xy(np.linspace(1e-3, 9e-3, 5), numbers(5) * 1e-3) for _ in range(2))
+        cut = Cut(1e-6, numbers(1)[0] * 1e-3, lines)
+        body = np.array([[-1.0, -1.5], [1.0, -2.0], [0.5, 0.0]]) * 1e-3
+        rows.append(pictures_shot.CutView(title, cut, np.array([0.2e-3, 0.5e-3]), False, body))
+    figure = pictures_shot.cuts(pyplot, rows, 5e-3)
+    for number, row in enumerate(rows):
+        whole, near = figure.axes[2 * number : 2 * number + 2]
+        assert whole.get_title(loc="left") == row.title
+        for axes in (whole, near):
+            for line, drawn in zip(row.cut.lines, axes.lines, strict=True):
+                assert_allclose(drawn.get_xydata(), 1e3 * line)
+        body = row.projectile + np.array([0, row.cut.nose_position])
+        assert_allclose(whole.patches[0].get_xy()[:-1], 1e3 * body)
+        # the band of a line, of whose ends the distance is the thickness
+        for band, thickness in zip(near.patches[1:], row.thickness, strict=True):
+            corners = band.get_xy()
+            assert np.linalg.norm(corners[0] - corners[9]) == pytest.approx(1e3 * thickness)
+    assert figure.axes[-1].get_xlabel() == "x [mm]"
+    assert figure.axes[0].get_ylabel() == "z [mm]"
+    return None
+
+
+@case(pictures_shot.energies)
+def energies(pyplot):
+    """The height of each band is the energy of its name."""
+    parts = [name for name, *_ in pictures.ENERGIES if name not in ("recoil_of_cut_yarns",)]
+    known = {name: numbers(4) for name in parts} | {"error": numbers(4)}
+    known |= {name: numbers(4) for name in ("formulation_residual", "ply_contact", "ply_friction")}
+    record = Given(
+        time=rising(4, 1e-6), energies=known, strike_energy=500.0, recoil_of_cut_yarns=0.0
+    )
+    figure = pictures_shot.energies(pyplot, record)
+    top, low = figure.axes
+    (legend,) = figure.legends
+    wanted = dict(known)
+    wanted["yarn_strain"] = known["yarn_strain"] + known["formulation_residual"]
+    for name in ("contact", "friction"):
+        wanted[name] = known[name] + known[f"ply_{name}"]
+    wanted["viscous"] = np.minimum(known["viscous"], known["viscous"][-1])
+    wanted["recoil_of_cut_yarns"] = known["viscous"] - wanted["viscous"]
+    drawn = [row for row in pictures.ENERGIES if np.any(wanted[row[0]])]
+    assert [text.get_text() for text in legend.get_texts()] == [label for _, label, _ in drawn]
+    t = 1e6 * record.time
+    below = 0.0
+    for (name, _, _), band in zip(drawn, top.collections, strict=True):
+        corners = band.get_paths()[0].vertices
+        heights = [np.ptp(corners[np.isclose(corners[:, 0], at), 1]) for at in t]
+        assert_allclose(heights, wanted[name], atol=1e-9)
+        below = below + wanted[name]
+    assert_allclose(low.lines[0].get_xydata(), xy(t, 100 * known["error"] / 500.0))
+    assert (top.get_ylabel(), low.get_ylabel()) == ("energy [J]", "error [%]")
+    return None
+
+
+@case(mismatch.plot)
+def law_mismatch(pyplot):
+    stretch = 1 + rising(3, 1e-3), 1 + rising(3, 1e-3)
+    grids = np.meshgrid(*stretch, indexing="ij")
+    inside = np.ones((3, 3), bool)
+    found = mismatch.Mismatch(*grids, inside, numbers(2, 3, 3, low=0.01, high=0.05), 0.1, 0.1)
+    figure = mismatch.plot(pyplot, found)
+    for axes, family, values in zip(figure.axes, ("warp", "weft"), found.difference):
+        assert axes.get_title(loc="left") == f"stress along the {family}"
+        assert axes.get_xlabel() == "strain along the warp [%]"
+        (image,) = axes.collections
+        assert_allclose(np.ravel(image.get_array()), 100 * values.ravel())
+        corners = image.get_coordinates()
+        assert np.ptp(corners[..., 0]) == pytest.approx(150 * np.ptp(stretch[0]), rel=0.5)
+    assert figure.axes[0].get_ylabel() == "strain along the weft [%]"
+    return None
+
+
+def reach(patch, axis):
+    """From where to where an area reaches along an axis, in data."""
+    corners = patch.get_patch_transform().transform_path(patch.get_path()).vertices
+    return corners[:, axis].min(), corners[:, axis].max()
+
+
+def compare(figure, wanted):
+    """Whether all that is drawn has the name, the unit and the points that are wanted, and nothing else is drawn."""
+    drawn = {}
+    for axes in figure.axes:
+        place = axes.get_title(loc="left"), axes.get_xlabel(), axes.get_ylabel()
+        drawn[place] = axes
+    assert wanted.keys() <= drawn.keys(), drawn.keys()
+    for place, lines in wanted.items():
+        axes = drawn[place]
+        found = {}
+        for artist in (*axes.lines, *axes.patches, *axes.collections):
+            label = artist.get_label()
+            found.setdefault("" if label.startswith("_") else label, []).append(artist)
+        named = {label for label in found if label} | {label for label in lines if label}
+        for label in named:
+            (artist,) = found[label]
+            check(artist, lines[label], (*place, label))
+        if "" in lines:
+            points = np.concatenate([line.get_xydata() for line in found[""] if line in axes.lines])
+            assert_allclose(points, lines[""], err_msg=str(place))
+        told = axes.get_legend()
+        if told is not None:
+            assert {text.get_text() for text in told.get_texts()} == named
+
+
+def check(artist, points, name):
+    if isinstance(points, Span):
+        assert reach(artist, int(points.up)) == pytest.approx(tuple(points)), name
+    elif isinstance(points, Among):
+        corners = artist.get_paths()[0].vertices
+        for point in np.asarray(points):
+            assert np.isclose(corners, point).all(axis=1).any(), (name, point)
+    else:
+        assert_allclose(artist.get_xydata(), points, rtol=1e-9, atol=1e-12, err_msg=str(name))
+
+
+@pytest.mark.parametrize("function", DRAWN, ids=lambda f: f"{f.__module__}.{f.__name__}")
+def test_what_is_drawn_is_what_its_label_says(function):
+    with pictures_figure.plots() as pyplot:
+        found = DRAWN[function](pyplot)
+    if found is not None:
+        compare(*found)
+
+
+IMAGES = {"snapshot", "end", "compose", "cut_figure"}  # of one picture in space, or of `cuts`
+
+
+def test_no_figure_is_left_out():
+    """Every function of the application that draws on `pyplot` is above."""
+    known = {(function.__module__, function.__name__) for function in DRAWN}
+    for path in ROOT.glob("weavecell/**/*.py"):
+        module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
+                continue
+            first = [each.arg for each in node.args.args[:1]]
+            if first == ["pyplot"] and node.name not in IMAGES:
+                assert (module, node.name) in known, f"{module}.{node.name} has no data here"
