@@ -276,3 +276,118 @@ def test_units_go_into_every_number_of_a_deck(to):
             ours, theirs = (float(deck[keyword][name]) for deck in (si, small))
             assert ours or name == "X", (keyword, name)
             assert theirs == pytest.approx(factor * ours, rel=1e-3), (keyword, name)
+
+
+def lines_below(content, word, comment):
+    """[{name: text}] of each block of a word of a deck: its fields by the names in the comment lines above them."""
+    found = []
+    for block in re.split(rf"(?m)^{re.escape(word)}(?:/\d+)?\n", content)[1:]:
+        card, names = {}, []
+        for line in block.splitlines():
+            if line[0] in "*/":
+                break
+            if line.startswith(comment):
+                names = [(name[0], name.end()) for name in re.finditer(r"(?<=[ #])[^ #]\S*", line)]
+            elif names and line[0] not in "#$":
+                starts = [0, *(end for _, end in names)]
+                for start, (name, end) in zip(starts, names):
+                    card.setdefault(name, line[start:end].strip())
+        found.append(card)
+    return found
+
+
+WRITTEN = {  # code and word: {field: what it is of the cloth of its card}
+    ("lsdyna", "*MAT_FABRIC_TITLE"): {
+        "RO": lambda cloth: cloth.density,
+        "EA": lambda cloth: cloth.modulus[0],
+        "EB": lambda cloth: cloth.modulus[1],
+    },
+    ("lsdyna", "*SECTION_SHELL_TITLE"): {
+        f"T{corner}": lambda cloth: cloth.thickness for corner in range(1, 5)
+    },
+    ("radioss", "/MAT/LAW58"): {
+        "RHO_I": lambda cloth: cloth.density,
+        "E1": lambda cloth: cloth.modulus[0] / (1 + cloth.crimp[0]),
+        "E2": lambda cloth: cloth.modulus[1] / (1 + cloth.crimp[1]),
+        "S1": lambda cloth: cloth.crimp[0],
+        "S2": lambda cloth: cloth.crimp[1],
+    },
+    ("radioss", "/PROP/TYPE16"): {"Thick": lambda cloth: cloth.thickness},
+}
+
+
+@pytest.fixture(scope="module", params=folder.CODES)
+def unlike(request):
+    """A deck of two unlike fabrics, of which the second is turned, behind an oblique nose; its text."""
+    plies = [{"name": "S-726"}, {"name": "S-728", "angle": "90 deg"}]
+    shot = {"mass": "2 g", "diameter": "6 mm", "edge_radius": "0.3 mm", "friction": 0.1}
+    options = {"ply": plies, "ply_gap": "0.1 mm", "ply_friction": 0.2, "projectile": shot}
+    made = deck.__wrapped__("S-726", request.param, symmetry="half", **options)
+    return request.param, made, next(iter(text(made, request.param).values()))
+
+
+def test_each_card_has_the_numbers_of_its_own_fabric(unlike):
+    """Field by field: density, moduli of warp and weft, crimps and thickness; no two cards are alike."""
+    to, made, content = unlike
+    assert made.cards[0].cloth.thickness != made.cards[1].cloth.thickness
+    for (code, word), fields in WRITTEN.items():
+        if code != to:
+            continue
+        blocks = lines_below(content, word, {"lsdyna": "$#", "radioss": "#"}[to])
+        for card, block in zip(made.cards, blocks):
+            for name, value in fields.items():
+                rel = 0.02 if name in ("E1", "E2") else 1e-3
+                assert float(block[name]) == pytest.approx(value(card.cloth), rel=rel), (word, name)
+
+
+def test_parts_cards_and_curves_of_a_deck_belong_together(unlike):
+    """The elements of each ply have its part, the part its section and material, the material its curves."""
+    to, made, content = unlike
+    for number, (ply, card) in enumerate(zip(made.plies, made.cards), 1):
+        assert ply.card is card
+        assert card.number == number
+        assert card.name == ("S-726", "S-728 turned")[number - 1]
+    if to == "lsdyna":
+        parts = lines_below(content, "*PART", "$#")
+        assert [(part["PID"], part["SECID"], part["MID"]) for part in parts] == [
+            ("1", "1", "1"),
+            ("2", "2", "2"),
+        ]
+        materials = lines_below(content, "*MAT_FABRIC_TITLE", "$#")
+        assert [[card[name] for name in ("LCA", "LCB", "LCAB")] for card in materials] == [
+            ["1", "2", "3"],
+            ["4", "5", "6"],
+        ]
+        curves = list(deck_readers.dyna(content).values())
+        for card, (warp, weft, _) in zip(made.cards, curves, strict=True):
+            for family, (points, _) in enumerate((warp, weft)):
+                stretch, stress = card.cloth.uniaxial(family)
+                close(np.interp(stretch - 1, *points.T), stress, stress)
+    else:
+        for card, (rows, _) in zip(made.cards, deck_readers.radioss(content).values(), strict=True):
+            assert rows[4][2:4] == pytest.approx(card.cloth.crimp, rel=0.01)
+
+
+def test_friction_and_nose_of_a_deck_are_those_of_the_shot(unlike):
+    """Between nose and plies and between plies, each by its own coefficient; half of the mass, its velocity."""
+    to, made, content = unlike
+    if to == "lsdyna":
+        (nose,) = lines_below(content, "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", "$#")
+        (between,) = lines_below(content, "*CONTACT_AUTOMATIC_SINGLE_SURFACE", "$#")
+        assert [float(nose[name]) for name in ("FS", "FD")] == [0.1, 0.1]
+        assert [float(between[name]) for name in ("FS", "FD")] == [0.2, 0.2]
+        (body,) = lines_below(content, "*PART_INERTIA", "$#")
+        assert float(body["TM"]) == pytest.approx(1e-3)
+        assert [float(body[name]) for name in ("VTX", "VTY", "VTZ")] == pytest.approx([0, 0, 100])
+        centre = [float(body[name]) for name in ("XC", "YC", "ZC")]
+        assert centre == pytest.approx(made.nose.centre.tolist(), rel=1e-3, abs=1e-9)
+    else:
+        contacts = lines_below(content, "/INTER/TYPE7", "#")
+        assert sorted({float(each["Fric"]) for each in contacts}) == [0.1, 0.2]
+        (body,) = lines_below(content, "/RBODY", "#")
+        assert float(body["Mass"]) == pytest.approx(1e-3)
+        flights = lines_below(content, "/INIVEL/TRA", "#")
+        assert len(flights) == 2  # of the surface and of the node of reference
+        for flight in flights:
+            velocity = [float(flight[name]) for name in ("Vx", "Vy", "Vz")]
+            assert velocity == pytest.approx([0, 0, 100])

@@ -123,6 +123,24 @@ def window_of(result, *residuals):
     return Window(40.0, tuple(rows)) if result.outcome == "perforated" else None
 
 
+def test_standard_errors_of_both_meshes_add_up_as_roots_of_squares(setup):
+    """Of 3 and 4 come 5, whichever mesh counts; the errors stand in the order of the meshes."""
+    middle = (20.0, 20.0, 20.0 + 5.0 / 4, 20.0, 20.0)  # of whose mean the standard error is known
+    unit = window_of(result_of(setup, "perforated", 20.0), *middle).mean("residual_velocity")[1]
+    shots = []
+    for mean, error in ((20.0, 3.0), (22.0, 4.0)):
+        values = mean + error / unit * (np.array(middle) - np.mean(middle))
+        result = result_of(setup, "perforated", mean)
+        shots.append(Shot(result, None, window_of(result, *values)))
+    for of_finer, factor in ((False, 4), (True, 1)):
+        pair = mesh_uncertainty.compare(*shots, of_finer=of_finer)
+        residual = pair.intervals[0]
+        assert residual.uncertainty == pytest.approx(factor * 2.0 + 5.0)
+        assert residual.standard_errors == pytest.approx((4, 3) if of_finer else (3, 4))
+        assert (residual.value, residual.other) == pytest.approx((22, 20) if of_finer else (20, 22))
+        assert pair.errors["residual_velocity"] == pytest.approx((factor * 2.0 + 5.0) / 40)
+
+
 def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
     """d is the difference of the means, and the standard errors are added; shots that stop on one mesh are told."""
     one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))

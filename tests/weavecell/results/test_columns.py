@@ -1,0 +1,257 @@
+"""Every column of a table against the field of the shot that it is named after, on numbers that are all different."""
+
+import io
+from types import SimpleNamespace as Given
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import weavecell as wc
+from shellfabric.impact.run import run_impact
+from weavecell.api import limits
+from weavecell.api.scatter import V50Result
+from weavecell.studies import compare, sweep, v50, window
+from weavecell.studies.ballistic_limit import Limit, Shot
+
+FIELDS = (
+    "residual_velocity",
+    "absorbed_energy",
+    "max_deflection",
+    "energy_error_max",
+)
+
+
+def result_of(number, outcome="perforated"):
+    """A made-up result of a shot."""
+    values = {name: 100.0 * number + k for k, name in enumerate(FIELDS, 1)}
+    others = {
+        "outcome": outcome,
+        "peak_tension": (100.0 * number + 11, 100.0 * number + 12),
+        "cut_yarns": np.array([0.0, 100.0 * number + 21]),
+        "checks": (),
+        "setup": Given(strike_velocity=100.0 * number + 31),
+    }
+    return Given(**values, **others)
+
+
+ROW = {
+    "outcome": "perforated",
+    "residual_velocity_m_s": 301.0,
+    "absorbed_energy_J": 302.0,
+    "max_deflection_m": 303.0,
+    "energy_error_max": 304.0,
+    "peak_tension_warp_N": 311.0,
+    "peak_tension_weft_N": 312.0,
+    "cut_yarns": 321.0,
+    "checks": "ok",
+}
+
+
+def test_a_row_of_a_sweep():
+    assert sweep.row_of(result_of(3)) == ROW
+    assert sweep.row_of(result_of(3), "too fast") == ROW | {"outcome": "unstable"}
+
+
+def test_a_row_of_a_window_and_its_means():
+    assert window._row(result_of(3)) == ROW | {"strike_velocity_m_s": 331.0}
+    rows = tuple(
+        window._row(result_of(n, outcome))
+        for n, outcome in enumerate(("stopped", "perforated", "perforated", "perforated"), 1)
+    )
+    found = window.Window(281.0, rows)
+    # all numbers lie on lines: at 281 m/s, half way from 231 to 331, the means are those half way
+    for name, value in (
+        ("residual_velocity", 251.0),
+        ("absorbed_energy", 252.0),
+        ("cut_yarns", 271.0),
+    ):
+        mean, error = found.mean(name)
+        assert mean == pytest.approx(value)
+        assert error == pytest.approx(0.0, abs=1e-9)
+        told = found.summary()["mean"][window.QUANTITIES[name][0]]
+        assert told == pytest.approx(value)
+    assert found.summary()["stopped"] == 1
+
+
+SHOTS = tuple(
+    Shot(
+        v,
+        0.3 * v * through,
+        ("stopped", "perforated")[through],
+        v * 1e-6,
+        v + 1,
+        (v + 2, v + 3),
+        v * 1e-5,
+        v + 4,
+    )
+    for v, through in ((70.0, 0), (95.0, 1), (80.0, 0), (110.0, 1))
+)
+OF_A_LIMIT = {
+    "strike_velocity_m_s": "strike_velocity",
+    "residual_velocity_m_s": "residual_velocity",
+    "outcome": "outcome",
+    "end_time_s": "time",
+    "cut_yarns": "cut_yarns",
+    "energy_error_max": "balance",
+    "wall_time_s": "wall_time",
+}
+IN_A_FILE = {
+    "strike velocity [m/s]": "strike_velocity",
+    "outcome": "outcome",
+    "residual velocity [m/s]": "residual_velocity",
+    "time [s]": "time",
+    "cut yarns": "cut_yarns",
+    "energy error [-]": "balance",
+}
+
+
+def test_the_table_of_a_limit_and_its_file():
+    table = limits.table_of(SHOTS)
+    written = pd.read_csv(io.StringIO(limits.csv_of(SHOTS)))
+    for names, columns in ((OF_A_LIMIT, table), (IN_A_FILE, written)):
+        for heading, field in names.items():
+            wanted = [getattr(shot, field) for shot in SHOTS]
+            if field == "outcome":
+                assert list(columns[heading]) == wanted
+            else:
+                assert list(columns[heading]) == pytest.approx(wanted, rel=1e-3)
+    for family, name in enumerate(("warp", "weft")):
+        wanted = [shot.peak_tension[family] for shot in SHOTS]
+        assert table[f"peak_tension_{name}_N"] == wanted
+        assert list(written[f"peak {name} tension [N]"]) == wanted
+    assert table.keys() == {*OF_A_LIMIT, "peak_tension_warp_N", "peak_tension_weft_N", "checks"}
+    assert set(written) == {*IN_A_FILE, "peak warp tension [N]", "peak weft tension [N]", "checks"}
+
+
+def test_a_limit_knows_its_ends_and_its_shots():
+    limit = Limit(80.0, 95.0, SHOTS)
+    assert (limit.velocity, limit.half_width) == (87.5, 7.5)
+    assert [shot.strike_velocity for shot in limit.ends] == [80.0, 95.0]
+    assert (limit.highest_stop, limit.lowest_perforation) == (80.0, 95.0)
+    early = Shot(75.0, 12.0, "perforated", 1e-4, 1, (1, 2), 0.0, 1.0)
+    mixed = Limit(80.0, 95.0, (*SHOTS, early))
+    assert mixed.mixed_zone == (75.0, 80.0)
+    assert [shot.strike_velocity for shot in mixed.ends] == [75.0, 80.0, 95.0]
+
+
+def test_a_row_of_a_critical_velocity(monkeypatch):
+    found = Given(limit=Limit(80.0, 95.0, SHOTS))
+    monkeypatch.setattr(sweep.limits, "search", lambda *_, **__: found)
+    row = sweep.critical_velocity(None, 1.0)
+    wanted = {"critical_velocity_m_s": 87.5, "lower_m_s": 80.0, "upper_m_s": 95.0, "shots": 4}
+    assert {key: row[key] for key in wanted} == wanted
+    assert row["outcome"] == "single limit"
+
+
+def test_the_table_of_a_v50():
+    names = ("modulus", "crimp_warp", "crimp_weft")
+    shots = []
+    for n in range(3):
+        factors = [10.0 * n + k for k in range(1, 4)]
+        one = v50.Shot(
+            n, 90.0 + n, 30.0 + n, n > 1, *factors, (n + 0.1, n + 0.2), (n, -n), 0.01 * n
+        )
+        shots.append(one)
+    found = V50Result(Given(shots=shots), Given(setup=Given(crossovers=1)), 1, 1, 0.0)._columns()
+    assert found["number"] == [0, 1, 2]
+    assert found["strike_velocity_m_s"] == [90.0, 91.0, 92.0]
+    assert found["residual_velocity_m_s"] == [30.0, 31.0, 32.0]
+    assert found["perforated"] == [False, False, True]
+    assert found["balance"] == [0.0, 0.01, 0.02]
+    for k, name in enumerate(names, 1):
+        assert found[name] == [k, 10 + k, 20 + k]
+    for family, name in enumerate(("warp", "weft"), 1):
+        assert found[f"weakest_{name}"] == pytest.approx([n + 0.1 * family for n in range(3)])
+    assert found["impact_point_x_m"] == [0, 1, 2]
+    assert found["impact_point_y_m"] == [0, -1, -2]
+
+
+def test_tests_and_computed_shots_stand_in_their_own_rows():
+    """Tests in another order than by velocity: each has the computed shot of its place."""
+    tests = pd.DataFrame(
+        {
+            compare.VELOCITY: [95.0, 70.0, 110.0, 80.0],
+            compare.OUTCOME: ["perforated", "stopped", "stopped", "perforated"],
+            compare.RESIDUAL: [20.0, 0.0, 0.0, 9.0],
+        }
+    )
+    by_velocity = {shot.strike_velocity: shot for shot in SHOTS}
+    shots = [by_velocity[v] for v in tests[compare.VELOCITY]]
+    found = compare.compare(tests, shots, Limit(80.0, 95.0, SHOTS))
+    table = found.table
+    assert list(table["velocity [m/s]"]) == [95.0, 70.0, 110.0, 80.0]
+    assert list(table["tested"]) == list(tests[compare.OUTCOME])
+    assert list(table["computed"]) == ["perforated", "stopped", "perforated", "stopped"]
+    assert list(table["tested residual velocity [m/s]"]) == [20.0, 0.0, 0.0, 9.0]
+    computed = table["computed residual velocity [m/s]"]
+    assert list(computed) == pytest.approx([28.5, 0.0, 33.0, 0.0])
+    assert found.agree == 2
+    off = found.difference()
+    assert (off["shots"], off["mean"]) == (2, pytest.approx((8.5 - 9.0) / 2))
+    told = found.summary()
+    assert (told["critical_velocity_m_s"], told["bracket_m_s"]) == (87.5, [80.0, 95.0])
+
+
+@pytest.fixture(scope="module")
+def shot():
+    """A brief shot at two unlike plies, of the solver and of the application."""
+    plies = [{"name": "S-726"}, {"name": "S-728", "angle": "90 deg"}]
+    setup = wc.setup(
+        "S-726",
+        "150 m/s",
+        ply=plies,
+        ply_gap="0.1 mm",
+        opening="20 mm",
+        elements_per_crossover=1,
+        end_time="12 us",
+        symmetry="half",
+    )
+    return run_impact(setup), wc.impact(setup)
+
+
+def test_a_shot_its_row_and_its_summary_have_the_same_numbers(shot):
+    """Name by name: of the solver's result, the row of a sweep and the summary of a shot."""
+    result, written = shot
+    told, row = written.summary(), sweep.row_of(result)
+    for name in row.keys() & told.keys() - {"checks"}:
+        assert told[name] == row[name], name
+    assert {
+        "peak_tension_warp_N",
+        "peak_tension_weft_N",
+        "absorbed_energy_J",
+    } <= row.keys() & told.keys()
+    assert len({row[name] for name in row if name.endswith(("_N", "_J", "_m"))}) == 4
+
+
+def test_peaks_of_a_pack_are_those_of_ply_and_family(shot):
+    result, written = shot
+    told = written.summary()
+    for family, name in enumerate(("warp", "weft")):
+        each = result.peaks[:, family, 0]
+        assert each[0] != each[1]
+        ply = int(np.argmax(each))
+        assert told[f"peak_tension_{name}_N"] == each[ply] == result.peak_tension[family]
+        assert told[f"peak_tension_{name}_ply"] == ply + 1
+        strength = result.panels[ply].weave.yarns[family].strength
+        share = told[f"peak_tension_{name}_over_strength"]
+        assert share == pytest.approx(each[ply] / strength)
+        histories = result.plies[f"peak_{name}"]
+        assert histories[-1].tolist() == each.tolist()
+
+
+def test_columns_of_a_shot_are_its_histories(shot):
+    """Each history of the table is the field of its name; sums over plies are of the family of their name."""
+    result, written = shot
+    table = written.to_dataframe()
+    for name in ("warp", "weft"):
+        wanted = result.plies[f"reaction_{name}"].sum(axis=1)
+        assert list(table[f"reaction_{name}_N"]) == list(wanted)
+    warp, weft = (result.plies[f"reaction_{name}"] for name in ("warp", "weft"))
+    assert not np.array_equal(warp, weft)
+    fields = {"velocity_m_s": "velocity", "deflection_m": "deflection", "time_s": "time"}
+    for column, field in fields.items():
+        assert list(table[column]) == list(getattr(result, field)), column
+    for name, history in result.energies.items():
+        if f"energy_{name}_J" in table:
+            assert list(table[f"energy_{name}_J"]) == list(history), name
