@@ -291,6 +291,14 @@ class ImpactSetup:
                 found.append(one)
         return tuple(found)
 
+    def kind_of(self, ply: int) -> ImpactSetup:
+        """Return the same shot at one ply alone of the fabric and laws of a ply, the first is 0, not
+        turned."""
+        kind = self.kinds[0]
+        if self.lay_up:
+            return replace(kind, fabric=self.lay_up[ply].fabric, laws=self.lay_up[ply].laws)
+        return kind
+
     @property
     def resolved_elements_per_crossover(self) -> int:
         """Elements per crossover that are given, or those of the default."""
@@ -490,10 +498,7 @@ class ImpactSetup:
                 for one in self.kinds
             ]
             panels = [panel, *(one.panel() for one in kinds[1:])]
-            numbers = [
-                kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws))
-                for ply in self.lay_up
-            ]
+            numbers = [self.kinds.index(self.kind_of(ply)) for ply in range(self.plies)]
             return Pack.laid_up(
                 [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
                 gaps=[ply.gap for ply in self.lay_up[:-1]],
