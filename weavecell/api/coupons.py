@@ -32,7 +32,7 @@ from fabrics import assumed
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
-from fabrics.base.errors import InputError, UnstableError, interrupts
+from fabrics.base.errors import InputError, UnstableError, interrupts, nearest, unknown_name
 from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
@@ -158,7 +158,7 @@ def coupon(
 def _case(target, test, options):
     """The Case of a fabric and keywords."""
     if test not in scenes.TESTS:
-        raise InputError(key="test", value=test, allowed=f"one of {', '.join(scenes.TESTS)}")
+        raise unknown_name("test", str(test), scenes.TESTS, key="test")
     fabric = resolve_fabric(target)
     rest = dict(options)
     law = rest.pop("law", None)
@@ -171,7 +171,12 @@ def _case(target, test, options):
             known = sorted(
                 {"law", *(key for keys in tables.values() for key in keys)} - {"outputs"}
             )
-            raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
+            near = nearest(key, known, 0.5)
+            hint = ";"
+            if near:
+                hint = f", did you mean {near}?"
+            message = f"is not a keyword of a coupon's {test}{hint} keywords: {', '.join(known)}"
+            raise InputError(message, key=key, value=value)
         table[name][key] = value
     try:
         scene = check_scene(
