@@ -37,7 +37,7 @@ from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.api import keywords
+from weavecell.api import keywords, quantities
 from weavecell.api.result import Result, figure
 from weavecell.api.target import resolve_fabric
 from weavecell.report import pictures_coupon
@@ -122,6 +122,7 @@ def coupon(
         case = _case(target, test, options)
         text = ""
         file = None
+    quantities.note(scenes.list_numbers(case.scene, case.fabric), file)
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key)):
         return before  # type: ignore[return-value]

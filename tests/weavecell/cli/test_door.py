@@ -137,7 +137,7 @@ def test_python_is_answered_in_its_words(call, words):
 def test_a_keyword_that_is_none_is_no_key_of_the_input_file(tmp_path):
     (tmp_path / "s.toml").write_text(impact_scene())
     for target in (tmp_path / "s.toml", "S-720", wc.setup("S-720", 90.0, opening=0.02)):
-        with pytest.raises(InputError, match="bracket = .*is not a keyword of critical_velocity"):
+        with pytest.raises(InputError, match=r"bracket = .*is not a keyword of critical_velocity"):
             wc.critical_velocity(target, bracket=("80 m/s", "120 m/s"))
 
 
