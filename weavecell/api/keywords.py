@@ -425,7 +425,7 @@ def name_as_keywords(problem: InputError, flat: Sequence[str] | None = None) -> 
     if not str(problem).startswith(key):
         return problem
     return problem.changed(
-        key=short or key, allowed=_in_python(problem.allowed, short, problem.value)
+        key=short or problem.key, allowed=_in_python(problem.allowed, short, problem.value)
     )
 
 
