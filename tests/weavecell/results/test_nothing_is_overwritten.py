@@ -281,6 +281,7 @@ def test_every_file_is_written_by_one_function():
     assert sorted(line.partition(":")[0] for line in outside) == [
         "meshing/files.py",
         "meshing/generate.py",
+        "meshing/mesh_file.py",
         "weavecell/results/file_list.py",
     ]
 
