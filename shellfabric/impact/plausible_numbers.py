@@ -125,5 +125,5 @@ def _of_block(setup):
 
 def _of_numerics(setup):
     numerics = setup.numerics
-    for key in ("penalty", "contact_damping"):
+    for key in ("penalty", "contact_damping", "erosion_gap"):
         yield Number(f"numerics.{key}", key, getattr(numerics, key))
