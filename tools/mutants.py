@@ -3,18 +3,21 @@
     nice python tools/mutants.py --out results/mutants.csv [--suite] [--slow] [--only ID ...] [--check]
 
 The copy is a git worktree of a commit that is kept: a file is changed, and put back with its time of change,
-so that compiled kernels stay valid. The tests of a defect run one path after the other, each in a process of its own,
-until one fails. A line is added to the CSV file for each defect; those that have one are skipped. A defect counts only
-if the test that finds it passes without it: `--check`.
+so that compiled kernels, which are lent to it, stay valid. The tests of a defect run one path after the
+other, each in a process of its own, until one fails. A line is added to the CSV file for each defect; those
+that have one are skipped. A defect counts only if the test that finds it passes without it: `--check`.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
+import importlib
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,10 +27,22 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
+
+import pytest
 
 ROOT = Path(__file__).parents[1]
 COLUMNS = ("id", "file", "outcome", "test", "paths", "cpu_s", "wall_s", "commit")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+(?:\[.*?\])?)", re.MULTILINE)
+LIBRARIES = (
+    "numba",
+    "scipy.stats",
+    "scipy.optimize",
+    "pandas",
+    "matplotlib.figure",
+    "pydantic",
+    "h5py",
+)
 NOTHING_COLLECTED, NO_SUCH_PATH = 5, 4  # exit codes of pytest
 STOPPED = (
     signal.SIGINT,
@@ -68,49 +83,68 @@ def planted(file: Path, text: str, replacement: str) -> Iterator[None]:
         os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
 
 
+def lend_kernels(folder: Path) -> None:
+    """Copy compiled kernels into the copy of the tree: they are found by what they are made of."""
+    for kernels in ROOT.glob("*/__pycache__/kernels-*"):
+        place = folder / kernels.relative_to(ROOT)
+        if not place.exists():
+            shutil.copytree(kernels, place)
+
+
+def load_libraries() -> None:
+    """Import what most tests need besides this project, once for all processes that are forked."""
+    for name in LIBRARIES:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+
+
 def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int | None, str]:
     """Run pytest in the copy of the tree: (its exit code, its output); None if it took longer than
-    `seconds`."""
+    `seconds`. The process is a fork of this one, which has loaded the libraries."""
     room = folder.with_suffix(".tmp")  # where processes that compile lock each other out
     room.mkdir(exist_ok=True)
-    variables = {
-        "PYTHONPATH": str(folder),
-        "TMPDIR": str(room),
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
-    }
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "no:cacheprovider",
-        *words,
-    ]
-    process = subprocess.Popen(
-        command,
-        cwd=folder,
-        env=os.environ | variables,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    )
+    options = ["-x", "-q", "-n", "0", "-p", "no:cacheprovider", *words]
+    with tempfile.TemporaryFile() as output:
+        child = os.fork()
+        if child == 0:
+            _be_pytest(folder, room, options, output.fileno())
+        end = time.monotonic() + seconds
+        try:
+            while not (ended := os.waitpid(child, os.WNOHANG))[0]:
+                if time.monotonic() > end:
+                    return None, ""
+                time.sleep(0.05)
+        finally:
+            if not ended[0]:  # with all that it has started
+                os.killpg(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+        output.seek(0)
+        text = output.read().decode(errors="replace")
+    code = os.waitstatus_to_exitcode(ended[1])
+    if code == NO_SUCH_PATH or -code in STOPPED:
+        raise SystemExit(text or f"pytest was stopped by signal {-code}")
+    return code, text
+
+
+def _be_pytest(folder: Path, room: Path, options: list[str], output: int) -> NoReturn:
+    """Go on as pytest in the copy of the tree, and end."""
+    os.setsid()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    for stream in (1, 2):
+        os.dup2(output, stream)
+    os.chdir(folder)
+    os.environ |= {"PYTHONPATH": str(folder), "TMPDIR": str(room)}
+    tempfile.tempdir = None
+    ours = {"", str(ROOT), str(ROOT / "tools")}
+    sys.path[:] = [str(folder), *(path for path in sys.path if path not in ours)]
+    sys.argv[:] = ["pytest"]
+    code = 1
     try:
-        output, _ = process.communicate(timeout=seconds)
-    except subprocess.TimeoutExpired:
-        return None, ""
+        code = int(pytest.main(options))
+        sys.stdout.flush()
+        sys.stderr.flush()
     finally:
-        if process.poll() is None:  # with all that it has started
-            os.killpg(process.pid, signal.SIGKILL)
-            process.communicate()
-    if process.returncode == NO_SUCH_PATH or -process.returncode in STOPPED:
-        raise SystemExit(output or f"pytest was stopped by signal {-process.returncode}")
-    return process.returncode, output
+        os._exit(code)
 
 
 def outcome(
@@ -158,7 +192,10 @@ def main() -> None:
     chosen = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # by way of all `finally`
     folder = chosen.work.resolve()
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     commit = copy_of_tree(folder, chosen.commit)
+    lend_kernels(folder)
+    load_libraries()
     rows = list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
     if chosen.check:
         tests = sorted({row["test"] for row in rows if row["outcome"] == "killed"})

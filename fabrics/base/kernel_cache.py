@@ -312,6 +312,7 @@ def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
     return sorted(sources)
 
 
+@cache
 def _imports(path: Path, root: Path) -> list[tuple[Path, set[str]]]:
     """List the files of packages in `root` that a file imports, and what it takes of each; an empty
     set stands for all of it."""

@@ -17,7 +17,7 @@ FACTORS = {
     "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "kg": {"kg": 1.0, "g": 1e-3},
-    "m/s": {"m/s": 1.0},
+    "m/s": {"m/s": 1.0, "km/s": 1e3},
     "N": {"N": 1.0, "kN": 1e3},
     "J": {"J": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
@@ -138,30 +138,15 @@ def in_one_of(
     allowed = "a number"
     if names:
         allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
-    raise refused(value, allowed, file=file, key=key, needs_unit=all(units))
+    raise refused(value, allowed, file=file, key=key)
 
 
 def refused(
-    value: Any,
-    allowed: str | None,
-    *,
-    file: FilePath | None = None,
-    key: str | None = None,
-    needs_unit: bool = False,
+    value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
 ) -> InputError:
     """Return the InputError of a value that is not a quantity, or of a list with one; it names a
-    decimal comma, or that a quantity which `needs_unit` has none."""
-    message = decimal_comma(value)
-    if message is None and needs_unit and _is_bare(value):
-        message = "has no unit"
-    return InputError(message, file=file, key=key, value=value, allowed=allowed)
-
-
-def _is_bare(value):
-    """Tell whether a value is a number alone, as a text or not."""
-    if isinstance(value, str):
-        return NUMBER.fullmatch(value.strip()) is not None
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    decimal comma."""
+    return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
 
 
 def decimal_comma(value: Any) -> str | None:

@@ -223,7 +223,7 @@ def contents(solver):
     kept = {
         "arrays": dict(checkpoint._arrays(solver)),
         "reason": solver.reason,
-        "records": solver.checkpoint_records(),
+        "records": [solver.samples, solver.ply_samples, solver.histories],
         "steps": solver.step_history,
         "snapshots": solver.snapshots,
         "states": solver.states,

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from weavecell.report import page
-from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import (
     BLUE,
     COLOURS,
@@ -69,6 +68,9 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
 
     The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
     """
+    # modules that only write words of a run load no plotter
+    from weavecell.report.pictures_figure import plots
+
     with plots() as pyplot:
         from matplotlib import rcParams
         from matplotlib.backends.backend_svg import FigureCanvasSVG

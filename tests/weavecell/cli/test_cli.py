@@ -11,6 +11,8 @@ import typer
 
 import weavecell
 from fabrics import backings, catalogue, projectiles
+from tests.scene_text import merged, toml
+from tests.weavecell.session_runs import SCENES
 from weavecell.cli import app, from_signature
 
 
@@ -80,6 +82,34 @@ def test_version(command):
     assert command("--version")[:2] == (0, f"weavecell {weavecell.__version__}\n")
 
 
+BRIEF = {
+    "panel": {"opening": "20 mm"},
+    "run": {"end_time": "10 us", "outputs": []},
+    "projectile": {"strike_velocity": "150 m/s"},
+}
+HEAVY = {"dolfinx", "pyvista", "vtkmodules", "matplotlib", "pandas", "scipy.stats", "h5py", "pint"}
+
+
+def test_the_package_is_loaded_without_what_it_may_not_need():
+    done = in_a_program(
+        f"import sys, weavecell\nprint(sorted({HEAVY | {'numba'}} & set(sys.modules)))"
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_shot_without_pictures_loads_no_plotter_and_no_statistics(tmp_path):
+    """Units of the catalogue and of ranges need no pint."""
+    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], BRIEF)))
+    done = in_a_program(
+        "import sys\nfrom weavecell.cli import app\n"
+        f"try: app.main(['impact', '{tmp_path}/scene.toml', '--out', '{tmp_path}/r'])\n"
+        "except SystemExit: pass\n"
+        f"print(sorted(({HEAVY} - {{'h5py'}}) & set(sys.modules)))"
+    )
+    assert (tmp_path / "r" / "summary.json").exists()
+    assert done.stdout.strip().endswith("[]")
+
+
 def test_as_module_and_without_heavy_imports():
     """`python -m weavecell --help` works, and help must not wait for a solver or a plotter to load."""
     done = subprocess.run(
@@ -91,8 +121,7 @@ def test_as_module_and_without_heavy_imports():
         "for words in (['--help'], *([*name.split(), '--help'] for name in app.COMMANDS)):\n"
         "    try: app.main(words)\n"
         "    except SystemExit: pass\n"
-        "heavy = {'dolfinx', 'pyvista', 'matplotlib'}\n"
-        "print(sorted(heavy & set(sys.modules)))"
+        f"print(sorted({HEAVY} & set(sys.modules)))"
     )
     assert done.stdout.strip().endswith("[]")
 

@@ -84,44 +84,39 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
     if top is None:
         top = max(foremost(row.cut) for row in rows)
     for axes_row, row in zip(grid, rows):
-        cut = row.cut
-        colours = shades(len(row.thickness))
-        for axes, near in zip(axes_row, (False, True)):
-            body = row.projectile
-            axes.fill(
-                MM * body[:, 0],
-                MM * (body[:, 1] + cut.nose_position),
-                fc="#d5dae0",
-                ec=STEEL,
-                lw=1.0,
-                zorder=1,
-            )
-            for line, thickness, colour in zip(cut.lines, row.thickness, colours):
-                for image in _images(line, row.mirrored):
-                    axes.plot(
-                        *(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round"
-                    )
-                    if near:
-                        axes.fill(
-                            *(MM * _band(image, thickness).T),
-                            color=colour,
-                            alpha=0.45,
-                            lw=0,
-                            zorder=1.5,
-                        )
-            axes.grid(visible=near)
-        reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
-        axes_row[0].set(xlim=(-reach, reach), ylim=(-8, MM * top + 3), ylabel="z [mm]")
-        axes_row[0].set_title(
-            row.title, y=1.0
-        )  # at a given height it is not moved above all else, which takes long
-        axes_row[1].set_title("to scale", y=1.0, fontweight="normal", color=FAINT)
-        high = MM * foremost(cut) + 0.8
-        axes_row[1].set_aspect("equal")
-        axes_row[1].set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
+        whole, near = axes_row
+        whole.set_ylabel("z [mm]")
+        near.set_title("to scale", y=1.0, fontweight="normal", color=FAINT)
+        near.set_aspect("equal")
+        for axes in axes_row:
+            axes.grid(visible=axes is near)
+        fill_cut(whole, near, row, close_up, top)
     for axes in grid[-1]:
         axes.set_xlabel("x [mm]")
     return figure
+
+
+def fill_cut(whole: Any, near: Any, row: CutView, close_up: float, top: float) -> None:
+    """Draw a cut on a pair of axes of `cuts`, in place of what they show: to make axes takes longer
+    than to draw what is on them."""
+    cut = row.cut
+    body = row.projectile + np.array([0.0, cut.nose_position])
+    for axes in (whole, near):
+        for artist in (*axes.lines, *axes.patches):
+            artist.remove()
+        axes.fill(*(MM * body.T), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1)
+        for line, thickness, colour in zip(cut.lines, row.thickness, shades(len(row.thickness))):
+            for image in _images(line, row.mirrored):
+                axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
+                if axes is near:
+                    band = MM * _band(image, thickness)
+                    axes.fill(*band.T, color=colour, alpha=0.45, lw=0, zorder=1.5)
+    reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
+    whole.set(xlim=(-reach, reach), ylim=(-8, MM * top + 3))
+    # at a given height it is not moved above all else, which takes long
+    whole.set_title(row.title, y=1.0)
+    high = MM * foremost(cut) + 0.8
+    near.set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
 
 
 def outline(projectile: np.ndarray) -> np.ndarray:

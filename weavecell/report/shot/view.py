@@ -24,12 +24,12 @@ from fabrics.base import files
 from fabrics.base.checks import FloatArray
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
-from fabrics.base.files import refuse_existing, replace_whole
+from fabrics.base.files import replace_whole
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
-from weavecell.results import vtk
+from weavecell.results import file_list, vtk
 from weavecell.results.impact import ImpactRecord
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
@@ -119,7 +119,7 @@ def show(
     Raises
     ------
     InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a
-        file is not named .png, .gif, .mp4 or .html or exists already, an MP4 is to be written without imageio, or
+        file is not named .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or
         there is no display for a window
     """
     # a wrong name is refused before anything is drawn
@@ -134,8 +134,9 @@ def show(
             raise InputError(
                 key=option(name, ""), value=str(written), allowed=f"a file named {names}"
             )
-        if written is not None:
-            refuse_existing(written)
+        if written is not None and file_list.is_result(written):
+            allowed = "another file: this one is a result of a run"
+            raise InputError(key=option(name, ""), value=str(written), allowed=allowed)
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
@@ -261,18 +262,22 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     """Draw a cut of the record, by its number, with heights up to the highest of all cuts."""
-    record = panel.record
-    row = chapters_shot.cut_view(
-        record, record.cuts[number], panel.caption(record.cuts[number].time)
-    )
-    # one height for all cuts, so that a movie does not jump
-    top = max(map(pictures_shot.foremost, record.cuts))
+    row, top = _cut_row(panel, number)
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
     figure.suptitle(
         panel.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11
     )
     figure.set_size_inches(10.4, 4.2)
     return figure
+
+
+def _cut_row(panel, number):
+    """(what `pictures_shot.cuts` draws of a cut, the highest point [m] of all cuts): one height, so
+    that a movie does not jump."""
+    record = panel.record
+    cut = record.cuts[number]
+    row = chapters_shot.cut_view(record, cut, panel.caption(cut.time))
+    return row, max(map(pictures_shot.foremost, record.cuts))
 
 
 def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
@@ -292,8 +297,13 @@ def _figures(pyplot, panel, cut, step):
         return
     count = len(panel.record.cuts)
     # counted from the end, so that the last snapshot is shown
-    for number in range((count - 1) % step, count, step):
-        yield cut_figure(pyplot, panel, number)
+    first, *others = range((count - 1) % step, count, step)
+    figure = cut_figure(pyplot, panel, first)
+    yield figure
+    for number in others:
+        row, top = _cut_row(panel, number)
+        pictures_shot.fill_cut(*figure.axes, row, chapters_shot.CLOSE_UP, top)
+        yield figure
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
