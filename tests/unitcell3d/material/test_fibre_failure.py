@@ -85,8 +85,24 @@ def test_the_most_overstrained_fail_first(tiny, s720):
 
 
 @pytest.fixture(scope="module")
-def broken_crossover(tiny, s720):
-    return load_path.along(tiny, s720, [(40e-6, 40e-6)], failure=True)
+def broken_run(tiny, s720):
+    """(record, Fibres at its end) of a crossover that is pulled until both yarns have failed."""
+    held = []
+    of_run = Fibres.broken
+
+    def broken(fibres):
+        held[:] = [fibres]
+        return of_run(fibres)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Fibres, "broken", broken)
+        record = load_path.along(tiny, s720, [(40e-6, 40e-6)], failure=True)
+    return record, held[0]
+
+
+@pytest.fixture(scope="module")
+def broken_crossover(broken_run):
+    return broken_run[0]
 
 
 def test_the_yarns_of_a_crossover_break_one_after_the_other(broken_crossover, s720):
@@ -106,8 +122,22 @@ def test_the_yarns_of_a_crossover_break_one_after_the_other(broken_crossover, s7
     assert T1[-1] < 0.01 * T1[warp]
 
 
-@pytest.mark.xfail(
-    reason="0.854 with the bars where gmsh places them; why is not known", strict=True
-)
-def test_nearly_all_bars_of_broken_yarns_break(broken_crossover):
-    assert np.all(broken_crossover["broken"][-1] > 0.9)
+def test_every_fibre_of_a_broken_yarn_has_broken(broken_run, tiny):
+    """A fibre goes on beyond the end as its mirror image through the thickness (a two-fold axis, theory-cell.md): one
+    that breaks there is relieved here, and recoils whole.
+
+    So the share of broken bars is no measure. Where all bars of a fibre are strained alike, which of them fail in the
+    instant of the break is decided by their order: with steps of equal length the weft loses 41 of its 48 bars, since
+    the fibre beneath the side breaks in one bar of its upper half; with steps equal in x it lost all 48.
+    """
+    record, fibres = broken_run
+    intact = 0
+    for yarn, grid in enumerate(tiny.grids):
+        damage = fibres.damage[fibres.yarn == yarn].reshape(grid.shape[0] - 1, *grid.shape[1:])
+        whole = (damage < 1).all(axis=0)
+        assert not (whole & whole[:, ::-1]).any()
+        # those that stayed whole are relieved, not on the way to their strength
+        intact += whole.sum()
+    assert intact <= 1
+    assert record["fibre_strain_max"][-1].max() < 0.5 * fibres._limit.min()
+    assert np.all(record["broken"][-1] > 0.8)
