@@ -81,10 +81,10 @@ class Row:
     def words(self, value: float) -> str:
         """Say what a number is, its value and its range."""
         number = f"{value / self.factor:.3g} {self.shown}".strip()
-        high = f"{self.high / self.factor:.3g} {self.shown}".strip()
+        high = f"{self.high / self.factor:.4g} {self.shown}".strip()
         if self.low < 0:
             return f"{self.of} is {number}, plausible is below {high}"
-        return f"{self.of} is {number}, plausible is {self.low / self.factor:.3g} to {high}"
+        return f"{self.of} is {number}, plausible is {self.low / self.factor:.4g} to {high}"
 
 
 @dataclass(frozen=True)
@@ -297,6 +297,7 @@ def of_block(material: Isotropic) -> Iterator[Number]:
     """List the numbers of the material of a block."""
     yield Number("backing.density", "block_density", material.density)
     yield Number("backing.modulus", "block_modulus", material.modulus)
+    yield Number("backing.poisson", "block_poisson", material.poisson)
     ratio = material.yield_stress / material.modulus
     # an elastic block never yields
     if ratio < float("inf"):

@@ -76,6 +76,7 @@ def coupons(_):
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
         wc.biaxial("S-731", out=Path(folder) / "biaxial")
         keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
+        keep(Path(folder) / "biaxial" / "pictures" / "energy.png", "energy-S-731.png")
 
 
 def keep(source, name, folder=FIGURES):

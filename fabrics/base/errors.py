@@ -196,6 +196,15 @@ def together(problems: Sequence[InputError]) -> InputError:
     return InputErrors(problems)
 
 
+def without_file(problem: InputError, file: object) -> InputError:
+    """Return an InputError without a file that the user has not given."""
+    if isinstance(problem, InputErrors):
+        return together([without_file(part, file) for part in problem.problems])
+    if problem.file != file:
+        return problem
+    return problem.changed(file=None)
+
+
 def marked(problem: object) -> str:
     """Format an error as a program prints it, each line marked as one."""
     return "\n".join(f"error: {line}" for line in str(problem).splitlines())

@@ -77,6 +77,19 @@ def noted_reads() -> frozenset[Path]:
     return frozenset(_read.get() or ())
 
 
+def refuse_existing(path: FilePath) -> None:
+    """Refuse to write over a file that is there: a file alone, which no folder of results holds, is
+    the user's, whoever made it.
+
+    Raises
+    ------
+    InputError
+    """
+    # a link that leads nowhere is there too
+    if os.path.lexists(path):
+        raise InputError("exists already", file=path)
+
+
 @contextmanager
 def replace_whole(path: FilePath) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it to `path` if the block succeeds, remove it if

@@ -378,10 +378,10 @@ def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any
     try:
         return model.model_validate(table, context=context)
     except ValidationError as problem:
-        raise together(_problems(problem, model, table, file)) from None
+        raise together(_problems(problem, model, table, file, bool(context))) from None
 
 
-def _problems(problem, model, given, file):
+def _problems(problem, model, given, file, in_python):
     """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
     A mistyped key leaves the right one missing, which is not reported again. What a validator
@@ -430,7 +430,13 @@ def _problems(problem, model, given, file):
                 problems.setdefault(key, line)
             continue
         else:
-            line = refused(error["input"], field.description, file=file, key=key)
+            # in Python a number is a quantity in SI units
+            needs_unit = (unit_of(field) or "1") != "1"
+            if in_python and not isinstance(error["input"], str):
+                needs_unit = False
+            line = refused(
+                error["input"], field.description, file=file, key=key, needs_unit=needs_unit
+            )
         problems.setdefault(key, line)
     return list(problems.values())
 

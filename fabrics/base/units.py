@@ -138,15 +138,30 @@ def in_one_of(
     allowed = "a number"
     if names:
         allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
-    raise refused(value, allowed, file=file, key=key)
+    raise refused(value, allowed, file=file, key=key, needs_unit=all(units))
 
 
 def refused(
-    value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
+    value: Any,
+    allowed: str | None,
+    *,
+    file: FilePath | None = None,
+    key: str | None = None,
+    needs_unit: bool = False,
 ) -> InputError:
     """Return the InputError of a value that is not a quantity, or of a list with one; it names a
-    decimal comma."""
-    return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
+    decimal comma, or that a quantity which `needs_unit` has none."""
+    message = decimal_comma(value)
+    if message is None and needs_unit and _is_bare(value):
+        message = "has no unit"
+    return InputError(message, file=file, key=key, value=value, allowed=allowed)
+
+
+def _is_bare(value):
+    """Tell whether a value is a number alone, as a text or not."""
+    if isinstance(value, str):
+        return NUMBER.fullmatch(value.strip()) is not None
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def decimal_comma(value: Any) -> str | None:

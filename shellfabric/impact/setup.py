@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
-from math import ceil, degrees, inf, isfinite, pi
+from math import ceil, degrees, inf, pi
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from shellfabric.block.block import Backing
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.impact.plausible_numbers import list_numbers
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.loop import histories
 from shellfabric.membrane import boundary
@@ -165,23 +166,7 @@ class ImpactSetup:
             refuse(self, "symmetry", allowed)
         if self.strength is not None and not self.yarn_failure:
             raise InputError(key="strength", allowed="left out: the yarns do not fail")
-        plausible.judge(self._numbers())
-
-    def _numbers(self):
-        """The numbers of the set-up beside its fabrics that are compared with plausible ranges."""
-        thickness = self.fabric.weave.thickness
-        gaps = [("panel.ply_gap", self.ply_gap)]
-        gaps += [("panel.ply.gap", ply.gap) for ply in self.lay_up]
-        for key, gap in gaps:
-            if gap is not None and thickness > 0:
-                yield plausible.Number(key, "ply_gap", gap / thickness)
-        if self.strength is not None and isfinite(self.strength.weibull_shape):
-            shape = self.strength.weibull_shape
-            yield plausible.Number("panel.strength.weibull_shape", "weibull_shape", shape)
-        if self.backing is not None:
-            yield from plausible.of_block(self.backing.material)
-            ratio = self.backing.standoff / float(np.min(self.opening))
-            yield plausible.Number("backing.standoff", "block_standoff", ratio)
+        plausible.judge(list_numbers(self))
 
     @property
     def title(self) -> str:
@@ -274,7 +259,7 @@ class ImpactSetup:
         a line each; of the opening nothing if the set-up is refused when it is run."""
         fabrics = [self.fabric_of(ply) for ply in range(self.plies)]
         of_fabrics = [note.removeprefix("note: ") for fabric in fabrics for note in fabric.notes]
-        found = (*dict.fromkeys(of_fabrics), *plausible.judge(self._numbers()))
+        found = (*dict.fromkeys(of_fabrics), *plausible.judge(list_numbers(self)))
         try:
             return (*self.opening_notes, *found)
         except InputError:
@@ -290,6 +275,14 @@ class ImpactSetup:
             if one not in found:
                 found.append(one)
         return tuple(found)
+
+    def kind_of(self, ply: int) -> ImpactSetup:
+        """Return the same shot at one ply alone of the fabric and laws of a ply, the first is 0, not
+        turned."""
+        kind = self.kinds[0]
+        if self.lay_up:
+            return replace(kind, fabric=self.lay_up[ply].fabric, laws=self.lay_up[ply].laws)
+        return kind
 
     @property
     def resolved_elements_per_crossover(self) -> int:
@@ -490,10 +483,7 @@ class ImpactSetup:
                 for one in self.kinds
             ]
             panels = [panel, *(one.panel() for one in kinds[1:])]
-            numbers = [
-                kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws))
-                for ply in self.lay_up
-            ]
+            numbers = [self.kinds.index(self.kind_of(ply)) for ply in range(self.plies)]
             return Pack.laid_up(
                 [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
                 gaps=[ply.gap for ply in self.lay_up[:-1]],

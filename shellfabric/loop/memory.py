@@ -29,14 +29,21 @@ def free() -> float:
     return max(0.0, min(available, limit - used))
 
 
-def check(needed: float, content: str, key: str, value: object) -> None:
+def check(
+    needed: float,
+    content: str,
+    key: str,
+    value: object = None,
+    way: str = "smaller, or the elements larger",
+) -> None:
     """Refuse what needs more memory than is free.
 
     Parameters
     ----------
     needed : [bytes]
     content : what needs it, in words, such as "953,000,000 elements"
-    key, value : of the input that is to be made smaller
+    key, value : of the input that is to be changed
+    way : what it has to be
 
     Raises
     ------
@@ -44,5 +51,5 @@ def check(needed: float, content: str, key: str, value: object) -> None:
     """
     there = free()
     if needed > there:
-        allowed = f"smaller, or the elements larger: {content} need about {1e-9 * needed:,.1f} GB of memory, and "
+        allowed = f"{way}: {content} need about {1e-9 * needed:,.1f} GB of memory, and "
         raise InputError(key=key, value=value, allowed=f"{allowed}{1e-9 * there:,.1f} GB are free")

@@ -57,9 +57,14 @@ def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> 
     content = f"{sum(ply.elements for ply in plies):,} elements"
     if bricks:
         content += f" with a block of {bricks:,}"
-    if snapshots:
-        content += f" and {snapshots:,} snapshots"
+    without = needed(plies, 0, written)
+    whole = needed(plies, snapshots, written)
+    # what takes the larger part is to be changed
+    if whole > 2 * without:
+        content += f" with {snapshots:,} snapshots"
+        memory.check(whole, content, "snapshot_interval", way="longer")
+        return
     value: Any = opening
     if opening[0] == opening[1]:
         value = opening[0]
-    memory.check(needed(plies, snapshots, written), content, "opening", value)
+    memory.check(whole, content, "opening", value)

@@ -57,6 +57,8 @@ PLY_SAMPLES = (
     "peak_warp",
     "peak_weft",
     "pull_in",
+    "critical_strain_warp",
+    "critical_strain_weft",
 )
 
 
@@ -77,11 +79,12 @@ class PackSolver(ExplicitSolver):
     panel, const, state : of the first ply
     states, consts, stack, contact : what the kernels work on; of a single ply the contact between
         plies has no points
-    ply_samples : list of (plies, 9), one a sample, in the order of PLY_SAMPLES: of the whole ply;
+    ply_samples : list of (plies, 11), one a sample, in the order of PLY_SAMPLES: of the whole ply;
         `push` is the force of the nose on it, `deflection` the largest of its fabric
         (`ply_audit.deflection`), `energy` what it moves with, stores and has lost, the peaks its
         highest tensions so far [N] (`peak_tensions`), `pull_in` [m] the largest displacement of a yarn's end
-        out of its clamp
+        out of its clamp, the critical strains those of the fabric where a yarn is nearest to its
+        strength (`ply_audit.critical_strains`)
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the
         modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     samples : of the whole panel, forces summed over plies
@@ -342,7 +345,7 @@ class PackSolver(ExplicitSolver):
         return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 9) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on
+        """(plies, 11) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on
         the nose [N]."""
         rows = []
         self._held = []
@@ -359,6 +362,7 @@ class PackSolver(ExplicitSolver):
                 energies[ply] / self.share,
                 *state.peak_tension,
                 ply_audit.pull_in(const, state),
+                *ply_audit.critical_strains(panel, const, state),
             ]
             rows.append(row)
         return np.array(rows)

@@ -15,6 +15,7 @@ import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
 from shellfabric.loop import ply_kernels as kernels
+from shellfabric.loop.snapshots import yarn_tensions
 from shellfabric.membrane import grading
 from shellfabric.membrane.slots import by_element, by_node
 from shellfabric.parts import parts_of
@@ -138,6 +139,19 @@ def pull_in(const: Constants, state: State) -> float:
     """Find the largest way [m] of a node of a slipping side along the yarn that ends there; 0 if no
     side slips."""
     return float(np.abs(np.array(state.u)[const.slip_axis, const.slip_node]).max(initial=0.0))
+
+
+def critical_strains(panel: Panel, const: Constants, state: State) -> tuple[float, float]:
+    """Compute the strains (warp, weft) [-] of the fabric in the element whose yarn bears the largest
+    share of its strength at this instant (thesis Figure 5-54)."""
+    strengths = [yarn.strength for yarn in panel.weave.yarns]
+    shares = (yarn_tensions(const, state) / strengths).max(axis=2)
+    i, j = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    warp, weft = (by_node(stretch, const) for stretch in state.stretch)
+    # the two edges of the element along each family
+    along_warp = 0.5 * (warp[i, j] + warp[i, j + 1])
+    along_weft = 0.5 * (weft[i, j] + weft[i + 1, j])
+    return float(along_warp) - 1, float(along_weft) - 1
 
 
 def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> FloatArray:

@@ -4,7 +4,7 @@ The folder of `weavecell biaxial`
     biaxial.csv     strains, tensions, contact force and heights of the unit cell, one row a state
     <ratio>.h5      with --compare-3d: history of the 3D crossover along the same path
     biaxial.json    where each path ends, differences from the 3D crossover, provenance
-    pictures/cell.svg
+    pictures/       cell.svg, and energy.png: what is stored over both strains
     report.html
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,15 +26,20 @@ from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import meshes
-from weavecell.api.result import Result, save_to
+from weavecell.api.result import Result, figure, save_to
 from weavecell.api.target import resolve_fabric
+from weavecell.report import pictures_surface
 from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
+from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from fabrics.base.record import Record
     from shellfabric.cell.model import CellModel
     from weavecell.studies.biaxial_path import CellPath
+    from weavecell.studies.energy_map import EnergyMap
 
 __all__ = ["BiaxialResult", "biaxial"]
 
@@ -47,7 +53,13 @@ COLUMNS = {
     "h2": "weft height [m]",
     "W": "stored energy [J]",
 }
-NAMES = ("biaxial.csv", "biaxial.json", "pictures/cell.svg", "report.html")
+NAMES = (
+    "biaxial.csv",
+    "biaxial.json",
+    "pictures/cell.svg",
+    "pictures/energy.png",
+    "report.html",
+)
 
 
 @out_folder.reading
@@ -197,16 +209,32 @@ class BiaxialResult(Result):
         """Fabric whose crossover it is."""
         return self.model.fabric
 
+    @cached_property
+    def energy_map(self) -> EnergyMap:
+        """Energy over the strains of warp and weft, and where a yarn is past its strength."""
+        return map_energy(self.model)
+
+    def plot(self) -> Figure:
+        """Draw a matplotlib figure: the energy over both strains, with the paths."""
+        return figure(pictures_surface.energy_map, self.energy_map, self._strains())
+
+    def _strains(self):
+        """{label: (strain_warp, strain_weft)} of the paths."""
+        return {f"strains {text}": tuple(path.strain.T) for text, path in self.paths.items()}
+
     def summary(self) -> dict[str, Any]:
-        """Return the settings, and of each path the yarn that is first at its strength, strains,
-        tensions and contact force there; beside the 3D crossover the rms difference of the tensions
-        [N]."""
+        """Return the settings; the largest energy that the fabric stores without failure, and its
+        strains; of each path the yarn that is first at its strength, strains, tensions and contact
+        force there; beside the 3D crossover the rms difference of the tensions [N]."""
         settings = {
             "fabric": self.fabric.name,
             "cell_formulation": self.model.cell_formulation,
             "law": self.source,
         }
+        most, *strains = self.energy_map.most
         return settings | {
+            "largest_energy_J_m2": most,
+            "strain_at_largest_energy": strains,
             "mesh": self.size,
             "paths": {text: self._end(text) for text in self.paths},
             **self._what_is_assumed(),
@@ -292,8 +320,9 @@ class BiaxialResult(Result):
             label = "published law"
         laws = {label: self.fabric.laws}
         drawn = chapters.cell(self.fabric, laws, paths=paths)
+        figures = (*drawn.figures, chapters.energy(self.energy_map, self._strains()))
         table = Table.from_frame(self._ends(), "Where each path ends, warp / weft")
-        return replace(drawn, tables=(table,))
+        return replace(drawn, figures=figures, tables=(table,))
 
     def _ends(self):
         """Where each path ends, as a DataFrame."""

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import limits, quantities
-from weavecell.api.execution import Execution, ExecutionKeywords, SearchKeywords
+from weavecell.api import limits, quantities, study_run
+from weavecell.api.execution import Execution, ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import save_to
 from weavecell.api.study_result import DrawnResult, StudyResult
@@ -49,13 +49,13 @@ NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report
 
 
 @out_folder.reading
-@explain_keywords(SearchKeywords, Keywords)
+@explain_keywords(ResumableSearchKeywords, Keywords)
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
     *,
     tolerance: float | str = "1 m/s",
-    **options: Unpack[SearchKeywords],
+    **options: Unpack[ResumableSearchKeywords],
 ) -> ComparisonResult | TestsResult:
     """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual
     velocities, with intervals.
@@ -71,8 +71,9 @@ def compare(
     backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and
     [accuracy] are rejected.
 
-    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml; of
-    tests alone tests.json, shots.csv and tests.svg.
+    The folder then holds report.html, comparison.json, shots.csv, comparison.svg, scene.toml, and
+    runs/ with a file for each computed shot, from which `resume` goes on; of tests alone tests.json,
+    shots.csv and tests.svg.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def compare(
         or a Fabric.
         Left out, the tests alone are reduced
     tolerance : highest stop and lowest perforation differ by this at most [m/s]
-    **options : jobs, executor and out; beside a fabric also keywords of `setup` but history
+    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
     -------
@@ -101,31 +102,34 @@ def compare(
     2
     """
     from shellfabric.membrane import quality
-    from weavecell.studies import ballistic_limit
+    from weavecell.studies import ballistic_limit, inputs
     from weavecell.studies import compare as studies
 
     width = quantities.read_positive(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
-    how, keys = Execution.split(options, ExecutionKeywords)
+    how, keys = Execution.split(options)
     if target is None:
         for key in keys:
             raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.hold(how.out, OF_TESTS) as folder:
+        with out_folder.hold(how.out, OF_TESTS, how.resume) as folder:
             return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
     panel = resolve_target(target, keys, honoured.LIMITS, function="compare")
+    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
     with (
-        out_folder.hold(how.out, NAMES) as folder,
+        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
+        study_run.keep_runs(folder, how.resume) as runs,
         limits.keep_shots(panel, folder) as ended,
         panel.name_problems(),
     ):
         struck = panel.setup.target()
+        kept = ballistic_limit.KeptShots(folder and runs, panel.setup)
 
         def report_to(advance):
             def report(share, shot):
                 ended.append(shot)
                 advance(share)
 
-            return how.pool | {"report": report}
+            return how.pool | {"report": report, "kept": kept}
 
         with progress.bar(f"{panel.title}, critical velocity") as advance:
             limit = ballistic_limit.critical_velocity(struck, tolerance=width, **report_to(advance))

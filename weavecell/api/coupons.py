@@ -32,12 +32,12 @@ from fabrics import assumed
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
-from fabrics.base.errors import InputError, UnstableError, interrupts
+from fabrics.base.errors import InputError, UnstableError, interrupts, nearest, unknown_name
 from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.api import keywords
+from weavecell.api import keywords, quantities
 from weavecell.api.result import Result, figure
 from weavecell.api.target import resolve_fabric
 from weavecell.report import pictures_coupon
@@ -122,6 +122,7 @@ def coupon(
         case = _case(target, test, options)
         text = ""
         file = None
+    quantities.note(scenes.list_numbers(case.scene, case.fabric), file)
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key)):
         return before  # type: ignore[return-value]
@@ -158,7 +159,7 @@ def coupon(
 def _case(target, test, options):
     """The Case of a fabric and keywords."""
     if test not in scenes.TESTS:
-        raise InputError(key="test", value=test, allowed=f"one of {', '.join(scenes.TESTS)}")
+        raise unknown_name("test", str(test), scenes.TESTS, key="test")
     fabric = resolve_fabric(target)
     rest = dict(options)
     law = rest.pop("law", None)
@@ -171,7 +172,12 @@ def _case(target, test, options):
             known = sorted(
                 {"law", *(key for keys in tables.values() for key in keys)} - {"outputs"}
             )
-            raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
+            near = nearest(key, known, 0.5)
+            hint = ";"
+            if near:
+                hint = f", did you mean {near}?"
+            message = f"is not a keyword of a coupon's {test}{hint} keywords: {', '.join(known)}"
+            raise InputError(message, key=key, value=value)
         table[name][key] = value
     try:
         scene = check_scene(

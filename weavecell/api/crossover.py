@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, Unpack
 
+from fabrics import plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
@@ -364,6 +365,18 @@ def _numerics(friction: float) -> Any:
     return Numerics(friction=friction)
 
 
+def _list_numbers(options, fabric):
+    """The numbers of a case that are compared with plausible ranges."""
+    if "numerics" in options:
+        yield plausible.Number("friction", "friction", options["numerics"].friction)
+    pressures = (options.get("pressure"), *(options.get("pressures") or ()))
+    for value in filter(None, pressures):
+        yield plausible.Number("pressure", "crossover_pressure", value)
+    for ends in (options.get("d"), options.get("stretch")):
+        for end, half in zip(ends or (), fabric.weave.w):
+            yield plausible.Number("end_displacement", "end_displacement", abs(end) / half)
+
+
 def _solve_and_save(
     case: str,
     solve: Callable[..., Any],
@@ -384,6 +397,7 @@ def _solve_and_save(
     mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
     fabric = meshes.resolve_fabric_for_3d(fabric)
+    quantities.note(_list_numbers(options, fabric))
     with out_folder.hold(out, NAMES) as folder:
         built = meshes.build(fabric, domain, size=meshes.size(mesh), **shape)
         with progress.bar(f"{fabric.name}, {case}") as advance:

@@ -10,6 +10,7 @@ against the schema.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -362,6 +363,18 @@ def _text(value, entry):
     return f"{value!r} {unit}"
 
 
+def refuse_unknown(key: str, value: object, function: str) -> None:
+    """Refuse a keyword that `function` does not have; `velocity` is one of its own.
+
+    Raises
+    ------
+    InputError : with the keyword that it may be meant for
+    """
+    known = tables()
+    if key != "velocity" and key not in known:
+        raise _unknown(key, value, known, function)
+
+
 def _unknown(key, value, known, function):
     """The error of a keyword that the function does not have."""
     from weavecell.scenes.impact import Scene
@@ -378,7 +391,13 @@ def _unknown(key, value, known, function):
     message, allowed = PanelTable.unknown(key, None)
     if message is None:
         return InputError(key=key, value=value, allowed=allowed)
-    near = nearest(key, known, 0.6)
+    # a key of tables is not meant where the value is none
+    holds_tables = isinstance(value, (dict, list, tuple))
+    fields = {name: fields_of(Scene, table).get(name) for name, table in known.items() if table}
+    likely = [
+        name for name in known if holds_tables or fields.get(name) is None or fields[name].title
+    ]
+    near = nearest(key, likely, 0.6)
     hint = ";"
     if near:
         hint = f", did you mean {near}?"
@@ -403,6 +422,17 @@ def name_as_keywords(problem: InputError, flat: Sequence[str] | None = None) -> 
         short = ""
         if table in flat:
             short = rest
-    if not short or not str(problem).startswith(key):
+    if not str(problem).startswith(key):
         return problem
-    return problem.changed(key=short)
+    return problem.changed(
+        key=short or problem.key, allowed=_in_python(problem.allowed, short, problem.value)
+    )
+
+
+def _in_python(allowed, key, value):
+    """What is allowed, tables of a file in the words of Python."""
+    words = re.sub(r"^tables (\[\[.+\]\])$", r"a list of dicts with the keys of \1", allowed or "")
+    words = re.sub(r"^a table (\[.+\])$", r"a dict with the keys of \1", words)
+    if words != allowed and key == "ply" and isinstance(value, int):
+        words += f"; equal plies are plies={value}"
+    return words or None

@@ -186,8 +186,7 @@ def _tabulate(kind, rows, out):
 
     table = DataFrame.from_dict(rows, orient="index").rename_axis(kind)
     if out is not None:
-        if Path(out).exists():
-            raise InputError("exists already", file=out)
+        files.refuse_existing(out)
         files.write(out, table.to_csv(float_format="%.6g"))
     return table
 
@@ -323,8 +322,7 @@ def _copy(name, folder):
     """Copy the data file of a fabric of the catalogue into `folder`; never over a file that is
     there."""
     target = folder / f"{name}.toml"
-    if target.exists():
-        raise InputError("exists already", file=target)
+    files.refuse_existing(target)
     source = Path(catalogue.__file__).parent / f"{name}.toml"
     if not source.exists():
         raise InputError(
@@ -342,8 +340,7 @@ def _new_toml(file: FilePath) -> Path:
     path = Path(file)
     if path.suffix != ".toml":
         raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")
-    if path.exists():
-        raise InputError("exists already", file=path)
+    files.refuse_existing(path)
     return path
 
 
@@ -495,8 +492,9 @@ def view(
     """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of
     it.
 
-    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions
-    and the outcome; with cut its section along the warp through the impact point.
+    No file is written over one that exists. A picture or movie of a panel or pack shows all of it,
+    its projectile, a scale of the tensions and the outcome; with cut its section along the warp
+    through the impact point.
 
     Parameters
     ----------
@@ -510,8 +508,8 @@ def view(
 
     Raises
     ------
-    InputError : there is nothing to be shown, a file with another ending, or no display for a
-        window
+    InputError : there is nothing to be shown, a file with another ending or one that exists, or no
+        display for a window
 
     Examples
     --------

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from math import isfinite
 from numbers import Integral
 from typing import Any
 
+from fabrics import plausible
+from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.units import of_pint, si
 
@@ -41,6 +44,21 @@ def number(value: Any, unit: str, key: str) -> float:
             key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"'
         )
     return converted
+
+
+def note(numbers: Iterable[plausible.Number], file: FilePath | None = None) -> None:
+    """Log a line about each number that is not plausible.
+
+    Parameters
+    ----------
+    file : that they are read from, named in errors
+
+    Raises
+    ------
+    InputError : a number far outside of its range
+    """
+    for line in plausible.judge(numbers, file=file):
+        logging.getLogger("weavecell").info(f"note: {line}")
 
 
 def read_whole(value: Any, key: str, least: int) -> int:

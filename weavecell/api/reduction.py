@@ -22,7 +22,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import catalogue
+import numpy as np
+
+from fabrics import catalogue, plausible
+from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
@@ -43,6 +46,7 @@ OF_COMPRESSION = ("compression.json", "platen-curve.csv", "fabric-keys.toml", "c
 OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
 
 
+@out_folder.reading
 def reduce_compression(
     record: FilePath,
     *,
@@ -94,6 +98,7 @@ def reduce_compression(
     from weavecell.studies import compression_records as studies
 
     area = quantities.read_positive(platen_area, "m^2", "platen_area")
+    quantities.note([plausible.Number("platen_area", "platen_area", area)])
     read = studies.CompressionRecord.read
     plies = [1]
     records = [read(record)]
@@ -270,6 +275,7 @@ def _spread(found, factor):
     return f"{factor * found.value:.4g} ({factor * found.low:.4g} to {factor * found.high:.4g})"
 
 
+@out_folder.reading
 def reduce_shot(
     record: FilePath,
     *,
@@ -315,6 +321,7 @@ def reduce_shot(
     from weavecell.studies import displacement_record as studies
 
     weight = quantities.read_positive(mass, "kg", "mass")
+    quantities.note([plausible.Number("mass", "projectile_mass", weight)])
     highest = None
     if bandwidth is not None:
         highest = quantities.read_positive(bandwidth, "Hz", "bandwidth")
@@ -324,6 +331,8 @@ def reduce_shot(
     time, displacement = studies.read(record)
     with out_folder.hold(out, OF_SHOT) as folder:
         motion = studies.reduce(time, displacement, weight, highest)
+        fastest = float(np.abs(motion.velocity).max())
+        quantities.note([plausible.Number("velocity", "record_speed", fastest)], record)
         return save_to(ShotRecord(motion, str(record), beside), folder)
 
 
@@ -333,7 +342,9 @@ def _histories(folder):
 
     file = Path(folder) / "histories.h5"
     try:
-        with h5py.File(file, "r") as content:
+        files.note_read(file)
+        # some network drives have no locks
+        with h5py.File(file, "r", locking=False) as content:
             return {
                 name: content[f"histories/{name}"][:]
                 for name in ("time", "velocity", "contact_force")

@@ -581,6 +581,8 @@ class ShotResult(ImpactRecord, Result):
             chapters_shot.chapter(self, view.still(self)),
             chapters_shot.mesh(self, used),
         ]
+        if used.crossovers is None:
+            sections.insert(2, chapters_shot.critical(self, used))
         if self.pair is not None:
             sections.append(chapters_discretisation.section(self.pair))
         if self.assumed_range is not None:

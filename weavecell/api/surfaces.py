@@ -3,7 +3,8 @@
 The folder of `weavecell surface`
     surface.h5      T1, T2, F_c, h1, h2 over (d1, d2) (`fabrics.surface`)
     surface.json    settings, estimated errors, comparison with the unit cell, times, provenance
-    pictures/       surfaces, contours, slices beside the unit cell, what the interpolant misses
+    pictures/       surfaces, contours, slices beside the unit cell, energy over both strains, what
+                    the interpolant misses
     report.html
     runs/           finished lines, while the run goes on: `--resume` begins with them
 """
@@ -11,6 +12,7 @@ The folder of `weavecell surface`
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -25,14 +27,16 @@ from weavecell.api import meshes, quantities
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure
-from weavecell.report import pictures_surface
+from weavecell.report import chapters, pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
+from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.surface import ResponseSurface
     from unitcell3d.identify.response_surface import Sampled
+    from weavecell.studies.energy_map import EnergyMap
 
 __all__ = ["SurfaceResult", "surface"]
 
@@ -188,6 +192,23 @@ class SurfaceResult(Result):
         """T1, T2, F_c, h1, h2 over (d1, d2), for `surface` of `setup`."""
         return self.sampled.surface
 
+    @cached_property
+    def energy_map(self) -> EnergyMap | None:
+        """Energy over the strains of warp and weft, and where a yarn is past its strength; None of a
+        surface that does not hold rest."""
+        from shellfabric.cell.surface_cell import SurfaceCell
+
+        if not all(axis[0] <= 0 for axis in (self.surface.d1, self.surface.d2)):
+            return None
+        return map_energy(SurfaceCell(self.fabric, self.surface))
+
+    def _sampled_range(self):
+        """{label: (strain_warp, strain_weft)} of the edge of the samples."""
+        w1, w2 = self.fabric.weave.w
+        warp = self.surface.d1[-1] / w1
+        weft = self.surface.d2[-1] / w2
+        return {"edge of the samples": (np.array([0, warp, warp]), np.array([weft, weft, 0]))}
+
     def _differences(self):
         """{quantity: rms [N] from the shells' cell}."""
         rms = {}
@@ -300,6 +321,12 @@ class SurfaceResult(Result):
                 self.cell,
                 "shell's cell, published law",
             )
+        if self.energy_map is not None:
+            more = (
+                "It is that of the potential whose forces are nearest to the sampled ones; the part of these that no "
+                f"potential has is {100 * self.energy_map.residual:.2g} % (rms). Beyond the samples yarns go on alone."
+            )
+            yield chapters.energy(self.energy_map, self._sampled_range(), more)
         yield draw_figure(
             "missed",
             "Error of the interpolant on lines that were left out, an upper estimate; ticks: the lines.",

@@ -28,7 +28,7 @@ from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, study_run
+from weavecell.api import keywords, quantities, study_run
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure, plain, save_to
@@ -149,7 +149,7 @@ def sweep(
     for key, values in keys.items():
         listed = []
         if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
-            listed = list(values)
+            listed = [keywords.plain(value) for value in values]
         if not listed:
             raise InputError(
                 key=f"over, {key}", value=values, allowed="a list of one value or more"

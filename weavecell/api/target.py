@@ -18,7 +18,7 @@ import tomlkit
 
 from fabrics import assumed, catalogue
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, without_file
 from fabrics.base.schema import read_toml
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
@@ -151,9 +151,13 @@ def read_target(
         raise unknown_target(name)
     table = {"fabric": fabric, **scenes.standard_shot()}
     text = tomlkit.dumps(table)
-    return _target(
-        scenes.check(change_keys(table, changes), out / "scene.toml", refused), name, stem, text
-    )
+    # from which the path of the fabric counts; no such file was given
+    file = out / "scene.toml"
+    try:
+        scene = scenes.check(change_keys(table, changes), file, refused)
+    except InputError as problem:
+        raise without_file(problem, file) from None
+    return _target(scene, name, stem, text)
 
 
 def unknown_target(name: str) -> InputError:
@@ -237,13 +241,13 @@ def resolve_target(
     if velocity is not None:
         beside = chosen | {"velocity": velocity}
     if isinstance(target, ImpactSetup):
-        _refuse(beside, "a set-up")
+        _refuse(beside, "a set-up", function)
         return Target(None, target, "", target.title, from_file=False)
     file = ""
     if isinstance(target, (str, os.PathLike)):
         file = str(target)
     if is_input_file(file):
-        _refuse(beside, "an input file")
+        _refuse(beside, "an input file", function)
         return read_target(file, Path.cwd(), refused)
     if (
         isinstance(target, str)
@@ -319,6 +323,7 @@ def resolve_fabric(fabric: Fabric | FilePath) -> Fabric:
     return with_linear_density(catalogue.load(fabric), "effective")
 
 
-def _refuse(options, beside):
-    for key in options:
+def _refuse(options, beside, function):
+    for key, value in options.items():
+        keywords.refuse_unknown(key, value, function)
         raise InputError(key=key, allowed=f"left out beside {beside}, which has it")

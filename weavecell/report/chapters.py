@@ -13,7 +13,7 @@ import numpy as np
 from fabrics.base.units import FACTORS
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.report import page, pictures
+from weavecell.report import page, pictures, pictures_surface
 from weavecell.report.derived import density_kind, derive_rows
 from weavecell.report.page import Card, Figure, Report, Section, Table
 from weavecell.scenes import words
@@ -21,6 +21,7 @@ from weavecell.scenes import words
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.scenes.impact import Scene
+    from weavecell.studies.energy_map import EnergyMap
 
 # [-] strains of the cell, to past the failure strain of the yarns
 STRAINS = np.linspace(0.0, 0.032, 97)
@@ -147,6 +148,25 @@ def cell(
         )
     title = "Biaxial response of the cell"
     return Section("cell", title, f"{lead}.", (figure,), points=tuple(points))
+
+
+def energy(found: EnergyMap, paths: Mapping[str, Any] | None = None, more: str = "") -> Figure:
+    """Draw the energy of a crossover over its two strains, with paths.
+
+    Parameters
+    ----------
+    found : of `weavecell.studies.energy_map`
+    paths : {label: (strain_warp, strain_weft)} (n,) [-]
+    more : sentences at the end of the caption
+    """
+    most, *strains = found.most
+    at = " / ".join(f"{100 * strain:.2f}" for strain in strains)
+    caption = (
+        "Energy that the fabric stores over the strains of warp and weft, over its area at rest; white where a yarn "
+        f"is past its strength. The most is {1e-3 * most:.3g} kJ/m² at strains of {at} %. {more}"
+    )
+    draw = pictures_surface.energy_map
+    return pictures.draw_figure("energy", caption.strip(), draw, found, paths, kind="png")
 
 
 def _with_tensions(paths):

@@ -7,7 +7,16 @@ from typing import Any
 import numpy as np
 
 from fabrics.surface import ResponseSurface
-from weavecell.report.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
+from weavecell.report.pictures_style import (
+    COLOURS,
+    DASHES,
+    FAINT,
+    INK,
+    ORANGE,
+    WARP,
+    WEFT,
+    tension_map,
+)
 
 UM = 1e6
 FORCES = (("T1", "warp tension"), ("T2", "weft tension"), ("F_c", "contact force"))
@@ -154,3 +163,65 @@ def draw_misses(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
     pair[0].set_ylabel("largest miss [% of the largest]")
     pair[0].legend(loc="upper right")
     return figure
+
+
+def energy_map(pyplot: Any, found: Any, paths: Any = None) -> Any:
+    """Draw the energy of a crossover over its two strains, white where a yarn is past its strength,
+    with paths.
+
+    Parameters
+    ----------
+    found : weavecell.studies.energy_map.EnergyMap
+    paths : {label: (strain_warp, strain_weft)} (n,) [-]; a third entry is the number of the state
+        that has the mark, else it is the last
+    """
+    from matplotlib.patheffects import Normal, Stroke
+    from matplotlib.ticker import MaxNLocator
+
+    x = 100 * found.strain_warp
+    y = 100 * found.strain_weft
+    energy = 1e-3 * found.energy.T
+    largest, *strains = found.most
+    figure, axes = pyplot.subplots(figsize=(7.4, 6.0))
+    levels = np.linspace(0, 1e-3 * largest, 41)
+    shades = axes.contourf(x, y, energy, levels, cmap=tension_map(), extend="max")
+    rounded = MaxNLocator(8).tick_values(0, 1e-3 * largest)[1:]
+    shown = np.where(found.share.max(axis=2).T < 1, energy, np.nan)
+    colours = ["w" if level > 0.4e-3 * largest else FAINT for level in rounded]
+    lines = axes.contour(x, y, shown, rounded, colors=colours, linewidths=0.9)
+    for family, (name, colour) in enumerate((("warp", WARP), ("weft", WEFT))):
+        share = found.share[..., family].T
+        axes.contourf(x, y, share, [1, np.inf], colors="w")
+        axes.contour(x, y, share, [1], colors=[colour], linewidths=2.2)
+        axes.plot([], [], color=colour, lw=2.2, label=f"{name} at its strength")
+    axes.clabel(lines, fontsize=9, fmt="%g", manual=_along_the_ray(found, rounded))
+    look = {"mec": "w", "ls": "none", "ms": 14, "color": ORANGE}
+    axes.plot(*(100 * s for s in strains), "*", label="most energy", **look)
+    outlined = [Stroke(linewidth=2, foreground="w"), Normal()]
+    for number, (label, (warp, weft, *marked)) in enumerate((paths or {}).items()):
+        look = {"color": INK, "ms": 2.6, "lw": 0.7, "path_effects": outlined, "zorder": 4}
+        axes.plot(100 * warp, 100 * weft, DASHES[number % len(DASHES)], marker="o", **look)
+        look = {"color": INK, "mec": "w", "ms": 9, "ls": "none", "zorder": 5}
+        at = marked or [-1]
+        axes.plot(100 * warp[at], 100 * weft[at], "os^D"[number % 4], label=label, **look)
+    axes.set(xlabel="strain along the warp [%]", ylabel="strain along the weft [%]")
+    whole = found.share.max(axis=2) < 1
+    reach = [axis[whole.any(axis=1 - n)][-1] for n, axis in enumerate((x, y))]
+    axes.set(xlim=(0, 1.06 * reach[0]), ylim=(0, 1.06 * reach[1]))
+    axes.grid(False)
+    bar = figure.colorbar(shades, ticks=MaxNLocator(8))
+    bar.set_label("energy over the area at rest [kJ/m²]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=3, fontsize=9.5)
+    return figure
+
+
+def _along_the_ray(found, levels):
+    """Places (strain of warp, of weft) [%] of labels of energies [kJ/m2]: on the straight way from
+    rest to the most energy, where no yarn has failed."""
+    _, *end = found.most
+    share = np.linspace(0, 1, 200)
+    steps = zip((found.strain_warp, found.strain_weft), end)
+    at = [np.array([int(np.argmin(np.abs(axis - s * to))) for s in share]) for axis, to in steps]
+    along = 1e-3 * found.energy[at[0], at[1]]
+    shares = [share[int(np.argmax(along >= level))] for level in levels if level < along[-1]]
+    return [tuple(100 * s * to for to in end) for s in shares]

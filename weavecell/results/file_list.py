@@ -98,15 +98,6 @@ class FileList:
         return wrong
 
 
-def is_result(path: Path) -> bool:
-    """Say whether a file is in the list of its folder, or of the one around it."""
-    for folder in (path.parent, path.parent.parent):
-        name = path.resolve().relative_to(folder.resolve()).as_posix()
-        if name in FileList.read(folder).digests:
-            return True
-    return False
-
-
 def append(folder: Path, name: str, file: Path) -> None:
     """Append the line of a file that is about to appear under its name."""
     path = folder / NAME

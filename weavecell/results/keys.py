@@ -19,7 +19,7 @@ from weavecell.results import display
 
 SUMMARY_FORMAT = "weavecell summary 2"
 # the unit that ends a name
-_UNIT = re.compile(r"_(m_s|ft_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
+_UNIT = re.compile(r"_(m_s|ft_s|J_m2|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
 
 
 class Key(NamedTuple):

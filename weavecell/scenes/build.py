@@ -144,6 +144,12 @@ def material(
     if table.weaving_damage is not None:
         fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
         fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
+        shares = {name: getattr(table.weaving_damage, name) for name in ("modulus", "strength")}
+        numbers = [
+            plausible.Number(f"{key}.weaving_damage.{name}", "weaving_damage", share)
+            for name, share in shares.items()
+        ]
+        fabric = plausible.noted(fabric, numbers, file=file)
     panel = getattr(scene, "panel", None)
     if panel is not None and panel.rate_dependence:
         try:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -20,7 +21,11 @@ from fabrics.base.schema import (
     string,
     whole,
 )
+from fabrics.plausible import Number
 from weavecell.scenes.fabric_table import FabricTable, exactly_one
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 _OF_STEPS = (
@@ -211,3 +216,28 @@ class CouponScene(Table):
     def test_table(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)
+
+
+def list_numbers(scene: CouponScene, fabric: Fabric) -> Iterator[Number]:
+    """List the numbers of a test that are compared with `fabrics.plausible`."""
+    table = scene.test_table
+    for name in ("length", "width"):
+        if hasattr(table, name):
+            yield Number(f"{scene.test}.{name}", "coupon_length", getattr(table, name))
+    match scene.test:
+        case "bias_extension":
+            ratio = table.elongation / table.length
+            yield Number("bias_extension.elongation", "elongation", ratio)
+        case "uniaxial":
+            yield Number("uniaxial.strain", "coupon_strain", table.strain)
+        case "biaxial":
+            yield Number("biaxial.strain", "coupon_strain", max(table.strain))
+        case "pull_out":
+            drawn = table.crossings / fabric.weave.weft_count
+            ratio = table.displacement / drawn
+            yield Number("pull_out.displacement", "pull_out_displacement", ratio)
+            yield Number("pull_out.crossover_friction", "friction", table.crossover_friction)
+            strength = fabric.weave.weft.strength
+            yield Number("pull_out.pre_tension", "yarn_force", table.pre_tension / strength)
+            ratio = table.crossover_cohesion / strength
+            yield Number("pull_out.crossover_cohesion", "cohesion", ratio)

@@ -129,9 +129,12 @@ def surface(path: FilePath, unit: str) -> Surface:
 
 @lru_cache(maxsize=4)
 def _surface(path, unit, digest):
-    mesh = _triangles(files.read_bytes(path))
-    if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
-        raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
+    content = files.read_bytes(path)
+    mesh = _triangles(content)
+    if not len(mesh.faces):
+        raise InputError(f"{_why_empty(content)}; must be an STL file, ASCII or binary", file=path)
+    if not np.all(np.isfinite(mesh.vertices)):
+        raise InputError("has corners that are no finite numbers", file=path)
     # an STL file lists the corners of each triangle anew, rounded
     mesh.merge_vertices(digits_vertex=_SAME - int(np.floor(np.log10(mesh.extents.max()))))
     corners = np.sort(mesh.faces, axis=1)
@@ -180,6 +183,21 @@ def _triangles(content):
     except Exception:
         # there are as many kinds of errors as kinds of broken files
         return trimesh.Trimesh()
+
+
+def _why_empty(content):
+    """Why no triangles are found in the bytes of a file, in words."""
+    if not content:
+        return "is empty"
+    text = content[:1000].lower()
+    if b"facet" in text and b"vertex" in text:
+        return "is cut or damaged: it begins as an ASCII STL file, whose triangles cannot be read"
+    stated = int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
+    there = (len(content) - _HEAD) // _FACET
+    # a text has letters where a binary file has its number of triangles
+    if 0 < there < stated < 1_000_000:
+        return f"is cut: it states {stated:,} triangles and has {there:,}"
+    return "holds no triangles"
 
 
 def _check_closed(mesh, path):
@@ -242,16 +260,33 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     except InputError:
         # the schema reports it
         return known
-    # a wrong unit shows itself as a density that no solid has
-    mean = mass / body.volume
-    (low, high) = DENSITIES
-    if not low <= mean <= high:
-        allowed = f"a unit in which the body has a mean density of {1e-3 * low:g} to {1e-3 * high:g} g/cm^3, not "
-        allowed += f"{1e-3 * mean:.3g}"
-        raise InputError(
-            file=file, key="projectile.stl_unit", value=given["stl_unit"], allowed=allowed
-        )
+    _check_density(given, mass, body, file)
     return known | {"mass": f"{mass!r} kg"}
+
+
+def _check_density(given, mass, body, file):
+    """Refuse a mean density that no solid has: a density that is wrong itself, else a mass, or a
+    unit in which the body has another volume."""
+    volume = body.volume
+    mean = mass / volume
+    (low, high) = DENSITIES
+    if low <= mean <= high:
+        return
+    dense = f"{1e-3 * low:g} to {1e-3 * high:g} g/cm^3"
+    if "density" in given:
+        key = "density"
+        allowed = f"from {dense}"
+    else:
+        key = "mass"
+        masses = f"{1e3 * low * volume:.3g} to {1e3 * high * volume:.3g} g"
+        allowed = f"from {masses}, of {dense} in the body's {1e9 * volume:.4g} mm^3"
+        # the same mass in a body of another unit
+        for unit in UNITS:
+            larger = UNITS[unit] / UNITS[given["stl_unit"]]
+            fits = WIDTHS[0] <= larger * body.width <= WIDTHS[1]
+            if fits and low <= mean / larger**3 <= high:
+                allowed += f"; or stl_unit {unit}"
+    raise InputError(file=file, key=f"projectile.{key}", value=given[key], allowed=allowed)
 
 
 def describe_stl(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import t as student
 
+from fabrics import plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_csv, read_number
@@ -62,7 +63,11 @@ def read(path: FilePath) -> DataFrame:
     if len(lines) < 2:
         raise InputError("has no shot", file=path, allowed="a heading and one row for each shot")
     units = _units(lines[0][1], path)
-    return DataFrame(_row(number, cells, units, path) for number, cells in lines[1:])
+    table = DataFrame(_row(number, cells, units, path) for number, cells in lines[1:])
+    slowest = plausible.Number(VELOCITY, "strike_velocity", float(table[VELOCITY].min()))
+    for note in plausible.judge([slowest], file=path):
+        LOG.info(f"note: {path}: {note}")
+    return table
 
 
 def _units(heading, path):

@@ -185,8 +185,11 @@ REFUSED += [
 ]
 REFUSED += [
     (lambda: wc.fabric("S-720", linear_density="o"), "linear_density = 'o': must be effective or"),
-    (lambda: wc.coupon("S-720", "shear"), "test = 'shear': must be one of bias_extension"),
-    (lambda: wc.coupon("S-726", "pull_out", length=1), "length = 1: must be one of "),
+    (lambda: wc.coupon("S-720", "shear"), "test = 'shear': unknown test; allowed: bias_extension"),
+    (
+        lambda: wc.coupon("S-726", "pull_out", length=1),
+        "length = 1: is not a keyword of a coupon's pull_out; ",
+    ),
     (
         lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1),
         "opening: must be left out beside a set",

@@ -3,11 +3,14 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import weavecell as wc
 from fabrics import backings, catalogue, projectiles
 from fabrics.base import door, executors
 from fabrics.base.errors import InputError, nearest_name
+from tests.scene_text import impact_scene
 from weavecell.scenes import fabric_file
 
 ROOT = Path(__file__).parents[3]
@@ -92,3 +95,52 @@ def test_a_name_with_another_number_is_no_suggestion():
     assert nearest_name("S728", catalogue.list_names()) == "S-728"
     assert nearest_name("gelatine 15 %", backings.list_names(), 0.6) is None
     assert nearest_name("gelatin 10 %", backings.list_names(), 0.6) == "gelatine 10 %"
+
+
+RUNS = {"projectile.strike_velocity": ["90 m/s"]}
+FAR = {"opening": "100 mm", "snapshot_interval": "0.001 ns"}
+TABLES = "must be a list of dicts with the keys of"
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: wc.impact("S-720", "155 m/s", plys=2), "did you mean plies?"),
+        (lambda: wc.impact("S-720", "155 m/s", plys=[{}]), "did you mean ply?"),
+        (
+            lambda: wc.impact("S-720", "155 m/s", ply=3),
+            rf"{TABLES} \[\[panel.ply\]\]; equal plies are plies=3",
+        ),
+        (
+            lambda: wc.impact("S-720", "155 m/s", numerics=3),
+            r"must be a dict with the keys of \[numerics\]",
+        ),
+        (lambda: wc.impact("S-720", "155"), "velocity = '155': has no unit"),
+        (lambda: wc.impact("S-720", 1550), "velocity = 1550: must be a speed"),
+        (lambda: wc.size_of("S-720", "155 m/s", **FAR), "^snapshot_interval: must be longer: "),
+        (
+            lambda: wc.sweep("S-720", over={"panel.plies": np.arange(2)} | RUNS, check=True),
+            "^panel.plies = 0: must be a whole number",
+        ),
+        (
+            lambda: wc.coupon("S-720", "picture_frame", shear="20 deg"),
+            "is not a keyword of a coupon's picture_frame, did you mean shear_angle?",
+        ),
+        (lambda: wc.coupon("S-720", "pictureframe"), 'did you mean "picture_frame"?'),
+    ],
+)
+def test_python_is_answered_in_its_words(call, words):
+    with pytest.raises(InputError, match=words.replace("?", r"\?")):
+        call()
+
+
+def test_a_keyword_that_is_none_is_no_key_of_the_input_file(tmp_path):
+    (tmp_path / "s.toml").write_text(impact_scene())
+    for target in (tmp_path / "s.toml", "S-720", wc.setup("S-720", 90.0, opening=0.02)):
+        with pytest.raises(InputError, match=r"bracket = .*is not a keyword of critical_velocity"):
+            wc.critical_velocity(target, bracket=("80 m/s", "120 m/s"))
+
+
+def test_numbers_of_numpy_are_values_of_a_sweep():
+    sizes = wc.sweep("S-720", over={"panel.plies": np.arange(1, 3)} | RUNS, check=True)
+    assert "2 x shot" in str(sizes)

@@ -1,8 +1,10 @@
 """What weavecell did not write, and what a run reads, is neither overwritten nor removed: each command, each file."""
 
+import re
 import shlex
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -11,9 +13,18 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
 from tests.weavecell.session_runs import RUNS, write_inputs
+from weavecell.cli import app
 from weavecell.results import file_list
 
+ROOT = Path(wc.__file__).parents[1]
+
 TESTS = "velocity [m/s], outcome\n80, PP\n120, CP\n"
+FLIGHT = "time [us], displacement [mm]\n" + "".join(
+    f"{time}, {0.15 * time - 2e-4 * time**2}\n" for time in range(0, 300, 5)
+)
+PLY = "force [N], displacement [mm]\n" + "".join(
+    f"{force}, {0.02 * force / (force + 40)}\n" for force in range(20, 1000, 20)
+)
 # command: (words, files that it leaves) of those that no session run has
 OTHERS = {
     "compare": ("compare tests.csv", "tests.json shots.csv tests.svg"),
@@ -23,6 +34,11 @@ OTHERS = {
     ),
     "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
     "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),
+    "reduce shot": ("reduce shot flight.csv --mass '3 g'", "shot.json motion.csv motion.svg"),
+    "reduce compression": (
+        "reduce compression ply.csv --platen-area '361 mm^2'",
+        "compression.json platen-curve.csv fabric-keys.toml compression.svg",
+    ),
     "radioss": ("export scene.toml --to radioss", "scene_0000.rad scene_0001.rad mapping.svg"),
 }
 # what stands in a folder of results, for the names of folders
@@ -55,6 +71,8 @@ def not_computed(monkeypatch):
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
         "weavecell.studies.compare.reduce",
+        "weavecell.studies.displacement_record.reduce",
+        "weavecell.studies.compression_records.laws_of",
         "weavecell.decks.model.build",
     ):
         monkeypatch.setattr(where, computed)
@@ -71,6 +89,8 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
     else:
         write_inputs("export")
     (tmp_path / "tests.csv").write_text(TESTS)
+    (tmp_path / "flight.csv").write_text(FLIGHT)
+    (tmp_path / "ply.csv").write_text(PLY)
     for number, file in enumerate(names):
         out = tmp_path / f"out-{number}"
         (out / file).parent.mkdir(parents=True)
@@ -193,15 +213,77 @@ def test_a_list_is_not_written_over_a_file(command, tmp_path, kind):
     assert (tmp_path / "mine.csv").read_text() == "mine"
 
 
-@pytest.mark.parametrize("option", ["--html r/report.html", "--screenshot r/pictures/a.png"])
-def test_a_view_is_not_written_over_a_result(command, tmp_path, option):
-    (tmp_path / "r/pictures").mkdir(parents=True)
-    for name in ("report.html", "pictures/a.png"):
-        (tmp_path / "r" / name).write_text("result")
-        file_list.append(tmp_path / "r", name, tmp_path / "r" / name)
-    code, _, err = command(f"view r {option}")
+@pytest.mark.parametrize(
+    "option", ["html r.html", "screenshot a.png", "movie a.gif", "movie a.mp4"]
+)
+@pytest.mark.parametrize("kind", ["file", "folder", "link"])
+def test_a_view_is_written_over_nothing(command, tmp_path, option, kind):
+    path = tmp_path / option.split()[1]
+    match kind:
+        case "file":
+            path.write_text("mine")
+        case "folder":
+            path.mkdir()
+        case "link":
+            path.symlink_to("nowhere")
+    code, _, err = command(f"view results --{option}")
+    assert (code, err) == (2, f"error: {path.name}: exists already\n")
+    assert [*tmp_path.iterdir()] == [path]
+    assert kind != "file" or path.read_text() == "mine"
+
+
+# commands whose files the tests above put there: of a session run, of `OTHERS`, or a single file
+SINGLE_FILES = {
+    "show": "show S-720 --out .",
+    "new": "new S-720.toml",
+    "fabrics new": "fabrics new S-720.toml --from tests.csv",
+    "view": "view results --html S-720.html",
+    "fabrics list": "fabrics list --out S-720.csv",
+    "projectiles list": "projectiles list --out S-720.csv",
+    "backings list": "backings list --out S-720.csv",
+}
+
+
+def test_the_walk_has_every_command():
+    """A new command, or a new option that writes, is added to one of the lists."""
+    words = [RUNS[name]["words"] for name in RUNS] + [line for line, _ in OTHERS.values()]
+    groups = {name.partition(" ")[0] for name in app.COMMANDS if " " in name}
+    walked = set(SINGLE_FILES)
+    for line in words:
+        first, second = [*line.split(), ""][:2]
+        walked.add(f"{first} {second}" if first in groups else first)
+    # all cases of the crossover are written by one function
+    missing = {name for name in app.COMMANDS if name not in walked}
+    assert {name for name in missing if not name.startswith("crossover ")} == set()
+
+
+@pytest.mark.parametrize("words", SINGLE_FILES.values())
+def test_a_single_file_is_written_over_nothing(command, tmp_path, words):
+    (tmp_path / "tests.csv").write_text(TESTS)
+    for ending in ("toml", "csv", "html"):
+        (tmp_path / f"S-720.{ending}").write_text("mine")
+    code, _, err = command(words)
     assert code == 2
-    assert "must be another file: this one is a result of a run" in err
+    assert err.endswith("exists already\n")
+    assert {(tmp_path / f"S-720.{end}").read_text() for end in ("toml", "csv", "html")} == {"mine"}
+
+
+def test_every_file_is_written_by_one_function():
+    """All go through `files.replace_whole`, whose watchers see them; no other call opens a file to write."""
+    found = []
+    for folder in ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell"):
+        for path in (ROOT / folder).rglob("*.py"):
+            for line in path.read_text().splitlines():
+                if re.search(r"\.write_(text|bytes)\(|\bopen\([^)]*[\"'][wax]b?\+?[\"']", line):
+                    found.append(f"{path.relative_to(ROOT)}: {line.strip()}")
+    outside = [line for line in found if "beside" not in line and ">>>" not in line]
+    # a list of files that is appended to, and scripts for gmsh in a folder of their own
+    assert sorted(line.partition(":")[0] for line in outside) == [
+        "meshing/files.py",
+        "meshing/generate.py",
+        "meshing/mesh_file.py",
+        "weavecell/results/file_list.py",
+    ]
 
 
 @pytest.mark.parametrize("name", RUNS)

@@ -98,7 +98,7 @@ def ascii_file(path, corners):
             "holds 2 separate bodies, of 140.6 and 1.125 mm^3",
         ),
         (lambda c: c[:0], "holds no triangles; must be an STL file, ASCII or binary"),
-        (lambda c: np.where(c == c.max(), np.nan, c), "holds no triangles"),
+        (lambda c: np.where(c == c.max(), np.nan, c), "has corners that are no finite numbers"),
     ],
 )
 def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):

@@ -4,17 +4,20 @@ mesh, assumptions."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics import backings
+from fabrics.base.checks import FloatArray
 from fabrics.base.door import option
-from weavecell.report import pictures, pictures_body, pictures_histories
+from weavecell.report import chapters, pictures, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
 from weavecell.results import display, keys
 from weavecell.results.display import text
+from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -117,6 +120,47 @@ def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
     if record.count > 1:
         tables.append(ply_table(record))
     return Section("impact", "Impact", "", figures, tuple(tables))
+
+
+def critical(record: ImpactRecord, setup: ImpactSetup) -> Section:
+    """Show how near the fabric came to its strength: the path of its most critical element over the
+    energy that a crossover can store (thesis Figure 5-54).
+
+    `setup` is what was run, with pinned crossovers: resolved yarns slip, and have no such map.
+    """
+    ply = int(np.argmax(record.ply_shares))
+    kind = setup.kind_of(ply)
+    # where yarns do not fail the cell reaches far beyond their strength
+    found = map_energy(replace(kind, yarn_failure=True).cell())
+    path = critical_path(record, ply)
+    family = int(np.argmax(record.peak_tension[ply] / record.strength[ply]))
+    times = record.time[: len(path[0])]
+    nearest = int(np.argmin(np.abs(times - record.peak_tension_time[ply, family])))
+    if setup.is_turned(ply):
+        path = path[::-1]
+    whose = "the most critical element"
+    if record.count > 1:
+        whose += f" of ply {ply + 1}"
+    more = (
+        f"Black: strains of {whose}, the one whose yarn is at each instant nearest to its strength; it need not be "
+        "the same one all the time, until a yarn has failed; the mark is the instant of the highest tension. A yarn "
+        "fails by a mean of its tension over the failure length, so that the path may run a little beyond the edge."
+    )
+    picture = chapters.energy(found, {whose: (*path, nearest)}, more)
+    title = "How near the fabric came to its strength"
+    return Section("critical", title, "", (picture,))
+
+
+def critical_path(record: ImpactRecord, ply: int) -> tuple[FloatArray, FloatArray]:
+    """Return the strains (warp, weft) (n,) [-] of the most critical element of a ply, the first is
+    0, from the strike until a yarn of it has failed."""
+    cut = record.plies["cut_yarns"][:, ply] > 0
+    end = len(cut)
+    if cut.any():
+        end = int(np.argmax(cut))
+    names = ("critical_strain_warp", "critical_strain_weft")
+    warp, weft = (record.plies[name][:end, ply] for name in names)
+    return warp, weft
 
 
 def results(record: ImpactRecord) -> Table:

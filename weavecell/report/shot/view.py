@@ -24,12 +24,12 @@ from fabrics.base import files
 from fabrics.base.checks import FloatArray
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
-from fabrics.base.files import replace_whole
+from fabrics.base.files import refuse_existing, replace_whole
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
-from weavecell.results import file_list, vtk
+from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
@@ -119,7 +119,7 @@ def show(
     Raises
     ------
     InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a
-        file is not named .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or
+        file is not named .png, .gif, .mp4 or .html or exists already, an MP4 is to be written without imageio, or
         there is no display for a window
     """
     # a wrong name is refused before anything is drawn
@@ -134,9 +134,8 @@ def show(
             raise InputError(
                 key=option(name, ""), value=str(written), allowed=f"a file named {names}"
             )
-        if written is not None and file_list.is_result(written):
-            allowed = "another file: this one is a result of a run"
-            raise InputError(key=option(name, ""), value=str(written), allowed=allowed)
+        if written is not None:
+            refuse_existing(written)
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
