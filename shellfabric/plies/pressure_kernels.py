@@ -93,10 +93,12 @@ from shellfabric.surface.surface_kernels import (
     vector_of,
 )
 from shellfabric.surface.vector_kernels import (
+    add,
     add_scaled,
     cross,
     difference,
     dot,
+    nodal,
     scaled,
     subtract,
 )
@@ -107,6 +109,8 @@ _LONGEST = 0.5  # [elements] a step of it
 _LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
 _BERTH = 1.1  # [thicknesses] from which on a point counts as clear: its closest point is followed to a few hundredths
 _FAR = 1e30
+_ASIDE = 1e-6  # [elements] from a side of a facet
+_WITHIN = 1.0 - 1e-9  # [elements] how far from its first corner the places of a torn facet go
 
 
 @unit()
@@ -187,10 +191,11 @@ def press_through_hole(contact, tile, other, p, q):
             nearest = reach
             a = 0.0
             b = 0.0
+            middle = middle_of(contact, g, s)
             for m in range(m0, m1):
                 for n in range(n0, n1):
                     k = contact.base[q] + m * S + n
-                    u = difference(contact.x, k, g)
+                    u = subtract(middle_of(contact, k, S), middle)
                     if dot(u, u) >= nearest or contact.dropped[k]:
                         continue
                     if (
@@ -204,6 +209,14 @@ def press_through_hole(contact, tile, other, p, q):
                 continue
             for m in range(points):
                 press_point(contact, p, q, i * points + m, j, a, b, other)
+
+
+@kernel(_nrt=False, forceinline=True)
+def middle_of(contact, g, s):
+    """Return the mean [m] of the corners of element g (grid of stride s)."""
+    x = contact.x
+    near = add(nodal(x, g), nodal(x, g + 1))
+    return scaled(0.25, add(near, add(nodal(x, g + s), nodal(x, g + s + 1))))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -399,17 +412,26 @@ def closest_point(contact, q, x, a, b, thickness):
 
 @kernel(_nrt=False, forceinline=True)
 def touches_next(contact, p, row, j, x):
-    """Tell whether a point of ply p, which is at x, is within the thickness of the next ply."""
+    """Tell whether a point of ply p, which is at x, is within the thickness of the next ply; one
+    whose closest place is on the rim of a hole is over the hole, on whichever side the hole is."""
     pressure = contact.pressure
     n = pressure.first_point[p] + row * contact.nj[p] + j
     a = pressure.closest_a[n]
     b = pressure.closest_b[n]
     torn = is_torn(contact, p + 1, a, b)
-    if torn and has_dropped(contact, p + 1, a, b):
+    if torn and (has_dropped(contact, p + 1, a, b) or is_on_rim(contact, p + 1, a, b)):
         return False
     y = vector_of(contact.x, foot_at(grid_in_pack(contact, p + 1), torn, a, b))
     w = subtract(x, y)
     return dot(w, w) < mean_thickness(contact, p, p + 1) ** 2
+
+
+@kernel(_nrt=False, forceinline=True)
+def is_on_rim(contact, q, a, b):
+    """Tell whether the place (a, b) of torn ply q is on a side that its facet shares with a hole."""
+    before = has_dropped(contact, q, a - _ASIDE, b) or has_dropped(contact, q, a, b - _ASIDE)
+    behind = has_dropped(contact, q, a + _ASIDE, b) or has_dropped(contact, q, a, b + _ASIDE)
+    return before or behind
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -422,10 +444,11 @@ def is_in_tile(contact, tile, a, b):
 @kernel(_nrt=False, forceinline=True)
 def bounds(contact, p, torn, facet):
     """Return where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b));
-    of torn fabric in a facet alone."""
+    of torn fabric in a facet alone, to which a place on its far side belongs as one on its near side
+    does."""
     i, j = facet
     if torn:
-        return (float(i), float(j)), (i + 1.0, j + 1.0)
+        return (float(i), float(j)), (i + _WITHIN, j + _WITHIN)
     low_a = 0.0
     if contact.mirror_x:
         low_a = -0.5

@@ -1,6 +1,7 @@
 """Contact of plies: the spline, forces against a slow plain twin, momentum, torn fabric, and that it has no memory."""
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 import pytest
@@ -8,9 +9,14 @@ from conftest_tools import Pressed, grid
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
+from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.slots import by_node
 from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact, at_angle
+from shellfabric.projectile.projectile import Projectile
 from shellfabric.surface import surface_kernels as surface
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
@@ -379,3 +385,20 @@ def test_plies_meet_through_a_hole(ply, hole):
         assert met == pytest.approx(
             area * float(three.pack.laws[0].pressure_at(0.2 * three.thickness)), rel=0.25
         )
+
+
+def test_a_pack_that_tears_stays_mirror_symmetric():
+    """Of the half of a panel, whose two quarters are alike; from the first hole on 5e-8 m in place of 2e-13."""
+    chisel = Projectile(
+        mass=1.1e-3, radius=2.73e-3, shape="chisel", flat_width=2.57e-3, flat_angle=radians(35), edge_radius=0.3e-3
+    )  # fmt: skip
+    setup = ImpactSetup(
+        catalogue.load("S-728"), 350.0, projectile=chisel, opening=0.08, plies=8, symmetry="half"
+    )
+    solver = PackSolver(setup.target(setup.table(kept=True)), 350.0, 16e-6).run()
+    assert solver.held_apart > 0
+    assert sum(int(state.failures) for state in solver.states) > 40
+    for _, const, state in solver.plies:
+        for part, sign in zip(state.u, (1, -1, 1)):
+            u = by_node(part, const)
+            assert np.abs(u - sign * u[:, ::-1]).max() < 1e-9
